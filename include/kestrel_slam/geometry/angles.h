@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cmath>
+
+namespace kestrel_slam {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Wraps an angle in radians to (-pi, pi].
+inline double normalizeAngle(double angle) {
+  const double wrapped = std::remainder(angle, 2.0 * kPi);  // in [-pi, pi]
+  return wrapped <= -kPi ? kPi : wrapped;
+}
+
+inline constexpr double degToRad(double deg) { return deg * kPi / 180.0; }
+inline constexpr double radToDeg(double rad) { return rad * 180.0 / kPi; }
+
+}  // namespace kestrel_slam

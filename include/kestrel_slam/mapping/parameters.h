@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "kestrel_slam/mapping/mapper_config.h"
+#include "kestrel_slam/sensor/level_projector.h"
+
+namespace kestrel_slam {
+
+/// Everything that a user can set, whether offline or live.
+struct SlamConfig {
+  BeamFilterConfig beams;
+  MapperConfig mapper;
+};
+
+/// One named parameter, bound to its place in a SlamConfig. Names follow hector_mapping where it
+/// has the parameter.
+struct Parameter {
+  std::string name;
+  std::string unit;  ///< "" where it has none
+  std::string description;
+  std::variant<double*, int*, bool*, std::string*> value;
+  double min = 0.0;  ///< inclusive limits of numbers
+  double max = 0.0;
+  std::vector<std::string> choices;  ///< allowed values of a text
+};
+
+/// The table of all parameters, bound to `config`, which must outlive it.
+std::vector<Parameter> parametersOf(SlamConfig& config);
+
+/// The value of a parameter as text ("0.05", "true", "hybrid").
+std::string valueText(const Parameter& parameter);
+
+/// Sets one parameter from text. Throws std::invalid_argument that names the parameter, the value
+/// and what is allowed; for an unknown name, the nearest valid one.
+void setParameter(SlamConfig& config, const std::string& name, const std::string& text);
+
+/// The valid name nearest to `name` by edit distance.
+std::string nearestParameterName(const std::string& name);
+
+/// Relations between parameters that a single range cannot express (clamps in order, minimum range
+/// below the maximum). Throws std::invalid_argument that names them.
+void validate(const SlamConfig& config);
+
+}  // namespace kestrel_slam

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "kestrel_slam/geometry/pose2.h"
+
+namespace kestrel_slam {
+
+/// What every matcher returns.
+struct MatchResult {
+  Pose2 pose;                                                ///< map_T_base
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, theta), m² and rad²
+  double score = 0.0;  ///< fit of the beams that end in known space, 0 (none) to 1 (all on walls)
+  double known = 0.0;  ///< share of the beams that end in known space, 0 to 1
+  int iterations = 0;
+  bool converged = false;
+  bool degenerate = false;  ///< the scan does not constrain the direction below
+  Eigen::Vector2d degenerate_direction = Eigen::Vector2d::Zero();  ///< unit vector in map, or zero
+};
+
+}  // namespace kestrel_slam

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace kestrel_slam {
+
+/// A raw sweep of a 2D laser, with the fields and units of sensor_msgs/LaserScan (rad, m, s).
+/// Ranges follow REP-117: NaN invalid, +inf nothing within range, -inf too close.
+struct LaserScan {
+  double stamp = 0.0;  ///< time of the first beam as recorded, s
+  double angle_min = 0.0;
+  double angle_increment = 0.0;
+  double time_increment = 0.0;
+  double range_min = 0.0;
+  double range_max = 0.0;
+  std::vector<float> ranges;
+};
+
+}  // namespace kestrel_slam

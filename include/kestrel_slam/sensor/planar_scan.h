@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace kestrel_slam {
+
+/// One beam in the gravity-aligned frame of the vehicle (x forward, y left, m), at the scan's
+/// reference time.
+struct PlanarRay {
+  Eigen::Vector2f origin;  ///< where the laser was when it measured this beam
+  Eigen::Vector2f end;     ///< the return, or how far the beam certainly met nothing
+  bool hit;                ///< true: something was hit at `end`; false: the beam only clears
+};
+
+/// The one type between projector and mapper: hits and clears of one sweep.
+struct PlanarScan {
+  double stamp = 0.0;  ///< as recorded, s; the scan's name, need not be monotone
+  double time = 0.0;   ///< reference time on a monotone time base, s
+  std::vector<PlanarRay> rays;
+
+  std::size_t hitCount() const {
+    std::size_t n = 0;
+    for (const PlanarRay& ray : rays) n += ray.hit ? 1U : 0U;
+    return n;
+  }
+};
+
+}  // namespace kestrel_slam
