@@ -33,12 +33,19 @@ std::vector<Parameter> parametersOf(SlamConfig& config);
 /// The value of a parameter as text ("0.05", "true", "hybrid").
 std::string valueText(const Parameter& parameter);
 
+/// Sets the place of one parameter from text. Throws std::invalid_argument that names the
+/// parameter, the value and what is allowed. A text without choices may be anything.
+void setValue(const Parameter& parameter, const std::string& text);
+
 /// Sets one parameter from text. Throws std::invalid_argument that names the parameter, the value
 /// and what is allowed; for an unknown name, the nearest valid one.
 void setParameter(SlamConfig& config, const std::string& name, const std::string& text);
 
 /// The valid name nearest to `name` by edit distance.
 std::string nearestParameterName(const std::string& name);
+
+/// The one of `names`, which has at least one, that is nearest to `name` by edit distance.
+std::string nearestName(const std::string& name, const std::vector<std::string>& names);
 
 /// Relations between parameters that a single range cannot express (clamps in order, minimum range
 /// below the maximum). Throws std::invalid_argument that names them.

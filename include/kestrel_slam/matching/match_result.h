@@ -1,10 +1,19 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 
 #include "kestrel_slam/geometry/pose2.h"
 
 namespace kestrel_slam {
+
+/// The estimate of one resolution, coarse to fine: what the evaluation function compares.
+struct StageEstimate {
+  Pose2 pose;
+  double score = 0.0;
+};
+
+constexpr std::size_t kMatchStages = 3;
 
 /// What every matcher returns.
 struct MatchResult {
@@ -14,8 +23,10 @@ struct MatchResult {
   double known = 0.0;  ///< share of the beams that end in known space, 0 to 1
   int iterations = 0;
   bool converged = false;
+  bool searched = false;    ///< the exhaustive search ran
   bool degenerate = false;  ///< the scan does not constrain the direction below
   Eigen::Vector2d degenerate_direction = Eigen::Vector2d::Zero();  ///< unit vector in map, or zero
+  std::array<StageEstimate, kMatchStages> stages;  ///< coarse to fine
 };
 
 }  // namespace kestrel_slam

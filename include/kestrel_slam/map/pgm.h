@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace kestrel_slam {
+
+/// A grey image, row-major from the upper left corner, 0 black to 255 white.
+struct GrayImage {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> pixels;
+};
+
+/// The bytes of a binary PGM (P5) with one comment line.
+std::string encodePgm(const GrayImage& image, const std::string& comment);
+
+/// Reads a PGM, binary (P5) or text (P2), with comments and any maximum value up to 65535, which is
+/// scaled to 255. Throws std::runtime_error that says what is wrong, without the file's name.
+GrayImage decodePgm(const std::string& bytes);
+
+}  // namespace kestrel_slam

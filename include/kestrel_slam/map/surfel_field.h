@@ -1,0 +1,104 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "kestrel_slam/map/occupancy_grid.h"
+#include "kestrel_slam/map/tile_map.h"
+
+namespace kestrel_slam {
+
+/// The surface inside one occupied cell: where its hits lie and which way the wall runs.
+struct Surfel {
+  Eigen::Vector2f mean;        ///< mean of the end points in the cell, m
+  float a11, a12, a22;         ///< information shape A: distance² = e' A e for e = point - mean
+  Cell cell;
+  float count = 0.0F;          ///< hits in the mean, capped so that the mean can follow changes
+  /// Direction of the wall as the scans saw it, summed as (cos, sin) of twice its angle, so that
+  /// opposite directions agree; zero where no scan saw neighbouring points of a wall.
+  Eigen::Vector2f tangent2 = Eigen::Vector2f::Zero();
+};
+
+/// Smooth matching surface derived from an OccupancyGrid: which surfel is nearest to any cell.
+///
+/// There is a surfel exactly in the occupied cells of the grid, which stays the one source of
+/// truth. A point finds its surfel by one look-up, up to kReachCells away from it; the distance to
+/// the wall through it has sub-cell accuracy and an exact gradient.
+class SurfelField {
+ public:
+  /// How far from a surfel cells still know it: 0.5 m at 5 cm.
+  static constexpr int kReachCells = 10;
+  /// What of a distance along a wall counts: keeps points from sliding past its end.
+  static constexpr float kAlongWeight = 0.05F;
+
+  SurfelField(float resolution_m, std::size_t limit_bytes);
+
+  /// Follows the changes of the last insertion into `grid`.
+  void update(const OccupancyGrid& grid, const OccupancyGrid::Changes& changes);
+
+  /// The surfel nearest to the cell of `point`, or nullptr where none is within reach.
+  const Surfel* nearest(const Eigen::Vector2f& point) const {
+    const Cell cell{floorToInt(point.x() * inverse_resolution_),
+                    floorToInt(point.y() * inverse_resolution_)};
+    const Tile* tile = tiles_.find(cell);
+    if (tile == nullptr) return nullptr;
+    const std::uint32_t id = tile->nearest[offsetInTile(cell)];
+    return id == kNone ? nullptr : &surfels_[id];
+  }
+
+  void clear();
+  float resolution() const { return resolution_; }
+  std::size_t size() const { return surfels_.size() - free_.size(); }
+  std::size_t memoryBytes() const {
+    return tiles_.memoryBytes() + surfels_.capacity() * sizeof(Surfel);
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  static constexpr std::uint16_t kFar = 0xFFFFU;
+  static constexpr float kDistanceSteps = 512.0F;  ///< of a squared distance, per cell²
+  static_assert((kReachCells + 1) * (kReachCells + 1) * 512 < kFar, "squared distances fit");
+  struct Tile {
+    Tile() {
+      nearest.fill(kNone);
+      distance2.fill(kFar);
+    }
+    std::array<std::uint32_t, kTileCells> nearest;
+    /// From the cell's centre to its mean, in steps; 0 where the cell has a surfel itself.
+    std::array<std::uint16_t, kTileCells> distance2;
+    std::array<std::uint32_t, kTileSide> own{};      ///< one bit a cell: has a surfel itself
+  };
+
+  std::uint32_t idAt(const Cell& cell) const;
+  void setOwn(const Cell& cell, bool own);
+  void addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Vector2f& tangent2);
+  void spread(std::uint32_t id);
+  void remove(const Cell& cell);
+  void orphan(std::uint32_t id);
+  void adopt(const Cell& orphan);
+  /// The mean of a surfel in cells, relative to its cell's lower left corner.
+  Eigen::Vector2f meanInCell(const Surfel& surfel) const {
+    return {surfel.mean.x() * inverse_resolution_ - static_cast<float>(surfel.cell.x),
+            surfel.mean.y() * inverse_resolution_ - static_cast<float>(surfel.cell.y)};
+  }
+  void updateShape(std::uint32_t id);
+  template <typename Visit>
+  void forEachOwn(const Cell& center, int radius, Visit visit) const;
+
+  float resolution_;
+  float inverse_resolution_;
+  TileMap<Tile> tiles_;
+  std::vector<Surfel> surfels_;
+  std::vector<std::uint32_t> free_;      ///< places in surfels_ that can be used again
+  std::vector<std::uint32_t> changed_;   ///< surfels hit by the scan being inserted
+  std::vector<Cell> orphans_;            ///< of a removal: cells whose nearest surfel it was,
+  struct Adopter {
+    Eigen::Vector2f mean;  ///< in cells
+    std::uint32_t id;
+  };
+  std::vector<Adopter> adopters_;  ///< and the surfels that can take its place
+};
+
+}  // namespace kestrel_slam

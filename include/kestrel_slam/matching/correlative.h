@@ -1,0 +1,79 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/map/surfel_field.h"
+#include "kestrel_slam/matching/gauss_newton.h"
+
+namespace kestrel_slam {
+
+/// What to search, around a centre.
+struct SearchWindow {
+  double linear_m = 0.6;    ///< ± in x and y
+  double angular_rad = 0.5; ///< ±
+};
+
+/// Parameters of the exhaustive search.
+struct CorrelativeConfig {
+  double sigma_m = 0.1;             ///< of the likelihood of a distance to a wall
+  double min_angular_step_rad = 0.0044;
+  double linear_preference = 0.05;  ///< what a metre of motion costs, in units of the score
+  double angular_preference = 0.02; ///< what a radian costs
+};
+
+/// The best pose of a window.
+struct SearchResult {
+  Pose2 pose;              ///< the cell and angular step of the maximum
+  Pose2 mean;              ///< mean of the likelihood surface around it: finer than a cell
+  double score = 0.0;      ///< mean likelihood of the points, 0 to 1
+  double preferred = 0.0;  ///< the score less the cost of the motion: what was maximised
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of the likelihood surface around it
+};
+
+/// The likelihood of every cell around a place, and the maxima over windows of 2^k × 2^k cells.
+class LikelihoodPyramid {
+ public:
+  /// Rasterises `surface` in the square of `radius_m` around `center`.
+  LikelihoodPyramid(const SurfelField& surface, const Eigen::Vector2f& center, float radius_m,
+                    float sigma_m, int levels);
+
+  /// Maximum over [x, x + 2^level) × [y, y + 2^level), 0 to 255; 0 outside.
+  int at(int level, int x, int y) const {
+    if (static_cast<unsigned>(x) >= static_cast<unsigned>(side_) ||
+        static_cast<unsigned>(y) >= static_cast<unsigned>(side_)) {
+      return 0;
+    }
+    return levels_[static_cast<std::size_t>(level)][index(x, y)];
+  }
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(side_) +
+           static_cast<std::size_t>(x);
+  }
+  const std::uint8_t* level(int k) const { return levels_[static_cast<std::size_t>(k)].data(); }
+  int side() const { return side_; }
+  int levels() const { return static_cast<int>(levels_.size()); }
+  Cell corner() const { return corner_; }
+
+ private:
+  void rasterise(const SurfelField& surface, float sigma_m);
+
+  int side_;
+  Cell corner_;
+  std::vector<std::vector<std::uint8_t>> levels_;
+};
+
+/// Exhaustive search of a window in steps of one cell and one angular step, exact: branch and bound
+/// on the pyramid of maxima (paper 000 eq. 3; E. Olson, "Real-time correlative scan matching",
+/// ICRA 2009).
+SearchResult searchWindow(const SurfelField& surface, const Points& points, const Pose2& center,
+                          const SearchWindow& window, const CorrelativeConfig& config);
+
+/// The same maximum without bounds, for tests.
+SearchResult searchWindowBruteForce(const SurfelField& surface, const Points& points,
+                                    const Pose2& center, const SearchWindow& window,
+                                    const CorrelativeConfig& config);
+
+}  // namespace kestrel_slam

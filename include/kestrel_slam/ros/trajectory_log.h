@@ -1,0 +1,44 @@
+#pragma once
+
+#include <nav_msgs/Path.h>
+#include <ros/time.h>
+
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/geometry/pose2.h"
+
+namespace kestrel_slam {
+
+/// Where the vehicle was, thinned, and of bounded size. Every method may be called from any thread.
+class TrajectoryLog {
+ public:
+  /// Remembers the pose where the vehicle moved or turned enough since the last one.
+  void add(const ros::Time& stamp, const Pose2& map_T_base);
+  void clear();
+
+  /// Changes with every pose that is remembered, and with clear().
+  std::uint64_t version() const;
+
+  nav_msgs::Path path(const std::string& frame) const;
+
+  static constexpr double kMinDistance = 0.05;     ///< m
+  static constexpr double kMinAngle = 0.1;         ///< rad
+  static constexpr std::size_t kMaxPoses = 20000;  ///< then every other pose is forgotten
+
+ private:
+  struct Entry {
+    ros::Time stamp;
+    Pose2 pose;
+  };
+
+  void halve();
+
+  mutable std::mutex mutex_;
+  std::vector<Entry> entries_;
+  std::uint64_t version_ = 0;
+};
+
+}  // namespace kestrel_slam

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "kestrel_slam/mapping/parameters.h"
+
+namespace kestrel_slam {
+
+/// Sets the parameters of a flat YAML file (`name: value`), which may leave out any. Throws
+/// std::runtime_error that names the file, the line, the parameter and what is allowed.
+void loadParameters(const std::string& path, SlamConfig& config);
+
+/// All parameters with their defaults as a commented YAML file: unit, range, meaning.
+std::string defaultParametersYaml();
+
+}  // namespace kestrel_slam

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/sensor/laser_scan.h"
+
+namespace kestrel_slam {
+
+/// One scan of a recording with everything the mapper may use of it.
+struct RecordedScan {
+  LaserScan scan;     ///< `scan.stamp` is the stamp as recorded, the scan's name
+  double time = 0.0;  ///< the same instant on a repaired, strictly monotone time base, s
+  Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
+  std::optional<Pose2> odom_T_base;  ///< odometry at the scan's time, where the recording has it
+};
+
+/// How to read a recording.
+struct RecordingOptions {
+  std::string scan_topic;  ///< bags: empty means the only (or the busiest) LaserScan topic
+  std::string odom_topic;  ///< bags: empty means the only Odometry topic, or tf odom -> base
+  std::string base_frame;  ///< bags: empty means base_link, or what tf says lies above the laser
+};
+
+/// A rosbag or CARMEN log, read scan by scan in the order of the file.
+class Recording {
+ public:
+  virtual ~Recording() = default;
+
+  /// Reads the next scan; false at the end. Messages that cannot be used (a broken line, a scan
+  /// whose transform is missing) are skipped and counted in `skipped()`, never lost silently.
+  virtual bool next(RecordedScan& scan) = 0;
+
+  virtual std::size_t scanCount() const = 0;    ///< scans in the file
+  virtual std::string description() const = 0;  ///< one line: format, topics, frames
+  virtual bool hasOdometry() const = 0;
+
+  /// Skipped messages by reason, for example {"broken line", 1}.
+  const std::map<std::string, std::size_t>& skipped() const { return skipped_; }
+  /// Sentences for the user: each problem once, with the first place where it occurred.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ protected:
+  std::map<std::string, std::size_t> skipped_;
+  std::vector<std::string> warnings_;
+};
+
+/// Opens `path` by its content: a rosbag ("#ROSBAG"), or a CARMEN log, plain, .bz2 or .gz. Throws
+/// std::runtime_error with one line that says what is wrong with which file and what to do: it does
+/// not exist, is a folder, is neither, has no laser (lists the topics it has).
+std::unique_ptr<Recording> openRecording(const std::string& path,
+                                         const RecordingOptions& options = RecordingOptions());
+
+/// Repairs a time base: stamps in the order of the file in, strictly monotone times out.
+///
+/// Good stamps are returned unchanged. After a stamp that jumps back a little (it is late), stamps
+/// are distrusted for a while: time goes on evenly and follows them slowly. A stamp that jumps far
+/// back or an hour ahead goes on by a typical step; where the next one confirms the jump (a bag
+/// that loops, a clock that was set), all times from there on are shifted so that no gap is left.
+/// Deterministic, one stamp at a time.
+class MonotoneTime {
+ public:
+  /// The repaired time of the next stamp, s.
+  double repair(double stamp);
+  /// Stamps so far that were not taken over as they are.
+  std::size_t repaired() const { return repaired_; }
+
+ private:
+  bool continues(double time) const;
+  double follow(double time, bool late);
+  double jump(double stamp);
+  double advance(double step);
+  void learnStep(double step);
+
+  bool started_ = false;
+  double last_time_ = 0.0;
+  double last_stamped_time_ = 0.0;        ///< what the last good stamp alone would give, s
+  double offset_ = 0.0;                   ///< time minus stamp, s
+  std::optional<double> pending_offset_;  ///< of a jump that the next stamp may confirm
+  double typical_step_ = 0.1;
+  int distrusted_ = 0;  ///< scans for which stamps are still only followed slowly
+  std::size_t repaired_ = 0;
+};
+
+}  // namespace kestrel_slam

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace kestrel_slam {
+
+/// The version of the package, as in package.xml (a test compares them).
+constexpr const char* kVersion = "0.1.0";
+
+}  // namespace kestrel_slam

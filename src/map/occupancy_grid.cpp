@@ -1,0 +1,273 @@
+#include "kestrel_slam/map/occupancy_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kestrel_slam {
+namespace {
+
+/// Log odds are stored in steps of 1/1000: fine enough for any update, and ±32 in range.
+constexpr double kLogOddsScale = 1000.0;
+constexpr double kBytesPerMegabyte = 1e6;
+/// Cells beyond this are no map but broken poses; at 5 cm it is 26 000 km.
+constexpr float kMaxCellCoordinate = 5e8F;
+
+std::int16_t logOddsOf(double probability) {
+  return static_cast<std::int16_t>(
+      std::lround(kLogOddsScale * std::log(probability / (1.0 - probability))));
+}
+
+double probabilityOf(std::int16_t log_odds) {
+  return 1.0 / (1.0 + std::exp(-static_cast<double>(log_odds) / kLogOddsScale));
+}
+
+/// For every byte the eight 16-bit masks of its bits: turns a row of bits into lanes that the
+/// compiler can add eight at a time.
+using Lanes = std::array<std::int16_t, 8>;
+const std::array<Lanes, 256>& laneMasks() {
+  static const std::array<Lanes, 256> masks = [] {
+    std::array<Lanes, 256> table{};
+    for (unsigned byte = 0; byte < table.size(); ++byte) {
+      for (unsigned bit = 0; bit < 8; ++bit) {
+        table[byte][bit] = static_cast<std::int16_t>((byte >> bit & 1U) != 0U ? -1 : 0);
+      }
+    }
+    return table;
+  }();
+  return masks;
+}
+
+/// Lanes of the bit of a cell within its row.
+std::uint32_t bitOf(const Cell& cell) {
+  return 1U << (static_cast<unsigned>(cell.x) & (kTileSide - 1U));
+}
+std::size_t rowOf(const Cell& cell) {
+  return static_cast<unsigned>(cell.y) & (kTileSide - 1U);
+}
+
+/// One level up: the maximum of each 2 × 2 block of a square of `side` cells.
+void poolMaximum(const std::int16_t* fine, int side, std::int16_t* coarse) {
+  for (int row = 0; row < side / 2; ++row) {
+    const std::int16_t* a = fine + 2 * row * side;
+    const std::int16_t* b = a + side;
+    for (int column = 0; column < side / 2; ++column) {
+      coarse[row * side / 2 + column] = std::max(std::max(a[2 * column], a[2 * column + 1]),
+                                                 std::max(b[2 * column], b[2 * column + 1]));
+    }
+  }
+}
+
+}  // namespace
+
+OccupancyGrid::OccupancyGrid(const OccupancyGridConfig& config)
+    : resolution_m_(config.resolution_m),
+      resolution_(static_cast<float>(config.resolution_m)),
+      inverse_resolution_(1.0F / resolution_),
+      hit_(logOddsOf(config.hit_probability)),
+      miss_(logOddsOf(config.miss_probability)),
+      min_(logOddsOf(config.min_probability)),
+      max_(logOddsOf(config.max_probability)),
+      tiles_(static_cast<std::size_t>(config.memory_limit_mb * kBytesPerMegabyte)) {}
+
+void OccupancyGrid::clear() {
+  tiles_.clear();
+  touched_.clear();
+}
+
+const OccupancyGrid::Changes& OccupancyGrid::insert(const PlanarScan& scan,
+                                                    const Pose2& map_T_base) {
+  changes_.hits.clear();
+  changes_.became_free.clear();
+  changes_.full = false;
+  markHits(scan, map_T_base);
+  markMisses(scan, map_T_base);
+  for (Tile* tile : touched_) apply(*tile);
+  touched_.clear();
+  return changes_;
+}
+
+OccupancyGrid::Tile* OccupancyGrid::touch(const Cell& cell) {
+  Tile* tile = tiles_.obtain(cell);
+  if (tile == nullptr) {
+    changes_.full = true;
+    return nullptr;
+  }
+  if (!tile->touched) {
+    tile->touched = true;
+    tile->corner = {cell.x & ~(kTileSide - 1), cell.y & ~(kTileSide - 1)};
+    touched_.push_back(tile);
+  }
+  return tile;
+}
+
+void OccupancyGrid::markHits(const PlanarScan& scan, const Pose2& map_T_base) {
+  const float c = static_cast<float>(std::cos(map_T_base.theta));
+  const float s = static_cast<float>(std::sin(map_T_base.theta));
+  const auto x = static_cast<float>(map_T_base.x), y = static_cast<float>(map_T_base.y);
+  for (const PlanarRay& ray : scan.rays) {
+    if (!ray.hit) continue;
+    const Eigen::Vector2f point(x + c * ray.end.x() - s * ray.end.y(),
+                                y + s * ray.end.x() + c * ray.end.y());
+    if (!(point.cwiseAbs().maxCoeff() * inverse_resolution_ < kMaxCellCoordinate)) continue;
+    const Cell cell = cellAt(point);
+    Tile* tile = touch(cell);
+    if (tile == nullptr) continue;
+    tile->hit[rowOf(cell)] |= bitOf(cell);
+    changes_.hits.push_back({cell, point});
+  }
+}
+
+void OccupancyGrid::markMisses(const PlanarScan& scan, const Pose2& map_T_base) {
+  const float c = static_cast<float>(std::cos(map_T_base.theta));
+  const float s = static_cast<float>(std::sin(map_T_base.theta));
+  const Eigen::Vector2f t = map_T_base.translation().cast<float>();
+  const auto toMap = [&](const Eigen::Vector2f& p) {
+    return Eigen::Vector2f(t.x() + c * p.x() - s * p.y(), t.y() + s * p.x() + c * p.y());
+  };
+  for (const PlanarRay& ray : scan.rays) traceRay(toMap(ray.origin), toMap(ray.end));
+}
+
+void OccupancyGrid::traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2f& end) {
+  const Eigen::Vector2f from = origin * inverse_resolution_, to = end * inverse_resolution_;
+  if (!(from.cwiseAbs().maxCoeff() < kMaxCellCoordinate) ||
+      !(to.cwiseAbs().maxCoeff() < kMaxCellCoordinate)) {
+    return;
+  }
+  // One cell a step along the longer axis, in 32.32 fixed point. The last cell is not passed.
+  constexpr double kOne = 4294967296.0;
+  const Eigen::Vector2d difference = (to - from).cast<double>();
+  const int steps = static_cast<int>(difference.cwiseAbs().maxCoeff());
+  if (steps == 0) return;
+  const double scale = kOne / difference.cwiseAbs().maxCoeff();
+  const auto step_x = static_cast<std::int64_t>(difference.x() * scale);
+  const auto step_y = static_cast<std::int64_t>(difference.y() * scale);
+  auto x = static_cast<std::int64_t>(static_cast<double>(from.x()) * kOne);
+  auto y = static_cast<std::int64_t>(static_cast<double>(from.y()) * kOne);
+  Tile* tile = nullptr;
+  int tile_x = std::numeric_limits<int>::max(), tile_y = 0;
+  for (int i = 0; i < steps; ++i, x += step_x, y += step_y) {
+    const Cell cell{static_cast<int>(x >> 32), static_cast<int>(y >> 32)};
+    if ((cell.x >> kTileShift) != tile_x || (cell.y >> kTileShift) != tile_y) {
+      tile_x = cell.x >> kTileShift;
+      tile_y = cell.y >> kTileShift;
+      tile = touch(cell);
+    }
+    if (tile != nullptr) tile->missed[rowOf(cell)] |= bitOf(cell);
+  }
+}
+
+void OccupancyGrid::apply(Tile& tile) {
+  applyMisses(tile);
+  for (std::size_t row = 0; row < kTileSide; ++row) {
+    for (Row bits = tile.hit[row]; bits != 0U; bits &= bits - 1U) {
+      const auto column = static_cast<std::size_t>(__builtin_ctz(bits));
+      std::int16_t& value = tile.log_odds[row * kTileSide + column];
+      const int sum = std::min<int>(value + hit_, max_);
+      value = static_cast<std::int16_t>(sum == 0 ? -1 : sum);
+      if (value > 0) tile.occupied[row] |= 1U << column;
+    }
+  }
+  tile.hit.fill(0U);
+  tile.missed.fill(0U);
+  tile.touched = false;
+  pool(tile);
+}
+
+void OccupancyGrid::applyMisses(Tile& tile) {
+  const std::array<Lanes, 256>& masks = laneMasks();
+  for (std::size_t row = 0; row < kTileSide; ++row) {
+    const Row missed = tile.missed[row] & ~tile.hit[row];
+    if (missed == 0U) continue;
+    std::int16_t* values = tile.log_odds.data() + row * kTileSide;
+    for (std::size_t byte = 0; byte < sizeof(Row); ++byte, values += 8) {
+      const Lanes& mask = masks[missed >> (8U * byte) & 0xFFU];
+      for (std::size_t lane = 0; lane < 8; ++lane) {
+        auto value = static_cast<std::int16_t>(values[lane] + (mask[lane] & miss_));
+        value = std::max(value, min_);
+        // A sum of exactly 0 would mean unknown: all bits set is -1, the least evidence for free.
+        const auto zero = static_cast<std::int16_t>(value == 0 ? -1 : 0);
+        values[lane] = static_cast<std::int16_t>(value | (zero & mask[lane]));
+      }
+    }
+    for (Row bits = missed & tile.occupied[row]; bits != 0U; bits &= bits - 1U) {
+      const int column = __builtin_ctz(bits);
+      if (tile.log_odds[row * kTileSide + static_cast<std::size_t>(column)] > 0) continue;
+      tile.occupied[row] &= ~(1U << column);
+      changes_.became_free.push_back(
+          {tile.corner.x + column, tile.corner.y + static_cast<int>(row)});
+    }
+  }
+}
+
+void OccupancyGrid::pool(Tile& tile) {
+  poolMaximum(tile.log_odds.data(), kTileSide, tile.level1.data());
+  poolMaximum(tile.level1.data(), kTileSide / 2, tile.level2.data());
+}
+
+double OccupancyGrid::probability(const Cell& cell) const { return levelProbability(0, cell); }
+
+double OccupancyGrid::levelProbability(int level, const Cell& cell) const {
+  return probabilityOf(levelLogOdds(level, cell));
+}
+
+std::int16_t OccupancyGrid::levelLogOdds(int level, const Cell& cell) const {
+  const Tile* tile = tiles_.find({cell.x * (1 << level), cell.y * (1 << level)});
+  if (tile == nullptr) return 0;
+  const unsigned side = static_cast<unsigned>(kTileSide) >> level;
+  const std::size_t offset = (static_cast<unsigned>(cell.y) & (side - 1U)) * side +
+                             (static_cast<unsigned>(cell.x) & (side - 1U));
+  if (level == 0) return tile->log_odds[offset];
+  return level == 1 ? tile->level1[offset] : tile->level2[offset];
+}
+
+InterpolatedValue OccupancyGrid::interpolate(int level, const Eigen::Vector2f& point) const {
+  const float scale = inverse_resolution_ / static_cast<float>(1 << level);
+  // Cell values are samples at the cells' centres.
+  const Eigen::Vector2f p = (point * scale).array() - 0.5F;
+  const Cell c{floorToInt(p.x()), floorToInt(p.y())};
+  const float u = p.x() - static_cast<float>(c.x), v = p.y() - static_cast<float>(c.y);
+  const auto value = [&](int dx, int dy) {
+    return static_cast<float>(levelProbability(level, {c.x + dx, c.y + dy}));
+  };
+  const float m00 = value(0, 0), m10 = value(1, 0), m01 = value(0, 1), m11 = value(1, 1);
+  InterpolatedValue result;
+  result.value = v * (u * m11 + (1 - u) * m01) + (1 - v) * (u * m10 + (1 - u) * m00);  // eq. 4
+  result.gradient.x() = scale * (v * (m11 - m01) + (1 - v) * (m10 - m00));            // eq. 5
+  result.gradient.y() = scale * (u * (m11 - m10) + (1 - u) * (m01 - m00));            // eq. 6
+  return result;
+}
+
+MapSnapshot OccupancyGrid::snapshot() const {
+  MapSnapshot map;
+  map.resolution_m = resolution_m_;
+  int x0 = std::numeric_limits<int>::max(), y0 = x0, x1 = std::numeric_limits<int>::min(), y1 = x1;
+  const auto forEachKnown = [this](auto visit) {
+    tiles_.forEach([&](const Cell& corner, const Tile& tile) {
+      for (std::size_t i = 0; i < kTileCells; ++i) {
+        if (tile.log_odds[i] == 0) continue;
+        visit(corner.x + static_cast<int>(i % kTileSide), corner.y + static_cast<int>(i / kTileSide),
+              tile.log_odds[i]);
+      }
+    });
+  };
+  forEachKnown([&](int x, int y, std::int16_t) {
+    x0 = std::min(x0, x), x1 = std::max(x1, x);
+    y0 = std::min(y0, y), y1 = std::max(y1, y);
+  });
+  if (x1 < x0) return map;
+  map.width = x1 - x0 + 1;
+  map.height = y1 - y0 + 1;
+  map.origin_x = static_cast<double>(x0) * map.resolution_m;
+  map.origin_y = static_cast<double>(y0) * map.resolution_m;
+  map.cells.assign(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height),
+                   MapSnapshot::kUnknown);
+  forEachKnown([&](int x, int y, std::int16_t log_odds) {
+    map.cells[static_cast<std::size_t>(y - y0) * static_cast<std::size_t>(map.width) +
+              static_cast<std::size_t>(x - x0)] =
+        log_odds > 0 ? MapSnapshot::kOccupied : MapSnapshot::kFree;
+  });
+  return map;
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,249 @@
+#include "kestrel_slam/map/surfel_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kestrel_slam {
+namespace {
+
+/// Hits after which the mean of a cell forgets old ones, so that it can follow a moved wall.
+constexpr float kMaxCount = 30.0F;
+/// Neighbours that make the line of a wall: cells up to this far, so 0.25 m at 5 cm.
+constexpr int kShapeRadius = 2;
+/// A line needs this many cells, and this ratio of length to thickness (of standard deviations).
+constexpr int kMinShapeCells = 3;
+constexpr float kMinElongation = 2.0F;
+/// Neighbouring hits of a scan that make a direction: at least this far apart together, each at
+/// most this far, bent by at most this sine.
+constexpr std::size_t kMaxTangentBeams = 8;
+constexpr float kMinTangentLength = 0.15F;
+constexpr float kMaxTangentGap = 1.0F;
+constexpr float kMaxTangentBend = 0.2F;
+
+/// Half the width of the row `dy` of the disk of kReachCells.
+int diskHalfWidth(int dy) {
+  static const std::array<int, 2 * SurfelField::kReachCells + 1> widths = [] {
+    std::array<int, 2 * SurfelField::kReachCells + 1> table{};
+    constexpr int kReach = SurfelField::kReachCells;
+    for (int row = -kReach; row <= kReach; ++row) {
+      table[static_cast<std::size_t>(row + kReach)] =
+          static_cast<int>(std::sqrt(static_cast<double>(kReach * kReach - row * row)));
+    }
+    return table;
+  }();
+  return widths[static_cast<std::size_t>(dy + SurfelField::kReachCells)];
+}
+
+/// Twice-angle direction of the wall at hit `i` from its neighbours in the scan, or zero.
+Eigen::Vector2f tangentAt(const std::vector<OccupancyGrid::Changes::Hit>& hits, std::size_t i) {
+  for (std::size_t k = 1; k <= kMaxTangentBeams; k *= 2) {
+    if (i < k || i + k >= hits.size()) break;
+    const Eigen::Vector2f before = hits[i].point - hits[i - k].point;
+    const Eigen::Vector2f after = hits[i + k].point - hits[i].point;
+    const float b = before.norm(), a = after.norm();
+    if (b + a < kMinTangentLength) continue;  // noise is as large as the distance: look farther
+    if (b > kMaxTangentGap || a > kMaxTangentGap) break;
+    const float sine = (before.x() * after.y() - before.y() * after.x());
+    if (std::abs(sine) > kMaxTangentBend * a * b || before.dot(after) <= 0.0F) break;
+    const Eigen::Vector2f t = (before + after).normalized();
+    return {t.x() * t.x() - t.y() * t.y(), 2.0F * t.x() * t.y()};
+  }
+  return Eigen::Vector2f::Zero();
+}
+
+/// Fills A = n n' + along t t' of a wall whose direction has the unit twice-angle vector `t2`.
+void setLine(Surfel& surfel, const Eigen::Vector2f& t2) {
+  constexpr float kAlongWeight = SurfelField::kAlongWeight;
+  const float nx2 = 0.5F * (1.0F - t2.x()), ny2 = 1.0F - nx2, nxy = -0.5F * t2.y();
+  surfel.a11 = nx2 + kAlongWeight * ny2;
+  surfel.a12 = nxy * (1.0F - kAlongWeight);
+  surfel.a22 = ny2 + kAlongWeight * nx2;
+}
+
+}  // namespace
+
+SurfelField::SurfelField(float resolution_m, std::size_t limit_bytes)
+    : resolution_(resolution_m), inverse_resolution_(1.0F / resolution_m), tiles_(limit_bytes) {}
+
+void SurfelField::clear() {
+  tiles_.clear();
+  surfels_.clear();
+  free_.clear();
+}
+
+void SurfelField::update(const OccupancyGrid& grid, const OccupancyGrid::Changes& changes) {
+  for (const Cell& cell : changes.became_free) remove(cell);
+  changed_.clear();
+  for (std::size_t i = 0; i < changes.hits.size(); ++i) {
+    if (grid.isOccupied(changes.hits[i].cell)) addHit(changes.hits[i], tangentAt(changes.hits, i));
+  }
+  std::sort(changed_.begin(), changed_.end());
+  changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
+  for (const std::uint32_t id : changed_) updateShape(id);
+}
+
+std::uint32_t SurfelField::idAt(const Cell& cell) const {
+  const Tile* tile = tiles_.find(cell);
+  if (tile == nullptr) return kNone;
+  const std::size_t offset = offsetInTile(cell);
+  return tile->distance2[offset] == 0 ? tile->nearest[offset] : kNone;
+}
+
+void SurfelField::setOwn(const Cell& cell, bool own) {
+  Tile* tile = tiles_.find(cell);
+  if (tile == nullptr) return;
+  std::uint32_t& row = tile->own[offsetInTile(cell) >> kTileShift];
+  const std::uint32_t bit = 1U << (static_cast<unsigned>(cell.x) & (kTileSide - 1U));
+  row = own ? row | bit : row & ~bit;
+}
+
+/// Calls `visit(id)` for every surfel whose cell is in the square of `radius` cells around `center`,
+/// row by row.
+template <typename Visit>
+void SurfelField::forEachOwn(const Cell& center, int radius, Visit visit) const {
+  const int x0 = center.x - radius, x1 = center.x + radius;
+  for (int y = center.y - radius; y <= center.y + radius; ++y) {
+    for (int corner = x0 & ~(kTileSide - 1); corner <= x1; corner += kTileSide) {
+      const Tile* tile = tiles_.find({corner, y});
+      if (tile == nullptr) continue;
+      const std::size_t row = offsetInTile({corner, y});
+      std::uint32_t bits = tile->own[row >> kTileShift];
+      if (corner < x0) bits &= ~0U << (x0 - corner);
+      if (corner + kTileSide - 1 > x1) bits &= ~0U >> (corner + kTileSide - 1 - x1);
+      for (; bits != 0U; bits &= bits - 1U) {
+        visit(tile->nearest[row + static_cast<std::size_t>(__builtin_ctz(bits))]);
+      }
+    }
+  }
+}
+
+void SurfelField::addHit(const OccupancyGrid::Changes::Hit& hit,
+                         const Eigen::Vector2f& tangent2) {
+  std::uint32_t id = idAt(hit.cell);
+  if (id == kNone) {
+    const Surfel surfel{hit.point, 1.0F, 0.0F, 1.0F, hit.cell, 1.0F, tangent2};
+    if (free_.empty()) {
+      id = static_cast<std::uint32_t>(surfels_.size());
+      surfels_.push_back(surfel);
+    } else {
+      id = free_.back();
+      free_.pop_back();
+      surfels_[id] = surfel;
+    }
+    spread(id);
+  } else {
+    Surfel& surfel = surfels_[id];
+    surfel.count = std::min(surfel.count + 1.0F, kMaxCount);
+    surfel.mean += (hit.point - surfel.mean) / surfel.count;
+    surfel.tangent2 += tangent2;
+  }
+  changed_.push_back(id);
+}
+
+void SurfelField::spread(std::uint32_t id) {
+  const Cell cell = surfels_[id].cell;
+  const Eigen::Vector2f mean = meanInCell(surfels_[id]).array() - 0.5F;
+  for (int dy = -kReachCells; dy <= kReachCells; ++dy) {
+    const int y = cell.y + dy, half = diskHalfWidth(dy);
+    const float ey = static_cast<float>(dy) - mean.y();
+    for (int x = cell.x - half; x <= cell.x + half;) {
+      const int end = std::min(cell.x + half, x | (kTileSide - 1)) + 1;  // of this tile's part
+      Tile* tile = tiles_.obtain({x, y});
+      if (tile != nullptr) {
+        const std::size_t offset = offsetInTile({x, y});
+        std::uint16_t* distance2 = tile->distance2.data() + offset;
+        std::uint32_t* nearest = tile->nearest.data() + offset;
+        float ex = static_cast<float>(x - cell.x) - mean.x();
+        for (int i = 0; i < end - x; ++i, ex += 1.0F) {
+          const int d2 = static_cast<int>((ex * ex + ey * ey) * kDistanceSteps) + 1;
+          if (d2 >= distance2[i]) continue;
+          distance2[i] = static_cast<std::uint16_t>(d2);
+          nearest[i] = id;
+        }
+      }
+      x = end;
+    }
+  }
+  Tile* tile = tiles_.find(cell);
+  if (tile == nullptr) return;
+  tile->nearest[offsetInTile(cell)] = id;
+  tile->distance2[offsetInTile(cell)] = 0;
+  setOwn(cell, true);
+}
+
+void SurfelField::remove(const Cell& cell) {
+  const std::uint32_t id = idAt(cell);
+  if (id == kNone) return;
+  setOwn(cell, false);
+  orphan(id);
+  adopters_.clear();
+  forEachOwn(cell, 2 * kReachCells, [this](std::uint32_t other) {
+    const Surfel& surfel = surfels_[other];
+    adopters_.push_back({surfel.mean * inverse_resolution_, other});
+  });
+  for (const Cell& cell_without : orphans_) adopt(cell_without);
+  free_.push_back(id);
+}
+
+/// Collects the cells that look to surfel `id` and makes them look nowhere.
+void SurfelField::orphan(std::uint32_t id) {
+  orphans_.clear();
+  const Cell cell = surfels_[id].cell;
+  for (int dy = -kReachCells; dy <= kReachCells; ++dy) {
+    const int y = cell.y + dy, half = diskHalfWidth(dy);
+    for (int x = cell.x - half; x <= cell.x + half;) {
+      const int end = std::min(cell.x + half, x | (kTileSide - 1)) + 1;
+      Tile* tile = tiles_.find({x, y});
+      for (std::size_t offset = offsetInTile({x, y}); x < end; ++x, ++offset) {
+        if (tile == nullptr || tile->nearest[offset] != id) continue;
+        tile->nearest[offset] = kNone;
+        tile->distance2[offset] = kFar;
+        orphans_.push_back({x, y});
+      }
+    }
+  }
+}
+
+/// Finds the nearest of the adopters for a cell.
+void SurfelField::adopt(const Cell& orphan) {
+  const float x = static_cast<float>(orphan.x) + 0.5F, y = static_cast<float>(orphan.y) + 0.5F;
+  float best2 = kReachCells * kReachCells;
+  std::uint32_t best = kNone;
+  for (const Adopter& adopter : adopters_) {
+    const float ex = adopter.mean.x() - x, ey = adopter.mean.y() - y;
+    if (ex * ex + ey * ey >= best2) continue;
+    best2 = ex * ex + ey * ey;
+    best = adopter.id;
+  }
+  if (best == kNone) return;
+  Tile* tile = tiles_.find(orphan);
+  tile->nearest[offsetInTile(orphan)] = best;
+  tile->distance2[offsetInTile(orphan)] = static_cast<std::uint16_t>(best2 * kDistanceSteps + 1.0F);
+}
+
+void SurfelField::updateShape(std::uint32_t id) {
+  const Cell cell = surfels_[id].cell;
+  const Eigen::Vector2f reference = surfels_[id].mean;
+  float n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
+  forEachOwn(cell, kShapeRadius, [&](std::uint32_t other) {
+    const Eigen::Vector2f p = surfels_[other].mean - reference;
+    n += 1.0F, sx += p.x(), sy += p.y();
+    sxx += p.x() * p.x(), sxy += p.x() * p.y(), syy += p.y() * p.y();
+  });
+  Surfel& surfel = surfels_[id];
+  surfel.a11 = surfel.a22 = 1.0F;
+  surfel.a12 = 0.0F;
+  sx /= n, sy /= n;
+  const float cxx = sxx / n - sx * sx, cxy = sxy / n - sx * sy, cyy = syy / n - sy * sy;
+  const float half_trace = 0.5F * (cxx + cyy);
+  const Eigen::Vector2f axis2(0.5F * (cxx - cyy), cxy);  // twice-angle vector of the long axis
+  const float root = axis2.norm();
+  const float large = half_trace + root, small = std::max(half_trace - root, 0.0F);
+  if (n >= kMinShapeCells && root > 0.0F && large > kMinElongation * kMinElongation * small) {
+    setLine(surfel, axis2 / root);
+  } else if (n < kMinShapeCells && surfel.tangent2.squaredNorm() > 0.0F) {
+    setLine(surfel, surfel.tangent2.normalized());
+  }
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,27 @@
+#include "kestrel_slam/mapping/evaluation_function.h"
+
+#include <limits>
+
+namespace kestrel_slam {
+
+double evaluationFunction(const MatchResult& match, const EvaluationConfig& config) {
+  constexpr auto kStages = static_cast<double>(kMatchStages);
+  constexpr double kWeightSum = kStages * (kStages + 1.0) / 2.0;
+  double score = 0.0;
+  Eigen::Array3d sum = Eigen::Array3d::Zero(), squares = Eigen::Array3d::Zero();
+  for (std::size_t i = 0; i < kMatchStages; ++i) {
+    const StageEstimate& stage = match.stages[i];
+    score += static_cast<double>(i + 1) / kWeightSum * stage.score;  // eq. 5
+    // Relative to the final pose: the variance is the same and the heading does not wrap.
+    const Eigen::Array3d x(stage.pose.x - match.pose.x, stage.pose.y - match.pose.y,
+                           normalizeAngle(stage.pose.theta - match.pose.theta));
+    sum += x;
+    squares += x.square();
+  }
+  if (score <= 0.0) return std::numeric_limits<double>::infinity();
+  const Eigen::Array3d variance = squares / kStages - (sum / kStages).square();
+  const Eigen::Array3d unit(config.sigma_m, config.sigma_m, config.sigma_rad);
+  return 1.0 / score + config.penalty * (variance / unit.square()).sum();
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,161 @@
+#include "kestrel_slam/mapping/mapper.h"
+
+#include <cmath>
+
+#include "kestrel_slam/map/submap.h"
+
+namespace kestrel_slam {
+namespace {
+
+/// A vehicle that seems to move farther than this between two scans was moved, or jumped in the
+/// map: its motion says nothing of the next one.
+constexpr double kMaxStepM = 1.0;
+/// Largest factor of the search windows after a long lost state.
+constexpr double kMaxSearchScale = 4.0;
+
+Points hitsOf(const PlanarScan& scan) {
+  Points points;
+  points.reserve(scan.rays.size());
+  for (const PlanarRay& ray : scan.rays) {
+    if (ray.hit) points.push_back(ray.end);
+  }
+  return points;
+}
+
+Pose2 halfway(const Pose2& a, const Pose2& b) {
+  return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y),
+          a.theta + 0.5 * normalizeAngle(b.theta - a.theta)};
+}
+
+}  // namespace
+
+const char* toString(MatchState state) {
+  switch (state) {
+    case MatchState::kOk: return "ok";
+    case MatchState::kDegraded: return "degraded";
+    case MatchState::kLost: return "lost";
+  }
+  return "unknown";
+}
+
+struct Mapper::State {
+  explicit State(const MapperConfig& c)
+      : config(c), map(c.grid), matcher(makeMatcher(c.matcher)) {}
+
+  MapperConfig config;
+  Submap map;
+  std::unique_ptr<Matcher> matcher;
+
+  Pose2 pose;                  ///< map_T_base of the last scan
+  Pose2 motion;                ///< from the scan before the last one to the last one
+  Pose2 inserted_pose;         ///< of the last scan that entered the map
+  std::optional<Pose2> odom;   ///< odom_T_base of the last scan
+  double time = 0.0;           ///< of the last scan
+  int lost_scans = 0;          ///< in a row
+  bool placed = false;         ///< somebody said where the vehicle is: search around there
+
+  MatchRequest request(const Points& points, const PlanarScan& scan,
+                       const std::optional<Pose2>& odom_now) const;
+  MatchState judge(const MatchResult& match) const;
+  void move(const MatchResult& match, const Pose2& prediction, MatchState match_state);
+  bool movedEnough() const;
+};
+
+/// The starts, best first (paper 002 eq. 5-6: the motion goes on as it was). Odometry comes second:
+/// its bias would otherwise pull every scan of a corridor a little the same way.
+MatchRequest Mapper::State::request(const Points& points, const PlanarScan& scan,
+                                    const std::optional<Pose2>& odom_now) const {
+  MatchRequest result{points, pose, {}, false, 1.0};
+  const Pose2 continued = pose * motion;
+  result.starts = {continued, pose, halfway(pose, continued)};
+  if (odom && odom_now) {
+    const auto place = lost_scans > 0 ? result.starts.begin() : result.starts.end();
+    result.starts.insert(place, pose * (odom->inverse() * *odom_now));
+  }
+  result.search_all_round = lost_scans > 0 || scan.time - time > config.gap_s;
+  result.search_scale = std::min(1.0 + 0.1 * lost_scans, kMaxSearchScale);
+  return result;
+}
+
+MatchState Mapper::State::judge(const MatchResult& match) const {
+  if (match.score < config.lost_score || match.known < config.min_known_share) {
+    return MatchState::kLost;
+  }
+  const bool good = match.score >= config.matcher.search_score && !match.degenerate;
+  return good ? MatchState::kOk : MatchState::kDegraded;
+}
+
+void Mapper::State::move(const MatchResult& match, const Pose2& prediction,
+                         MatchState match_state) {
+  const bool lost = match_state == MatchState::kLost;
+  const Pose2 next = lost ? prediction : match.pose;
+  motion = lost || placed ? Pose2() : pose.inverse() * next;
+  if (motion.distance() > kMaxStepM) motion = Pose2();
+  pose = next;
+  lost_scans = lost ? lost_scans + 1 : 0;
+  placed = false;
+}
+
+bool Mapper::State::movedEnough() const {
+  const Pose2 moved = inserted_pose.inverse() * pose;
+  return moved.distance() >= config.insert_distance_m ||
+         std::abs(moved.theta) >= config.insert_angle_rad;
+}
+
+Mapper::Mapper(const MapperConfig& config) : state_(std::make_unique<State>(config)) {}
+Mapper::~Mapper() = default;
+Mapper::Mapper(Mapper&&) noexcept = default;
+Mapper& Mapper::operator=(Mapper&&) noexcept = default;
+
+MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {
+  State& s = *state_;
+  MapperResult result;
+  const Points points = hitsOf(scan);
+  const bool first = s.map.scans() == 0;
+  if (!first && !points.empty()) {
+    const MatchRequest request = s.request(points, scan, odom_T_base);
+    result.match = s.matcher->match(s.map, request);
+    result.evaluation = evaluationFunction(result.match, s.config.evaluation);
+    result.state = s.judge(result.match);
+    s.move(result.match, request.starts.front(), result.state);
+  } else if (first && !points.empty()) {
+    result.match.pose = s.pose;
+    result.match.covariance.setZero();  // the first scan defines the map
+    result.match.score = result.match.known = 1.0;
+    result.match.converged = true;
+    result.state = MatchState::kOk;
+  }
+  const bool accepted = !s.config.evaluation.enabled || first ||
+                        result.evaluation < s.config.evaluation.threshold;
+  if (result.state != MatchState::kLost && accepted && (first || s.movedEnough())) {
+    result.map_full = !s.map.insert(scan, s.pose);
+    result.inserted = true;
+    s.inserted_pose = s.pose;
+  }
+  s.odom = odom_T_base;
+  s.time = scan.time;
+  result.pose = s.pose;
+  result.covariance = result.match.covariance;
+  result.searched = result.match.searched;
+  return result;
+}
+
+void Mapper::reset(const Pose2& map_T_base) {
+  const MapperConfig config = state_->config;
+  state_ = std::make_unique<State>(config);
+  state_->pose = map_T_base;
+}
+
+void Mapper::setPose(const Pose2& map_T_base) {
+  state_->pose = map_T_base;
+  state_->motion = Pose2();
+  state_->odom.reset();
+  state_->placed = true;
+}
+
+const Pose2& Mapper::pose() const { return state_->pose; }
+const MapperConfig& Mapper::config() const { return state_->config; }
+MapSnapshot Mapper::snapshot() const { return state_->map.grid().snapshot(); }
+std::size_t Mapper::memoryBytes() const { return state_->map.memoryBytes(); }
+
+}  // namespace kestrel_slam

@@ -1,0 +1,135 @@
+#include "hybrid_matcher.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace kestrel_slam {
+namespace {
+
+/// Cauchy scales of the stages. Wide ones see far, the last one only what lies on the wall: scale
+/// 0.1 m at the end makes the error of whole recordings 10 % larger, 0.2 m 30 %.
+constexpr std::array<float, kMatchStages> kStageScales = {0.3F, 0.12F, 0.05F};
+/// The early stages only have to come into the basin of the next one.
+constexpr double kCoarseStepM = 0.01, kCoarseStepRad = 0.005;
+/// Points that are enough for them.
+constexpr std::size_t kCoarsePoints = 150;
+/// Pull towards the start, in shares of what the points say across a wall they stand on: it
+/// decides only where they say nothing.
+constexpr float kStartPull = 1e-3F;
+/// Distances to a wall are never better known than this: map and sensor have noise of their own.
+constexpr double kMinResidualM = 0.01;
+/// Neighbouring beams err alike, so n beams are worth n over this.
+constexpr double kBeamCorrelation = 4.0;
+/// Standard deviation along a direction that the scan does not constrain.
+constexpr double kUnconstrainedM = 0.5;
+
+/// Every k-th point, so that about `count` remain.
+Points thinned(const Points& points, std::size_t count) {
+  const std::size_t step = std::max<std::size_t>(1, points.size() / count);
+  Points result;
+  result.reserve(points.size() / step + 1);
+  for (std::size_t i = 0; i < points.size(); i += step) result.push_back(points[i]);
+  return result;
+}
+
+}  // namespace
+
+MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request) const {
+  MatchResult result;
+  Candidate best = refine(map, request, request.starts.front());
+  result.iterations = best.descent.iterations;
+  for (std::size_t i = 1; i < request.starts.size() && best.fit.score < config_.good_score; ++i) {
+    Candidate other = refine(map, request, request.starts[i]);
+    result.iterations += other.descent.iterations;
+    if (other.preferred > best.preferred) best = other;
+  }
+  if (best.fit.score < config_.search_score) search(map, request, result, best);
+  result.pose = best.descent.pose;
+  result.converged = best.descent.converged;
+  fillStages(map, request.points, best.stages, config_.score_scale_m, result);
+  fillUncertainty(best.descent.at_pose, best.fit, config_.degenerate_share, result);
+  return result;
+}
+
+void HybridMatcher::search(const Submap& map, const MatchRequest& request, MatchResult& result,
+                           Candidate& best) const {
+  result.searched = true;
+  std::array<SearchWindow, 3> windows = {config_.near_window, config_.wide_window,
+                                         SearchWindow{config_.wide_window.linear_m, kPi}};
+  const std::size_t count = request.search_all_round ? windows.size() : windows.size() - 1;
+  for (std::size_t i = 0; i < count && best.fit.score < config_.search_score; ++i) {
+    windows[i].linear_m *= request.search_scale;
+    const SearchResult found = searchWindow(map.surface(), request.points, request.last,
+                                            windows[i], config_.correlative);
+    Candidate other = refine(map, request, found.pose);
+    result.iterations += other.descent.iterations;
+    if (other.preferred > best.preferred + config_.jump_margin) best = other;
+  }
+}
+
+HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchRequest& request,
+                                               const Pose2& start) const {
+  Candidate result;
+  const Points few = thinned(request.points, kCoarsePoints);
+  GaussNewtonConfig coarse = config_.gauss_newton;
+  coarse.min_step_m = std::max(coarse.min_step_m, kCoarseStepM);
+  coarse.min_step_rad = std::max(coarse.min_step_rad, kCoarseStepRad);
+  int iterations = 0;
+  Pose2 pose = start;
+  for (std::size_t stage = 0; stage < kMatchStages; ++stage) {
+    const bool last = stage + 1 == kMatchStages;
+    const float scale = kStageScales[stage];
+    const Points& points = last ? request.points : few;
+    const Eigen::Vector3f pull =
+        Eigen::Vector3f::Constant(kStartPull * static_cast<float>(points.size()));
+    result.descent =
+        descend(pose, last ? config_.gauss_newton : coarse, pull, [&](const Pose2& at) {
+          return lineariseDistance(map.surface(), points, at, scale);
+        });
+    pose = result.descent.pose;
+    iterations += result.descent.iterations;
+    result.stages[stage] = pose;
+  }
+  result.descent.iterations = iterations;
+  result.fit = fitOf(map, request.points, pose, config_.score_scale_m);
+  const Pose2 motion = request.last.inverse() * pose;
+  result.preferred = result.fit.score -
+                     config_.correlative.linear_preference * motion.distance() -
+                     config_.correlative.angular_preference * std::abs(motion.theta);
+  return result;
+}
+
+void fillStages(const Submap& map, const Points& points,
+                const std::array<Pose2, kMatchStages>& poses, double scale_m,
+                MatchResult& result) {
+  const Points few = thinned(points, kCoarsePoints);
+  for (std::size_t i = 0; i < kMatchStages; ++i) {
+    const double scale = scale_m * static_cast<double>(1U << (kMatchStages - 1 - i));
+    result.stages[i] = {poses[i], fitOf(map, few, poses[i], scale).score};
+  }
+}
+
+void fillUncertainty(const NormalEquations& at_pose, const Fit& fit, double degenerate_share,
+                     MatchResult& result) {
+  result.score = fit.score;
+  result.known = fit.known;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> normals(fit.normals);
+  // Walls count a little along themselves as well (SurfelField), which is no constraint.
+  const double along = SurfelField::kAlongWeight / (1.0 + SurfelField::kAlongWeight);
+  result.degenerate = normals.eigenvalues()(0) - along < degenerate_share;
+  const double variance =
+      kBeamCorrelation * std::max(fit.residual_variance, kMinResidualM * kMinResidualM);
+  const Eigen::Matrix3d hessian = at_pose.hessian.cast<double>();
+  const Eigen::Matrix3d inverse =
+      (hessian + 1e-3 * Eigen::Matrix3d::Identity()).ldlt().solve(Eigen::Matrix3d::Identity());
+  result.covariance = variance * 0.5 * (inverse + inverse.transpose());  // eq. 15
+  if (!result.degenerate) return;
+  result.degenerate_direction = normals.eigenvectors().col(0);
+  result.covariance.topLeftCorner<2, 2>() +=
+      kUnconstrainedM * kUnconstrainedM *
+      (result.degenerate_direction * result.degenerate_direction.transpose());
+}
+
+}  // namespace kestrel_slam

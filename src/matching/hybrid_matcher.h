@@ -1,0 +1,41 @@
+#pragma once
+
+#include "kestrel_slam/matching/fit.h"
+#include "kestrel_slam/matching/matcher.h"
+
+namespace kestrel_slam {
+
+/// Gauss-Newton on the distance to the walls, from the prediction; from other starts where that fit
+/// is poor; from an exhaustive search where those are poor as well.
+class HybridMatcher : public Matcher {
+ public:
+  explicit HybridMatcher(const MatcherConfig& config) : config_(config) {}
+  MatchResult match(const Submap& map, const MatchRequest& request) const override;
+
+ private:
+  /// A local optimum and how much it is worth.
+  struct Candidate {
+    Descent descent;
+    Fit fit;
+    std::array<Pose2, kMatchStages> stages;
+    double preferred = -1.0;  ///< the score less what the motion costs
+  };
+
+  Candidate refine(const Submap& map, const MatchRequest& request, const Pose2& start) const;
+  void search(const Submap& map, const MatchRequest& request, MatchResult& result,
+              Candidate& best) const;
+
+  MatcherConfig config_;
+};
+
+/// Fills the stages of a result: the poses and how well each fits at its own resolution, the last at
+/// `scale_m` and each coarser one at twice the scale of the next.
+void fillStages(const Submap& map, const Points& points,
+                const std::array<Pose2, kMatchStages>& poses, double scale_m, MatchResult& result);
+
+/// Fills score, known, covariance and degeneracy of a result from the normal equations and the fit
+/// at its pose (paper 001 eq. 15).
+void fillUncertainty(const NormalEquations& at_pose, const Fit& fit, double degenerate_share,
+                     MatchResult& result);
+
+}  // namespace kestrel_slam

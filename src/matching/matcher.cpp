@@ -1,0 +1,92 @@
+#include "kestrel_slam/matching/matcher.h"
+
+#include <stdexcept>
+
+#include "hybrid_matcher.h"
+#include "kestrel_slam/matching/fit.h"
+
+namespace kestrel_slam {
+namespace {
+
+/// Paper 001: Gauss-Newton on the interpolated occupancy, 20, 10, 5 cm (eq. 7-14), iterated to
+/// convergence on each level.
+class GaussNewtonMatcher : public Matcher {
+ public:
+  explicit GaussNewtonMatcher(const MatcherConfig& config) : config_(config) {}
+
+  MatchResult match(const Submap& map, const MatchRequest& request) const override {
+    static_assert(OccupancyGrid::kLevels == kMatchStages, "one stage a level");
+    constexpr float kResidualScale = 0.5F;  // Cauchy, of 1 - M in [0, 1]
+    MatchResult result;
+    Descent descent;
+    std::array<Pose2, kMatchStages> poses;
+    descent.pose = request.starts.front();
+    for (std::size_t stage = 0; stage < kMatchStages; ++stage) {
+      const int level = OccupancyGrid::kLevels - 1 - static_cast<int>(stage);
+      descent = descend(descent.pose, config_.gauss_newton, Eigen::Vector3f::Zero(),
+                        [&](const Pose2& pose) {
+                          return lineariseOccupancy(map.grid(), level, request.points, pose,
+                                                    kResidualScale);
+                        });
+      result.iterations += descent.iterations;
+      poses[stage] = descent.pose;
+    }
+    result.pose = descent.pose;
+    result.converged = descent.converged;
+    // For the covariance the distances are linearised: the residuals 1 - M have no unit.
+    const Fit fit = fitOf(map, request.points, result.pose, config_.score_scale_m);
+    const NormalEquations distances =
+        lineariseDistance(map.surface(), request.points, result.pose,
+                          static_cast<float>(config_.score_scale_m));
+    fillUncertainty(distances, fit, config_.degenerate_share, result);
+    fillStages(map, request.points, poses, config_.score_scale_m, result);
+    return result;
+  }
+
+ private:
+  MatcherConfig config_;
+};
+
+/// Paper 000 eq. 3 with Olson's search: the best pose of the window around the prediction, moved to
+/// the mean of the likelihood surface around it; the covariance is that surface's.
+class CorrelativeMatcher : public Matcher {
+ public:
+  explicit CorrelativeMatcher(const MatcherConfig& config) : config_(config) {}
+
+  MatchResult match(const Submap& map, const MatchRequest& request) const override {
+    SearchWindow window = config_.near_window;
+    window.linear_m *= request.search_scale;
+    if (request.search_all_round) window.angular_rad = kPi;
+    const SearchResult found = searchWindow(map.surface(), request.points, request.starts.front(),
+                                            window, config_.correlative);
+    MatchResult result;
+    result.searched = true;
+    result.iterations = 1;
+    result.converged = found.score > 0.0;
+    result.pose = found.mean;
+    const Fit fit = fitOf(map, request.points, result.pose, config_.score_scale_m);
+    const NormalEquations distances =
+        lineariseDistance(map.surface(), request.points, result.pose,
+                          static_cast<float>(config_.score_scale_m));
+    fillUncertainty(distances, fit, config_.degenerate_share, result);
+    result.covariance = found.covariance;
+    fillStages(map, request.points, {found.pose, found.pose, found.mean}, config_.score_scale_m,
+               result);
+    return result;
+  }
+
+ private:
+  MatcherConfig config_;
+};
+
+}  // namespace
+
+std::unique_ptr<Matcher> makeMatcher(const MatcherConfig& config) {
+  if (config.method == "hybrid") return std::make_unique<HybridMatcher>(config);
+  if (config.method == "gauss_newton") return std::make_unique<GaussNewtonMatcher>(config);
+  if (config.method == "correlative") return std::make_unique<CorrelativeMatcher>(config);
+  throw std::invalid_argument("matcher = " + config.method +
+                              ": must be one of gauss_newton, correlative, hybrid");
+}
+
+}  // namespace kestrel_slam

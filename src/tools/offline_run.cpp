@@ -1,0 +1,199 @@
+#include "kestrel_slam/tools/offline_run.h"
+
+#include <sys/resource.h>
+
+#include <chrono>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+
+#include "kestrel_slam/sensor/level_projector.h"
+
+namespace kestrel_slam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kKilobytesPerMegabyte = 1024.0;
+constexpr double kMillisecondsPerSecond = 1e3;
+// The path is measured in steps of this length, so that the jitter of a vehicle that stands still
+// does not count.
+constexpr double kDistanceStep_m = 0.1;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// VmHWM rather than getrusage, whose figure may be that of the parent before it started us.
+double peakMemoryMb() {
+  std::ifstream status("/proc/self/status");
+  for (std::string key; status >> key;) {
+    double kilobytes = 0.0;
+    if (key == "VmHWM:" && status >> kilobytes) return kilobytes / kKilobytesPerMegabyte;
+  }
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / kKilobytesPerMegabyte;
+}
+
+/// The place of a scan in the recording, for warnings.
+std::string placeText(double recorded_s, std::size_t number) {
+  std::ostringstream text;
+  text.precision(1);
+  text << std::fixed << "at " << recorded_s << " s (scan " << number << ")";
+  return text.str();
+}
+
+/// Counts scans of one kind and remembers the first.
+struct Occurrence {
+  std::size_t count = 0;
+  std::string first;
+
+  void add(const std::string& place) {
+    if (count++ == 0) first = place;
+  }
+};
+
+class Runner {
+ public:
+  Runner(Recording& recording, const SlamConfig& config, bool use_odometry)
+      : recording_(recording),
+        projector_(config.beams),
+        mapper_(config.mapper),
+        memory_limit_mb_(config.mapper.grid.memory_limit_mb),
+        use_odometry_(use_odometry) {}
+
+  OfflineRun run(const ProgressCallback& progress) {
+    const Clock::time_point start = Clock::now();
+    RecordedScan scan;
+    while (readNext(scan)) {
+      ++read_;
+      if (!first_time_) first_time_ = scan.time;
+      run_.duration_s = scan.time - *first_time_;
+      processScan(scan);
+      if (progress && !progress({read_, recording_.scanCount(), run_.duration_s})) {
+        run_.warnings.push_back("stopped early, after " + std::to_string(read_) + " of " +
+                                std::to_string(recording_.scanCount()) + " scans");
+        break;
+      }
+    }
+    run_.processing_s = secondsSince(start);
+    finish();
+    return std::move(run_);
+  }
+
+ private:
+  /// False at the end, and where the recording breaks off.
+  bool readNext(RecordedScan& scan) {
+    try {
+      return recording_.next(scan);
+    } catch (const std::exception& error) {
+      run_.warnings.push_back("the recording breaks off after " + std::to_string(read_) +
+                              " scans: " + error.what());
+      return false;
+    }
+  }
+
+  void processScan(const RecordedScan& scan) {
+    const Clock::time_point start = Clock::now();
+    Projection projection = projector_.project(scan.scan, scan.base_T_laser);
+    if (projection.error != ScanError::kNone) {
+      drop(projection);
+      return;
+    }
+    projection.scan.time = scan.time;
+    const MapperResult result =
+        mapper_.process(projection.scan, use_odometry_ ? scan.odom_T_base : std::nullopt);
+    record(scan, result, kMillisecondsPerSecond * secondsSince(start));
+  }
+
+  void drop(const Projection& projection) {
+    const std::string reason = toString(projection.error);
+    if (run_.dropped[reason]++ == 0) {
+      run_.warnings.push_back("scans dropped (" + reason + "), the first " + place() + ": " +
+                              projection.message);
+    }
+  }
+
+  void record(const RecordedScan& scan, const MapperResult& result, double ms) {
+    ScanRecord entry;
+    entry.time = scan.time;
+    entry.state = result.state;
+    entry.score = result.match.score;
+    entry.evaluation = result.evaluation;
+    entry.ms = ms;
+    entry.iterations = result.match.iterations;
+    entry.searched = result.searched;
+    entry.inserted = result.inserted;
+    run_.scans.push_back(entry);
+    run_.trajectory.push_back({scan.scan.stamp, result.pose});
+    addDistance(result.pose);
+    if (result.state == MatchState::kLost) lost_.add(place());
+    if (result.map_full) full_.add(place());
+    if (use_odometry_ && !scan.odom_T_base) without_odometry_.add(place());
+  }
+
+  void addDistance(const Pose2& pose) {
+    if (!last_counted_) last_counted_ = pose;
+    const double step = (last_counted_->inverse() * pose).distance();
+    if (step < kDistanceStep_m) return;
+    run_.distance_m += step;
+    last_counted_ = pose;
+  }
+
+  std::string place() const { return placeText(run_.duration_s, read_); }
+
+  void warn(const Occurrence& occurrence, const std::string& what, const std::string& advice) {
+    if (occurrence.count == 0) return;
+    run_.warnings.push_back(std::to_string(occurrence.count) + " of " +
+                            std::to_string(run_.scans.size()) + " scans " + what + ", the first " +
+                            occurrence.first + (advice.empty() ? "" : "; " + advice));
+  }
+
+  void finish() {
+    for (const auto& [reason, count] : recording_.skipped()) run_.dropped[reason] += count;
+    const auto& read_warnings = recording_.warnings();
+    run_.warnings.insert(run_.warnings.begin(), read_warnings.begin(), read_warnings.end());
+    warn(lost_, "fitted nowhere and did not enter the map", "");
+    std::ostringstream limit;
+    limit << memory_limit_mb_;
+    warn(full_, "met a full map, parts of them are missing in it",
+         "the memory limit is " + limit.str() + " MB");
+    warn(without_odometry_, "had no odometry and used the laser alone", "");
+    run_.map = mapper_.snapshot();
+    run_.map_memory_bytes = mapper_.memoryBytes();
+    run_.peak_memory_mb = peakMemoryMb();
+  }
+
+  Recording& recording_;
+  LevelProjector projector_;
+  Mapper mapper_;
+  double memory_limit_mb_;
+  bool use_odometry_;
+
+  OfflineRun run_;
+  std::size_t read_ = 0;
+  std::optional<double> first_time_;
+  std::optional<Pose2> last_counted_;
+  Occurrence lost_, full_, without_odometry_;
+};
+
+}  // namespace
+
+std::size_t OfflineRun::droppedCount() const {
+  std::size_t count = 0;
+  for (const auto& entry : dropped) count += entry.second;
+  return count;
+}
+
+double OfflineRun::speedFactor() const {
+  return processing_s > 0.0 ? duration_s / processing_s : 0.0;
+}
+
+OfflineRun runOffline(Recording& recording, const SlamConfig& config, bool use_odometry,
+                      const ProgressCallback& progress) {
+  return Runner(recording, config, use_odometry).run(progress);
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,152 @@
+#include "mapper_client.h"
+
+#include <ros/callback_queue.h>
+
+#include <algorithm>
+
+#include "kestrel_slam/ros/conversions.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr std::uint32_t kQueue = 1000;
+
+template <typename Message>
+ros::Subscriber keepLast(ros::NodeHandle& nh, const std::string& topic, Message& place) {
+  const boost::function<void(const Message&)> keep = [&place](const Message& message) {
+    place = message;
+  };
+  return nh.subscribe<Message>(topic, kQueue, keep);
+}
+
+LaserModel testLaser() {
+  LaserModel laser;
+  laser.beams = 360;
+  laser.angle_min = -kPi;
+  laser.angle_increment = 2.0 * kPi / 360.0;
+  laser.rate_hz = 10.0;
+  laser.range_min = 0.05;
+  laser.range_max = 12.0;
+  laser.sigma_m = 0.01;
+  return laser;
+}
+
+}  // namespace
+
+TestFlight laboratoryFlight(std::size_t scan_count) {
+  const SimulatedWorld& world = simulatedWorld("laboratory");
+  TestFlight flight{world.walls, simulate(world.walls, testLaser(), world.flight(), 1)};
+  flight.scans.resize(std::min(scan_count, flight.scans.size()));
+  return flight;
+}
+
+sensor_msgs::LaserScan messageOf(const LaserScan& scan, const std::string& frame, double shift_s) {
+  sensor_msgs::LaserScan message;
+  message.header.frame_id = frame;
+  message.header.stamp = ros::Time(scan.stamp + shift_s);
+  message.angle_min = static_cast<float>(scan.angle_min);
+  message.angle_increment = static_cast<float>(scan.angle_increment);
+  message.time_increment = static_cast<float>(scan.time_increment);
+  message.range_min = static_cast<float>(scan.range_min);
+  message.range_max = static_cast<float>(scan.range_max);
+  message.ranges = scan.ranges;
+  return message;
+}
+
+geometry_msgs::TransformStamped transformOf(const std::string& parent, const std::string& child,
+                                            const Pose2& parent_T_child, const ros::Time& stamp) {
+  geometry_msgs::TransformStamped message;
+  message.header.frame_id = parent;
+  message.header.stamp = stamp;
+  message.child_frame_id = child;
+  message.transform = toTransformMessage(parent_T_child);
+  return message;
+}
+
+Pose2 poseOf(const geometry_msgs::Pose& message) { return planarFromMessage(message); }
+
+Pose2 poseOf(const geometry_msgs::Transform& message) {
+  geometry_msgs::Pose pose;
+  pose.position.x = message.translation.x;
+  pose.position.y = message.translation.y;
+  pose.orientation = message.rotation;
+  return planarFromMessage(pose);
+}
+
+MapperClient::MapperClient(const std::string& ns)
+    : nh(ns), mapper_name_(ns.empty() ? "mapper" : ns + "/mapper") {
+  scan_publisher_ = nh.advertise<sensor_msgs::LaserScan>("scan", kQueue);
+  const boost::function<void(const geometry_msgs::PoseStamped&)> on_pose =
+      [this](const geometry_msgs::PoseStamped& message) {
+        pose = message;
+        ++poses_received;
+      };
+  subscribers_ = {
+      nh.subscribe<geometry_msgs::PoseStamped>("slam_out_pose", kQueue, on_pose),
+      keepLast(nh, "poseupdate", pose_update),
+      keepLast(nh, "map", map),
+      keepLast(nh, "map_metadata", metadata),
+      keepLast(nh, "trajectory", trajectory),
+      keepLast(nh, "slam_cloud", cloud),
+      nh.subscribe("/tf", kQueue, &MapperClient::onTransforms, this),
+      nh.subscribe("/tf_static", kQueue, &MapperClient::onTransforms, this),
+      nh.subscribe("/diagnostics", kQueue, &MapperClient::onDiagnostics, this),
+  };
+}
+
+bool MapperClient::waitFor(const std::function<bool()>& condition, double timeout_s) {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(timeout_s);
+  while (ros::ok()) {
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.002));
+    if (condition()) return true;
+    if (ros::WallTime::now() > end) return false;
+  }
+  return false;
+}
+
+bool MapperClient::connect() {
+  return waitFor(
+      [this] {
+        return scan_publisher_.getNumSubscribers() > 0 && subscribers_[0].getNumPublishers() > 0 &&
+               subscribers_[1].getNumPublishers() > 0;
+      },
+      10.0);
+}
+
+std::optional<Pose2> MapperClient::match(const sensor_msgs::LaserScan& scan, double timeout_s) {
+  publish(scan);
+  const auto matched = [&] {
+    return pose.header.stamp == scan.header.stamp && pose_update.header.stamp == scan.header.stamp;
+  };
+  if (!waitFor(matched, timeout_s)) return std::nullopt;
+  return poseOf(pose.pose);
+}
+
+std::string MapperClient::diagnosis(const std::string& item, const std::string& key) {
+  diagnostics_.clear();
+  const auto reported = [&] { return diagnostics_.count(item) > 0; };
+  if (!waitFor(reported) || diagnostics_[item].count(key) == 0) return "";
+  return diagnostics_[item][key];
+}
+
+void MapperClient::onTransforms(const tf2_msgs::TFMessage& message) {
+  for (const geometry_msgs::TransformStamped& transform : message.transforms) {
+    transforms[transform.child_frame_id] = transform;
+    parents[transform.child_frame_id].insert(transform.header.frame_id);
+  }
+}
+
+/// Items are named "<node>: <item>".
+void MapperClient::onDiagnostics(const diagnostic_msgs::DiagnosticArray& message) {
+  const std::string prefix = mapper_name_ + ": ";
+  for (const diagnostic_msgs::DiagnosticStatus& status : message.status) {
+    if (status.name.compare(0, prefix.size(), prefix) != 0) continue;
+    auto& item = diagnostics_[status.name.substr(prefix.size())];
+    item.clear();
+    item["level"] = std::to_string(static_cast<int>(status.level));
+    item["message"] = status.message;
+    for (const diagnostic_msgs::KeyValue& pair : status.values) item[pair.key] = pair.value;
+  }
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <nav_msgs/OccupancyGrid.h>
+#include <nav_msgs/Path.h>
+#include <ros/ros.h>
+#include <sensor_msgs/LaserScan.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <tf2_msgs/TFMessage.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/tools/simulator.h"
+
+namespace kestrel_slam {
+
+/// A flight through a built-in world with a small fast laser, the same every time.
+struct TestFlight {
+  std::vector<Wall> walls;
+  std::vector<SimulatedScan> scans;
+
+  /// Where the base is in a map that begins at the first scan.
+  Pose2 truth(std::size_t i) const {
+    return scans.front().world_T_base.inverse() * scans[i].world_T_base;
+  }
+};
+
+TestFlight laboratoryFlight(std::size_t scan_count);
+
+/// The message of a simulated scan. `shift_s` moves its stamp.
+sensor_msgs::LaserScan messageOf(const LaserScan& scan, const std::string& frame,
+                                 double shift_s = 0.0);
+
+geometry_msgs::TransformStamped transformOf(const std::string& parent, const std::string& child,
+                                            const Pose2& parent_T_child, const ros::Time& stamp);
+
+Pose2 poseOf(const geometry_msgs::Pose& message);
+Pose2 poseOf(const geometry_msgs::Transform& message);
+
+/// Plays the rest of the robot: publishes scans and tf, and listens to everything of the node.
+class MapperClient {
+ public:
+  /// `ns`: the namespace of the mapper, "" for the root.
+  explicit MapperClient(const std::string& ns = "");
+
+  /// Runs callbacks until `condition` holds; false after `timeout_s` of wall time.
+  bool waitFor(const std::function<bool()>& condition, double timeout_s = 5.0);
+
+  /// Waits until the mapper listens to the scans.
+  bool connect();
+
+  void publish(const sensor_msgs::LaserScan& scan) { scan_publisher_.publish(scan); }
+
+  /// Publishes a scan and waits for its pose.
+  std::optional<Pose2> match(const sensor_msgs::LaserScan& scan, double timeout_s = 5.0);
+
+  /// The value of a key of a diagnostics item ("Scans", "Match", "Map") in the next report that
+  /// has it; an empty text if there is none. "level" and "message" are those of the item.
+  std::string diagnosis(const std::string& item, const std::string& key);
+
+  ros::NodeHandle nh;
+  tf2_ros::StaticTransformBroadcaster static_broadcaster;
+  tf2_ros::TransformBroadcaster broadcaster;
+
+  std::size_t poses_received = 0;
+  geometry_msgs::PoseStamped pose;
+  geometry_msgs::PoseWithCovarianceStamped pose_update;
+  nav_msgs::OccupancyGrid map;
+  nav_msgs::MapMetaData metadata;
+  nav_msgs::Path trajectory;
+  sensor_msgs::PointCloud2 cloud;
+  std::map<std::string, geometry_msgs::TransformStamped> transforms;  ///< last one, by child
+  std::map<std::string, std::set<std::string>> parents;               ///< of every child
+
+ private:
+  void onTransforms(const tf2_msgs::TFMessage& message);
+  void onDiagnostics(const diagnostic_msgs::DiagnosticArray& message);
+
+  std::string mapper_name_;
+  ros::Publisher scan_publisher_;
+  std::vector<ros::Subscriber> subscribers_;
+  std::map<std::string, std::map<std::string, std::string>> diagnostics_;
+};
+
+}  // namespace kestrel_slam

@@ -1,0 +1,178 @@
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+
+#include <Eigen/Eigenvalues>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "kestrel_slam/ros/bounded_queue.h"
+#include "kestrel_slam/ros/conversions.h"
+#include "kestrel_slam/ros/fair_mutex.h"
+#include "kestrel_slam/ros/shared_mapper.h"
+#include "kestrel_slam/ros/trajectory_log.h"
+#include "mapper_client.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+TEST(BoundedQueue, DropsTheOldest) {
+  BoundedQueue<int> queue(2);
+  EXPECT_TRUE(queue.push(1));
+  EXPECT_TRUE(queue.push(2));
+  EXPECT_FALSE(queue.push(3));
+  EXPECT_EQ(queue.pop(), 2);
+  EXPECT_EQ(queue.pop(), 3);
+  EXPECT_TRUE(queue.push(4));
+  EXPECT_EQ(queue.clear(), 1U);
+}
+
+TEST(BoundedQueue, CloseEndsTheWaiting) {
+  BoundedQueue<int> queue(1);
+  std::thread closer([&] { queue.close(); });
+  EXPECT_EQ(queue.pop(), std::nullopt);
+  closer.join();
+}
+
+TEST(FairMutex, LetsOthersInBetween) {
+  FairMutex mutex;
+  std::atomic<bool> stop{false};
+  std::thread greedy([&] {
+    while (!stop) {
+      const std::lock_guard<FairMutex> lock(mutex);
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  });
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < 20; ++i) const std::lock_guard<FairMutex> lock(mutex);
+  const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - start;
+  stop = true;
+  greedy.join();
+  EXPECT_LT(waited.count(), 1.0) << "at most one turn of the other before each of ours";
+}
+
+TEST(SharedMapper, CopiesWhileScansAreMatched) {
+  SharedMapper mapper{MapperConfig()};
+  const TestFlight flight = laboratoryFlight(60);
+  std::atomic<bool> stop{false};
+  std::thread reader([&] {
+    while (!stop) {
+      const MapCopy copy = mapper.copy();
+      EXPECT_EQ(copy.map.cells.size(), static_cast<std::size_t>(copy.map.width) *
+                                           static_cast<std::size_t>(copy.map.height));
+      mapper.restartMotion();
+    }
+  });
+  for (const SimulatedScan& step : flight.scans) {
+    PlanarScan scan;
+    scan.stamp = scan.time = step.scan.stamp;
+    for (std::size_t i = 0; i < step.scan.ranges.size(); ++i) {
+      const double angle = step.scan.angle_min + static_cast<double>(i) * step.scan.angle_increment;
+      const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+      scan.rays.push_back(
+          {Eigen::Vector2f::Zero(), step.scan.ranges[i] * direction.cast<float>(), true});
+    }
+    EXPECT_TRUE(mapper.process(scan, std::nullopt, ros::Time(scan.stamp)).pose.isFinite());
+  }
+  stop = true;
+  reader.join();
+  EXPECT_GT(mapper.version(), 0U);
+  EXPECT_EQ(mapper.copy().stamp, ros::Time(flight.scans.back().scan.stamp));
+  mapper.reset(Pose2());
+  EXPECT_TRUE(mapper.copy().map.empty());
+}
+
+TEST(TrajectoryLog, ThinsAndStaysBounded) {
+  TrajectoryLog log;
+  log.add(ros::Time(1.0), Pose2());
+  log.add(ros::Time(2.0), Pose2(0.01, 0.0, 0.01));  // not far enough
+  log.add(ros::Time(3.0), Pose2(0.06, 0.0, 0.0));
+  log.add(ros::Time(4.0), Pose2(0.06, 0.0, 0.2));
+  const nav_msgs::Path path = log.path("map");
+  ASSERT_EQ(path.poses.size(), 3U);
+  EXPECT_EQ(path.poses[1].header.stamp, ros::Time(3.0));
+  EXPECT_EQ(path.header.stamp, ros::Time(4.0));
+  for (std::size_t i = 0; i < 3 * TrajectoryLog::kMaxPoses; ++i) {
+    log.add(ros::Time(5.0), Pose2(static_cast<double>(i), 0.0, 0.0));
+  }
+  EXPECT_LE(log.path("map").poses.size(), TrajectoryLog::kMaxPoses);
+  log.clear();
+  EXPECT_TRUE(log.path("map").poses.empty());
+}
+
+TEST(Conversions, CovarianceIsPositiveDefiniteWhateverComesIn) {
+  Eigen::Matrix3d singular = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d negative = -Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d infinite = Eigen::Matrix3d::Constant(std::numeric_limits<double>::infinity());
+  for (const Eigen::Matrix3d& covariance : {singular, negative, infinite}) {
+    const geometry_msgs::PoseWithCovariance message = toMessage(Pose2(), covariance);
+    Eigen::Matrix<double, 6, 6> full;
+    for (int i = 0; i < 36; ++i) {
+      full(i / 6, i % 6) = message.covariance[static_cast<std::size_t>(i)];
+    }
+    EXPECT_EQ(full, full.transpose());
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(full);
+    EXPECT_GT(solver.eigenvalues().minCoeff(), 0.0);
+  }
+}
+
+TEST(Conversions, CovarianceKeepsItsPlace) {
+  Eigen::Matrix3d covariance;
+  covariance << 4.0, 1.0, 0.5, 1.0, 3.0, 0.25, 0.5, 0.25, 2.0;
+  const auto full = toMessage(Pose2(), covariance).covariance;
+  EXPECT_NEAR(full[0], 4.0, 1e-12);
+  EXPECT_NEAR(full[1], 1.0, 1e-12);
+  EXPECT_NEAR(full[5], 0.5, 1e-12);
+  EXPECT_NEAR(full[7], 3.0, 1e-12);
+  EXPECT_NEAR(full[11], 0.25, 1e-12);
+  EXPECT_NEAR(full[35], 2.0, 1e-12);
+}
+
+TEST(Conversions, PoseThereAndBack) {
+  const Pose2 pose(1.5, -2.5, 3.0);
+  const Pose2 back = planarFromMessage(toMessage(pose));
+  EXPECT_DOUBLE_EQ(back.x, pose.x);
+  EXPECT_DOUBLE_EQ(back.y, pose.y);
+  EXPECT_NEAR(back.theta, pose.theta, 1e-12);
+}
+
+TEST(Conversions, PoseRefusesNonsense) {
+  geometry_msgs::Pose pose;  // the quaternion of an empty message is zero
+  EXPECT_THROW(planarFromMessage(pose), std::invalid_argument);
+  pose.orientation.w = 1.0;
+  EXPECT_NO_THROW(planarFromMessage(pose));
+  pose.position.z = kNan;
+  EXPECT_THROW(planarFromMessage(pose), std::invalid_argument);
+}
+
+TEST(Conversions, MapKeepsCellsAndOrigin) {
+  MapSnapshot map;
+  map.resolution_m = 0.25;
+  map.origin_x = -1.0;
+  map.origin_y = 2.0;
+  map.width = 3;
+  map.height = 2;
+  map.cells = {-1, 0, 100, 0, 0, -1};
+  const nav_msgs::OccupancyGrid message = toMessage(map);
+  EXPECT_EQ(message.data, map.cells);
+  EXPECT_EQ(message.info.width, 3U);
+  EXPECT_EQ(message.info.height, 2U);
+  EXPECT_EQ(message.info.resolution, 0.25F);
+  EXPECT_EQ(message.info.origin.position.x, -1.0);
+  EXPECT_EQ(message.info.origin.position.y, 2.0);
+  EXPECT_EQ(message.info.origin.orientation.w, 1.0);
+}
+
+}  // namespace
+}  // namespace kestrel_slam
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::Time::init();
+  return RUN_ALL_TESTS();
+}
