@@ -54,15 +54,16 @@ build_workspace() {
     -DKESTREL_BUILD_TESTS="$tests" -DCATKIN_ENABLE_TESTING="$tests" "$@")
 }
 
-# Enters the environment of a workspace: devel or install. The tools are commands in it.
+# Enters the environment of the installed package, with its tools as commands. Not that of `devel`:
+# there rosrun looks through the clone itself, and finds the programs in its .build once more.
 enter_workspace() {
-  local setup=$WORKSPACE/$1/setup.bash
+  local setup=$WORKSPACE/install/setup.bash
   [ -f "$setup" ] || die "$setup is missing: run scripts/build"
   set +u
   # shellcheck disable=SC1090
   source "$setup"
   set -u
-  export PATH="/usr/bin:$WORKSPACE/$1/lib/kestrel_slam:$PATH"
+  export PATH="/usr/bin:$WORKSPACE/install/lib/kestrel_slam:$PATH"
   # ROS writes its logs into the home folder, which not every account has.
   [ -w "${ROS_HOME:-${HOME:-/nowhere}}" ] || export ROS_HOME=$BUILD/ros_home
 }

@@ -46,6 +46,19 @@ std::size_t rowOf(const Cell& cell) {
   return static_cast<unsigned>(cell.y) & (kTileSide - 1U);
 }
 
+/// How many points x, x + step, … of 32.32 fixed-point cells lie in the tile of the first one.
+std::int64_t stepsInTile(std::int64_t x, std::int64_t step) {
+  constexpr std::int64_t kSide = std::int64_t{kTileSide} << 32;
+  const std::int64_t inside = x & (kSide - 1);
+  if (step > 0) return (kSide - 1 - inside) / step + 1;
+  if (step < 0) return inside / -step + 1;
+  return std::numeric_limits<int>::max();
+}
+int stepsInTile(std::int64_t x, std::int64_t y, std::int64_t step_x, std::int64_t step_y) {
+  return static_cast<int>(std::min<std::int64_t>(
+      std::min(stepsInTile(x, step_x), stepsInTile(y, step_y)), std::numeric_limits<int>::max()));
+}
+
 /// One level up: the maximum of each 2 × 2 block of a square of `side` cells.
 void poolMaximum(const std::int16_t* fine, int side, std::int16_t* coarse) {
   for (int row = 0; row < side / 2; ++row) {
@@ -144,16 +157,19 @@ void OccupancyGrid::traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2
   const auto step_y = static_cast<std::int64_t>(difference.y() * scale);
   auto x = static_cast<std::int64_t>(static_cast<double>(from.x()) * kOne);
   auto y = static_cast<std::int64_t>(static_cast<double>(from.y()) * kOne);
-  Tile* tile = nullptr;
-  int tile_x = std::numeric_limits<int>::max(), tile_y = 0;
-  for (int i = 0; i < steps; ++i, x += step_x, y += step_y) {
+  for (int i = 0; i < steps;) {
     const Cell cell{static_cast<int>(x >> 32), static_cast<int>(y >> 32)};
-    if ((cell.x >> kTileShift) != tile_x || (cell.y >> kTileShift) != tile_y) {
-      tile_x = cell.x >> kTileShift;
-      tile_y = cell.y >> kTileShift;
-      tile = touch(cell);
+    const int run = std::min(steps - i, stepsInTile(x, y, step_x, step_y));
+    Tile* tile = touch(cell);
+    if (tile == nullptr) {
+      x += run * step_x, y += run * step_y;
+    } else {
+      for (int k = 0; k < run; ++k, x += step_x, y += step_y) {
+        tile->missed[static_cast<std::uint64_t>(y) >> 32 & (kTileSide - 1U)] |=
+            1U << (static_cast<std::uint64_t>(x) >> 32 & (kTileSide - 1U));
+      }
     }
-    if (tile != nullptr) tile->missed[rowOf(cell)] |= bitOf(cell);
+    i += run;
   }
 }
 

@@ -177,11 +177,21 @@ void SurfelField::remove(const Cell& cell) {
   setOwn(cell, false);
   orphan(id);
   adopters_.clear();
-  forEachOwn(cell, 2 * kReachCells, [this](std::uint32_t other) {
+  if (orphans_.empty()) return free_.push_back(id);
+  Cell low = orphans_.front(), high = low;
+  for (const Cell& lonely : orphans_) {
+    low = {std::min(low.x, lonely.x), std::min(low.y, lonely.y)};
+    high = {std::max(high.x, lonely.x), std::max(high.y, lonely.y)};
+  }
+  forEachOwn(cell, 2 * kReachCells, [&](std::uint32_t other) {
     const Surfel& surfel = surfels_[other];
+    if (surfel.cell.x < low.x - kReachCells || surfel.cell.x > high.x + kReachCells ||
+        surfel.cell.y < low.y - kReachCells || surfel.cell.y > high.y + kReachCells) {
+      return;
+    }
     adopters_.push_back({surfel.mean * inverse_resolution_, other});
   });
-  for (const Cell& cell_without : orphans_) adopt(cell_without);
+  for (const Cell& lonely : orphans_) adopt(lonely);
   free_.push_back(id);
 }
 

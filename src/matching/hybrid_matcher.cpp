@@ -48,8 +48,8 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
   if (best.fit.score < config_.search_score) search(map, request, result, best);
   result.pose = best.descent.pose;
   result.converged = best.descent.converged;
-  fillStages(map, request.points, best.stages, config_.score_scale_m, result);
   fillUncertainty(best.descent.at_pose, best.fit, config_.degenerate_share, result);
+  fillStages(map, request.points, best.stages, config_.score_scale_m, result);
   return result;
 }
 
@@ -105,7 +105,8 @@ void fillStages(const Submap& map, const Points& points,
                 const std::array<Pose2, kMatchStages>& poses, double scale_m,
                 MatchResult& result) {
   const Points few = thinned(points, kCoarsePoints);
-  for (std::size_t i = 0; i < kMatchStages; ++i) {
+  result.stages.back() = {poses.back(), result.score};
+  for (std::size_t i = 0; i + 1 < kMatchStages; ++i) {
     const double scale = scale_m * static_cast<double>(1U << (kMatchStages - 1 - i));
     result.stages[i] = {poses[i], fitOf(map, few, poses[i], scale).score};
   }

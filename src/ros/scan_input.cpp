@@ -128,10 +128,25 @@ void ScanInput::onReady(const sensor_msgs::LaserScanConstPtr& message) {
     statistics_.setWaitingFor("");
   }
   try {
+    warnOfOtherParent(message->header.stamp);
     on_ready_(lookUp(message));
   } catch (const std::exception& error) {
     refuse("no-transform", error.what());
   }
+}
+
+/// Without odometry the node publishes map -> base; where somebody else publishes a parent of the
+/// base too, tf jumps between the two.
+void ScanInput::warnOfOtherParent(const ros::Time& stamp) const {
+  std::string parent;
+  if (config_.usesOdometry() || !config_.pub_map_odom_transform) return;
+  if (!buffer_._getParent(config_.base_frame, stamp, parent) || parent == config_.map_frame) return;
+  ROS_WARN_THROTTLE(kComplainEvery,
+                    "tf has '%s' as parent of the base frame '%s', so '%s' cannot be its parent "
+                    "too: if it is an odometry, set ~odom_frame to '%s'; else set ~base_frame to "
+                    "the topmost frame of the vehicle.",
+                    parent.c_str(), config_.base_frame.c_str(), config_.map_frame.c_str(),
+                    parent.c_str());
 }
 
 ReadyScan ScanInput::lookUp(const sensor_msgs::LaserScanConstPtr& message) const {

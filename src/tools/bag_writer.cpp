@@ -19,10 +19,13 @@ namespace {
 const std::string kLaserFrame = "laser";
 const std::string kBaseFrame = "base_link";
 const std::string kOdomFrame = "odom";
+// Players do not keep the order of messages with the same time: tf is recorded 1 us before its
+// scan.
+const ros::Duration kAhead(0, 1000);
 
 bool fitsRosTime(double seconds) {
   // 0 means "no stamp" to ROS, and rosbag refuses times before ros::TIME_MIN.
-  constexpr double kMin = 1e-6;
+  constexpr double kMin = 1e-3;
   return seconds >= kMin &&
          seconds < static_cast<double>(std::numeric_limits<std::uint32_t>::max());
 }
@@ -107,8 +110,9 @@ void writeScan(rosbag::Bag& bag, const RecordedScan& scan, BagStamps stamps) {
   const ros::Time time(scan.time);
   const ros::Time stamp = stamps == BagStamps::kRecorded ? ros::Time(scan.scan.stamp) : time;
   if (scan.odom_T_base) {
-    bag.write("/odom", time, toOdometry(*scan.odom_T_base, stamp));
-    bag.write("/tf", time, toOdometryTransform(*scan.odom_T_base, stamp));
+    const ros::Time before = time - kAhead;
+    bag.write("/odom", before, toOdometry(*scan.odom_T_base, stamp));
+    bag.write("/tf", before, toOdometryTransform(*scan.odom_T_base, stamp));
   }
   bag.write("/scan", time, toMessage(scan.scan, stamp));
 }
@@ -121,7 +125,7 @@ BagSummary writeMessages(rosbag::Bag& bag, Recording& recording, BagStamps stamp
       ++summary.unwritable;
       continue;
     }
-    if (summary.scans == 0) writeMounting(bag, scan.base_T_laser, ros::Time(scan.time));
+    if (summary.scans == 0) writeMounting(bag, scan.base_T_laser, ros::Time(scan.time) - kAhead);
     writeScan(bag, scan, stamps);
     ++summary.scans;
   }

@@ -36,8 +36,8 @@ void addErrorPanels(const std::string& title, const std::vector<PoseError>& erro
     translation.points.emplace_back(error.stamp - start, error.translation_m);
     rotation.points.emplace_back(error.stamp - start, error.rotation_deg);
   }
-  panels.push_back({title + ": translation", "time, s", "error, m", {translation}});
-  panels.push_back({title + ": rotation", "time, s", "error, deg", {rotation}});
+  panels.push_back({title + ": translation", "time, s", "error, m", {translation}, false, true});
+  panels.push_back({title + ": rotation", "time, s", "error, deg", {rotation}, false, true});
 }
 
 }  // namespace

@@ -72,6 +72,7 @@ void setRanges(const PlotPanel& panel, Frame& frame) {
       frame.y.include(point.y());
     }
   }
+  if (panel.from_zero) frame.y.include(0.0);
   makeUsable(frame.x);
   makeUsable(frame.y);
   if (!panel.equal_axes) return;

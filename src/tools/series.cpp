@@ -27,9 +27,10 @@ std::vector<std::size_t> minMaxIndices(const std::vector<double>& values, std::s
     const auto first = static_cast<std::ptrdiff_t>(1 + s * (n - 2) / stretches);
     const auto last = static_cast<std::ptrdiff_t>(1 + (s + 1) * (n - 2) / stretches);
     const auto [low, high] = std::minmax_element(begin + first, begin + last);
-    const auto [a, b] = std::minmax(low - begin, high - begin);
-    indices.push_back(static_cast<std::size_t>(a));
-    if (b != a) indices.push_back(static_cast<std::size_t>(b));
+    const auto a = static_cast<std::size_t>(std::min(low, high) - begin);
+    const auto b = static_cast<std::size_t>(std::max(low, high) - begin);
+    indices.push_back(a);
+    if (b != a) indices.push_back(b);
   }
   indices.push_back(n - 1);
   return indices;

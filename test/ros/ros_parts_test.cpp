@@ -41,13 +41,15 @@ TEST(BoundedQueue, CloseEndsTheWaiting) {
 
 TEST(FairMutex, LetsOthersInBetween) {
   FairMutex mutex;
-  std::atomic<bool> stop{false};
+  std::atomic<bool> started{false}, stop{false};
   std::thread greedy([&] {
     while (!stop) {
       const std::lock_guard<FairMutex> lock(mutex);
+      started = true;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
   });
+  while (!started) std::this_thread::yield();
   const auto start = std::chrono::steady_clock::now();
   for (int i = 0; i < 20; ++i) const std::lock_guard<FairMutex> lock(mutex);
   const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - start;

@@ -49,6 +49,7 @@ class ScanInput {
   bool needsTransform(const sensor_msgs::LaserScan& message) const;
   void explainWaiting(const sensor_msgs::LaserScan& message);
   std::string missingTransform(const sensor_msgs::LaserScan& message) const;
+  void warnOfOtherParent(const ros::Time& stamp) const;
   ReadyScan lookUp(const sensor_msgs::LaserScanConstPtr& message) const;
 
   NodeConfig config_;

@@ -20,6 +20,7 @@ struct PlotPanel {
   std::string title, x_label, y_label;
   std::vector<PlotSeries> series;
   bool equal_axes = false;  ///< a metre is as long in x as in y
+  bool from_zero = false;   ///< y = 0 is always in sight
   double height = 1.0;      ///< share of the picture, relative to the other panels
 };
 
