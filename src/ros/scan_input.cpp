@@ -14,6 +14,10 @@ namespace {
 constexpr std::uint32_t kWaitingScans = 50;  // that may wait for tf: more than a second of a laser
 constexpr double kExplainAfter = 1.0;        // s of waiting before a message
 constexpr double kComplainEvery = 5.0;       // s
+// tf arrives on the thread of the scans: tf2 is not safe where a message filter asks for frames
+// while another thread adds them.
+constexpr bool kOwnTfThread = false;
+constexpr double kRemindEvery = 60.0;  // s; of what goes on and on
 // Stamps that jump back farther are those of a restarted recording, not of a late scan.
 constexpr double kClockJump = 2.0;  // s
 
@@ -28,7 +32,7 @@ ScanInput::ScanInput(ros::NodeHandle nh, const NodeConfig& config, ScanStatistic
     : config_(config),
       statistics_(statistics),
       on_ready_(std::move(on_ready)),
-      listener_(buffer_),
+      listener_(buffer_, nh, kOwnTfThread),
       filter_(buffer_, config.base_frame, kWaitingScans, nh) {
   if (config.usesOdometry()) filter_.setTargetFrames({config.base_frame, config.odom_frame});
   filter_.registerCallback(&ScanInput::onReady, this);
@@ -141,7 +145,7 @@ void ScanInput::warnOfOtherParent(const ros::Time& stamp) const {
   std::string parent;
   if (config_.usesOdometry() || !config_.pub_map_odom_transform) return;
   if (!buffer_._getParent(config_.base_frame, stamp, parent) || parent == config_.map_frame) return;
-  ROS_WARN_THROTTLE(kComplainEvery,
+  ROS_WARN_THROTTLE(kRemindEvery,
                     "tf has '%s' as parent of the base frame '%s', so '%s' cannot be its parent "
                     "too: if it is an odometry, set ~odom_frame to '%s'; else set ~base_frame to "
                     "the topmost frame of the vehicle.",

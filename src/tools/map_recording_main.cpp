@@ -39,6 +39,7 @@ struct Arguments {
   bool no_timing = false;
   bool quiet = false;
   bool list_parameters = false;
+  bool version = false;
 };
 
 void declareOptions(CLI::App& app, Arguments& arguments) {
@@ -60,6 +61,7 @@ void declareOptions(CLI::App& app, Arguments& arguments) {
   app.add_flag("--quiet", arguments.quiet, "only warnings and errors");
   app.add_flag("--list-parameters", arguments.list_parameters,
                "print all parameters with their defaults as YAML, and stop");
+  app.add_flag("--version", arguments.version, "print the version, and stop");
 }
 
 /// The file's name without its folder and without the endings of recordings.
@@ -124,15 +126,13 @@ void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& 
 }
 
 void printSummary(const fs::path& folder, const OfflineRun& run) {
-  constexpr double kMillisecondsPerSecond = 1e3;
   const std::size_t scans = run.scans.size();
-  const double ms = kMillisecondsPerSecond * run.processing_s / static_cast<double>(scans);
   const MatchSummary match = summarize(run.scans);
   std::printf("%-12s%zu processed, %zu dropped, %zu lost\n", "scans", scans, run.droppedCount(),
               match.lost);
   std::printf("%-12s%.1f m in %.0f s\n", "distance", run.distance_m, run.duration_s);
-  std::printf("%-12s%.3f ms a scan, %.0f x real time, %.0f MB\n", "time", ms, run.speedFactor(),
-              run.peak_memory_mb);
+  std::printf("%-12s%.3f ms a scan, %.0f x real time, %.0f MB\n", "time", scanTimes(run).mean,
+              run.speedFactor(), run.peak_memory_mb);
   for (const auto& [what, file] : {std::pair{"map", "map.yaml"},
                                    {"trajectory", "trajectory.tum"},
                                    {"statistics", "stats.json"},
@@ -160,10 +160,10 @@ void mapRecording(const Arguments& arguments) {
   info.description = recording->description();
   const fs::path folder =
       arguments.output.empty() ? nameOf(arguments.recording) + "_map" : arguments.output;
-  prepareOutput(folder);
-
   std::signal(SIGINT, requestStop);
   std::signal(SIGTERM, requestStop);
+  prepareOutput(folder);
+
   const OfflineRun run = mapIt(*recording, info, arguments.quiet);
   if (run.scans.empty()) refuseEmpty(arguments.recording, run);
   writeOutputs(folder, run, info);
@@ -177,14 +177,17 @@ int runTool(int argc, char** argv) {
   CLI::App app("Maps a recording of a 2D laser and writes the map, the trajectory and a report.");
   Arguments arguments;
   declareOptions(app, arguments);
-  app.set_version_flag("--version", kVersion);
   try {
     app.parse(argc, argv);
-    if (arguments.recording.empty() && !arguments.list_parameters) {
+    if (arguments.recording.empty() && !arguments.list_parameters && !arguments.version) {
       throw CLI::RequiredError("RECORDING");
     }
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kSuccess : kWrongUsage;
+  }
+  if (arguments.version) {
+    std::puts(kVersion);
+    return kSuccess;
   }
   if (arguments.list_parameters) {
     std::fputs(defaultParametersYaml().c_str(), stdout);

@@ -1,0 +1,89 @@
+// Times of the single operations in a simulated laboratory: 1081 beams, 5 cm cells.
+
+#include <benchmark/benchmark.h>
+
+#include <memory>
+#include <vector>
+
+#include "kestrel_slam/map/submap.h"
+#include "kestrel_slam/matching/matcher.h"
+#include "kestrel_slam/sensor/level_projector.h"
+#include "kestrel_slam/tools/simulator.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr std::uint64_t kSeed = 1;
+constexpr std::size_t kMapScans = 100;
+
+/// A map of the start of a flight, and one more scan to match with it.
+struct Scene {
+  Scene() : map(OccupancyGridConfig()) {
+    const SimulatedWorld& world = simulatedWorld("laboratory");
+    LaserModel laser = laserModel("utm30lx");
+    laser.time_increment = 0.0;  // a sweep at once: no motion in it
+    const LevelProjector projector{BeamFilterConfig()};
+    const std::vector<SimulatedScan> scans = simulate(world.walls, laser, world.flight(), kSeed);
+    for (std::size_t i = 0; i <= kMapScans; ++i) {
+      scan = projector.project(scans[i].scan, Eigen::Isometry3d::Identity()).scan;
+      pose = scans[i].world_T_base;
+      if (i < kMapScans) map.insert(scan, pose);
+    }
+    for (const PlanarRay& ray : scan.rays) {
+      if (ray.hit) points.push_back(ray.end);
+    }
+  }
+
+  Submap map;
+  PlanarScan scan;
+  Pose2 pose;
+  Points points;
+};
+
+const Scene& scene() {
+  static const Scene instance;
+  return instance;
+}
+
+void match(benchmark::State& state, const char* method, const Pose2& offset) {
+  MatcherConfig config;
+  config.method = method;
+  const std::unique_ptr<Matcher> matcher = makeMatcher(config);
+  const Pose2 start = scene().pose * offset;
+  const MatchRequest request{scene().points, start, {start}, false, 1.0};
+  for (auto _ : state) benchmark::DoNotOptimize(matcher->match(scene().map, request));
+}
+
+void search(benchmark::State& state, const SearchWindow& window) {
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(searchWindow(scene().map.surface(), scene().points, scene().pose,
+                                          window, CorrelativeConfig()));
+  }
+}
+
+void insert(benchmark::State& state) {
+  for (auto _ : state) {
+    state.PauseTiming();
+    Submap map = Submap(OccupancyGridConfig());
+    map.insert(scene().scan, scene().pose);
+    state.ResumeTiming();
+    benchmark::DoNotOptimize(map.insert(scene().scan, scene().pose * Pose2(0.2, 0.0, 0.05)));
+  }
+}
+
+void snapshot(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(scene().map.grid().snapshot());
+}
+
+BENCHMARK_CAPTURE(match, hybrid, "hybrid", Pose2(0.05, 0.02, 0.03));
+BENCHMARK_CAPTURE(match, gauss_newton, "gauss_newton", Pose2(0.05, 0.02, 0.03));
+BENCHMARK_CAPTURE(match, correlative, "correlative", Pose2(0.05, 0.02, 0.03));
+BENCHMARK_CAPTURE(search, half_metre_20_deg, SearchWindow{0.5, 0.35});
+BENCHMARK_CAPTURE(search, one_metre_180_deg, SearchWindow{1.0, 3.14});
+BENCHMARK(insert);
+BENCHMARK(snapshot);
+
+}  // namespace
+}  // namespace kestrel_slam
+
+BENCHMARK_MAIN();

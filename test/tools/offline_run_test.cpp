@@ -1,0 +1,142 @@
+#include "kestrel_slam/tools/offline_run.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stdexcept>
+
+#include "tools/room_log.h"
+#include "tools/temporary_folder.h"
+
+namespace kestrel_slam {
+namespace {
+
+/// The room flight, with what a test wants to go wrong.
+class RoomRecording : public Recording {
+ public:
+  explicit RoomRecording(int scans) : scans_(scans) {}
+
+  bool next(RecordedScan& scan) override {
+    if (i_ == breaks_at) throw std::runtime_error("the file is cut off");
+    if (i_ == scans_) return false;
+    scan = RecordedScan();
+    scan.scan = RoomFlight::scan(i_);
+    if (i_ == invalid_at) {
+      scan.scan.ranges.assign(scan.scan.ranges.size(), std::numeric_limits<float>::quiet_NaN());
+    }
+    scan.time = scan.scan.stamp;
+    if (i_ == late_stamp_at) scan.scan.stamp -= 0.9;
+    if (i_ != no_odometry_at) scan.odom_T_base = Pose2(RoomFlight::x(i_), 0.0, 0.0);
+    ++i_;
+    return true;
+  }
+  std::size_t scanCount() const override { return static_cast<std::size_t>(scans_); }
+  std::string description() const override { return "a room"; }
+  bool hasOdometry() const override { return true; }
+
+  void skip(const std::string& reason, std::size_t count) { skipped_[reason] = count; }
+  void warn(const std::string& warning) { warnings_.push_back(warning); }
+
+  int breaks_at = -1, invalid_at = -1, late_stamp_at = -1, no_odometry_at = -1;
+
+ private:
+  int scans_;
+  int i_ = 0;
+};
+
+TEST(OfflineRunTest, FollowsAFlightThroughARoom) {
+  RoomRecording recording(41);
+  const OfflineRun run = runOffline(recording, SlamConfig(), false);
+  ASSERT_EQ(run.trajectory.size(), 41U);
+  ASSERT_EQ(run.scans.size(), 41U);
+  EXPECT_NEAR(run.trajectory.back().pose.x, 2.0, 0.03);
+  EXPECT_NEAR(run.trajectory.back().pose.y, 0.0, 0.03);
+  EXPECT_NEAR(run.distance_m, 2.0, 0.1);
+  EXPECT_NEAR(run.duration_s, 4.0, 1e-9);
+  EXPECT_EQ(run.droppedCount(), 0U);
+  EXPECT_TRUE(run.warnings.empty()) << run.warnings.front();
+  EXPECT_TRUE(run.scans.front().inserted);
+  EXPECT_FALSE(run.map.empty());
+  EXPECT_GT(run.map_memory_bytes, 0U);
+  EXPECT_GT(run.peak_memory_mb, 1.0);
+  EXPECT_GT(run.speedFactor(), 1.0);
+}
+
+TEST(OfflineRunTest, TheTrajectoryKeepsTheRecordedStamps) {
+  RoomRecording recording(5);
+  recording.late_stamp_at = 3;
+  const OfflineRun run = runOffline(recording, SlamConfig(), false);
+  ASSERT_EQ(run.trajectory.size(), 5U);
+  EXPECT_EQ(run.trajectory[2].stamp, RoomFlight::stamp(2));
+  EXPECT_EQ(run.trajectory[3].stamp, RoomFlight::stamp(3) - 0.9);
+  EXPECT_EQ(run.scans[3].time, RoomFlight::stamp(3));
+}
+
+TEST(OfflineRunTest, AScanWithoutValidBeamsIsDroppedAndCounted) {
+  RoomRecording recording(10);
+  recording.invalid_at = 4;
+  const OfflineRun run = runOffline(recording, SlamConfig(), false);
+  EXPECT_EQ(run.trajectory.size(), 9U);
+  const std::map<std::string, std::size_t> expected = {{toString(ScanError::kNoValidBeam), 1}};
+  EXPECT_EQ(run.dropped, expected);
+  ASSERT_EQ(run.warnings.size(), 1U);
+  EXPECT_CONTAINS(run.warnings[0],
+                  "scans dropped (" + std::string(toString(ScanError::kNoValidBeam)));
+  EXPECT_CONTAINS(run.warnings[0], "at 0.4 s (scan 5)");
+}
+
+TEST(OfflineRunTest, WhatTheRecordingSkippedIsCountedToo) {
+  RoomRecording recording(3);
+  recording.skip("broken line", 2);
+  recording.warn("line 7 is broken");
+  const OfflineRun run = runOffline(recording, SlamConfig(), false);
+  EXPECT_EQ(run.droppedCount(), 2U);
+  EXPECT_EQ(run.dropped.at("broken line"), 2U);
+  EXPECT_EQ(run.warnings, std::vector<std::string>{"line 7 is broken"});
+}
+
+TEST(OfflineRunTest, ARecordingThatBreaksOffKeepsWhatCameBefore) {
+  RoomRecording recording(10);
+  recording.breaks_at = 6;
+  const OfflineRun run = runOffline(recording, SlamConfig(), false);
+  EXPECT_EQ(run.trajectory.size(), 6U);
+  EXPECT_FALSE(run.map.empty());
+  EXPECT_EQ(run.warnings, std::vector<std::string>{
+                              "the recording breaks off after 6 scans: the file is cut off"});
+}
+
+TEST(OfflineRunTest, TheCallbackSeesEveryScanAndCanStop) {
+  RoomRecording recording(10);
+  std::vector<std::size_t> done;
+  const OfflineRun run =
+      runOffline(recording, SlamConfig(), false, [&](const OfflineProgress& progress) {
+        EXPECT_EQ(progress.total, 10U);
+        done.push_back(progress.done);
+        return progress.done < 4;
+      });
+  EXPECT_EQ(done, (std::vector<std::size_t>{1, 2, 3, 4}));
+  EXPECT_EQ(run.trajectory.size(), 4U);
+  EXPECT_EQ(run.warnings, std::vector<std::string>{"stopped early, after 4 of 10 scans"});
+}
+
+TEST(OfflineRunTest, MissingOdometryIsReportedOnlyWhereItIsUsed) {
+  RoomRecording with(10), without(10);
+  with.no_odometry_at = without.no_odometry_at = 5;
+  const OfflineRun used = runOffline(with, SlamConfig(), true);
+  EXPECT_EQ(used.warnings,
+            std::vector<std::string>{"1 of 10 scans had no odometry and used the laser alone, the "
+                                     "first at 0.5 s (scan 6)"});
+  EXPECT_TRUE(runOffline(without, SlamConfig(), false).warnings.empty());
+}
+
+TEST(OfflineRunTest, AnEmptyRecordingGivesAnEmptyRun) {
+  RoomRecording recording(0);
+  const OfflineRun run = runOffline(recording, SlamConfig(), false);
+  EXPECT_TRUE(run.trajectory.empty());
+  EXPECT_TRUE(run.map.empty());
+  EXPECT_EQ(run.duration_s, 0.0);
+  EXPECT_EQ(run.distance_m, 0.0);
+}
+
+}  // namespace
+}  // namespace kestrel_slam
