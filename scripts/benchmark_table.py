@@ -1,4 +1,5 @@
 """benchmark_table.py [--quick] BUILD DATA OUTPUT: maps the recordings and prints the tables."""
+import bz2
 import json
 import os
 import subprocess
@@ -12,20 +13,21 @@ MATCHER_SCANS = 1000
 
 
 def run(build, log, output, *options):
-    """Maps one recording; returns its statistics and the errors of its relations, if it has any."""
+    """Maps one recording and returns its statistics."""
     subprocess.run([f"{build}/map_recording", log, "--output", output, "--quiet", *options],
                    check=True)
     with open(f"{output}/stats.json") as file:
-        stats = json.load(file)
-    return stats
+        return json.load(file)
 
 
 def relations(build, data, name, output):
+    """The errors of the relations whose scans were mapped; None where there is no reference."""
     path = f"{data}/{name}.relations"
     if not os.path.exists(path):
         return None
     subprocess.run([f"{build}/evaluate_trajectory", f"{output}/trajectory.tum", "--relations", path,
-                    "--json", f"{output}/relations.json"], check=True, stdout=subprocess.DEVNULL)
+                    "--json", f"{output}/relations.json"], check=True, stdout=subprocess.DEVNULL,
+                   stderr=subprocess.DEVNULL)
     with open(f"{output}/relations.json") as file:
         return json.load(file)["relations"]["all"]
 
@@ -76,7 +78,6 @@ def accuracy_table(build, data, output, quick):
 
 def first_scans(log, path, count):
     """Writes the head of a log, with `count` scans."""
-    import bz2
     with bz2.open(log, "rt") as source, open(path, "w") as target:
         scans = 0
         for line in source:
