@@ -189,7 +189,7 @@ void SurfelField::remove(const Cell& cell) {
         surfel.cell.y < low.y - kReachCells || surfel.cell.y > high.y + kReachCells) {
       return;
     }
-    adopters_.push_back({surfel.mean * inverse_resolution_, other});
+    adopters_.push_back({surfel.mean * inverse_resolution_, surfel.cell, other});
   });
   for (const Cell& lonely : orphans_) adopt(lonely);
   free_.push_back(id);
@@ -217,9 +217,12 @@ void SurfelField::orphan(std::uint32_t id) {
 /// Finds the nearest of the adopters for a cell.
 void SurfelField::adopt(const Cell& orphan) {
   const float x = static_cast<float>(orphan.x) + 0.5F, y = static_cast<float>(orphan.y) + 0.5F;
-  float best2 = kReachCells * kReachCells;
+  float best2 = (kReachCells + 1) * (kReachCells + 1);
   std::uint32_t best = kNone;
   for (const Adopter& adopter : adopters_) {
+    // Only within the disk that `spread` fills: `orphan` looks there when the adopter goes.
+    const int dx = adopter.cell.x - orphan.x, dy = adopter.cell.y - orphan.y;
+    if (dx * dx + dy * dy > kReachCells * kReachCells) continue;
     const float ex = adopter.mean.x() - x, ey = adopter.mean.y() - y;
     if (ex * ex + ey * ey >= best2) continue;
     best2 = ex * ex + ey * ey;

@@ -1,5 +1,6 @@
 #include "kestrel_slam/mapping/mapper.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "kestrel_slam/map/submap.h"
@@ -12,6 +13,29 @@ namespace {
 constexpr double kMaxStepM = 1.0;
 /// Largest factor of the search windows after a long lost state.
 constexpr double kMaxSearchScale = 4.0;
+
+/// No laser sees farther, and no vehicle flies farther from its start: beyond this, or not finite,
+/// a number is broken and is not used.
+constexpr float kMaxRayM = 1e4F;
+constexpr double kMaxPositionM = 1e6;
+
+bool isUsable(const PlanarRay& ray) {
+  // Written so that NaN fails.
+  return ray.origin.cwiseAbs().sum() < kMaxRayM && ray.end.cwiseAbs().sum() < kMaxRayM;
+}
+
+bool isUsable(const Pose2& pose) {
+  return pose.isFinite() && std::abs(pose.x) < kMaxPositionM && std::abs(pose.y) < kMaxPositionM;
+}
+
+/// The scan without its broken rays.
+PlanarScan repaired(const PlanarScan& scan) {
+  PlanarScan result = scan;
+  const auto broken = [](const PlanarRay& ray) { return !isUsable(ray); };
+  result.rays.erase(std::remove_if(result.rays.begin(), result.rays.end(), broken),
+                    result.rays.end());
+  return result;
+}
 
 Points hitsOf(const PlanarScan& scan) {
   Points points;
@@ -88,7 +112,7 @@ MatchState Mapper::State::judge(const MatchResult& match) const {
 void Mapper::State::move(const MatchResult& match, const Pose2& prediction,
                          MatchState match_state) {
   const bool lost = match_state == MatchState::kLost;
-  const Pose2 next = lost ? prediction : match.pose;
+  const Pose2 next = !lost ? match.pose : isUsable(prediction) ? prediction : pose;
   motion = lost || placed ? Pose2() : pose.inverse() * next;
   if (motion.distance() > kMaxStepM) motion = Pose2();
   pose = next;
@@ -108,6 +132,11 @@ Mapper::Mapper(Mapper&&) noexcept = default;
 Mapper& Mapper::operator=(Mapper&&) noexcept = default;
 
 MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {
+  const auto usable = [](const PlanarRay& ray) { return isUsable(ray); };
+  if (!std::all_of(scan.rays.begin(), scan.rays.end(), usable)) {
+    return process(repaired(scan), odom_T_base);
+  }
+  if (odom_T_base && !isUsable(*odom_T_base)) return process(scan);
   State& s = *state_;
   MapperResult result;
   const Points points = hitsOf(scan);
@@ -141,12 +170,14 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
 }
 
 void Mapper::reset(const Pose2& map_T_base) {
+  if (!isUsable(map_T_base)) return;
   const MapperConfig config = state_->config;
   state_ = std::make_unique<State>(config);
   state_->pose = map_T_base;
 }
 
 void Mapper::setPose(const Pose2& map_T_base) {
+  if (!isUsable(map_T_base)) return;
   state_->pose = map_T_base;
   state_->motion = Pose2();
   state_->odom.reset();

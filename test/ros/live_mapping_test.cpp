@@ -178,13 +178,15 @@ TEST_F(LiveMapping, TrajectoryFollowsThePath) {
 }
 
 TEST_F(LiveMapping, DiagnosticsCountTheScans) {
-  EXPECT_EQ(client_->diagnosis("Scans", "received"), std::to_string(kScans));
-  EXPECT_EQ(client_->diagnosis("Scans", "used"), std::to_string(kScans));
-  EXPECT_EQ(client_->diagnosis("Match", "state"), "ok");
-  EXPECT_EQ(client_->diagnosis("Match", "level"), "0");
-  EXPECT_GT(std::stod(client_->diagnosis("Match", "score")), 0.5);
-  EXPECT_NEAR(std::stod(client_->diagnosis("Map", "width (m)")), 8.0, 4.0);
-  EXPECT_GT(std::stod(client_->diagnosis("Map", "memory (MB)")), 0.01);
+  auto scans = client_->report("Scans"), match = client_->report("Match");
+  auto map = client_->report("Map");
+  EXPECT_EQ(scans["received"], std::to_string(kScans));
+  EXPECT_EQ(scans["used"], std::to_string(kScans));
+  EXPECT_EQ(match["state"], "ok");
+  EXPECT_EQ(match["level"], "0");
+  EXPECT_GT(std::stod(match["score"]), 0.5);
+  EXPECT_NEAR(std::stod(map["width (m)"]), 8.0, 4.0);
+  EXPECT_GT(std::stod(map["memory (MB)"]), 0.01);
 }
 
 TEST_F(LiveMapping, DiagnosticsWarnOfASilentLaser) {

@@ -29,8 +29,9 @@ TEST(LiveTransforms, WaitsForALateMounting) {
     client.waitFor([] { return false; }, 0.1);
   }
   EXPECT_EQ(client.poses_received, 0U);
-  EXPECT_EQ(client.diagnosis("Scans", "level"), "2");
-  const std::string text = client.diagnosis("Scans", "message");
+  auto report = client.report("Scans");
+  EXPECT_EQ(report["level"], "2");
+  const std::string text = report["message"];
   EXPECT_NE(text.find("'late_laser'"), std::string::npos) << text;
   EXPECT_NE(text.find("'late_base'"), std::string::npos) << text;
   EXPECT_NE(text.find("static_transform_publisher"), std::string::npos) << text;
@@ -41,13 +42,14 @@ TEST(LiveTransforms, WaitsForALateMounting) {
   for (; i < flight.scans.size(); ++i) {
     EXPECT_TRUE(client.match(messageOf(flight.scans[i].scan, "late_laser"))) << "scan " << i;
   }
-  EXPECT_EQ(client.diagnosis("Scans", "received"), "80");
-  const int used = std::stoi(client.diagnosis("Scans", "used"));
+  report = client.report("Scans");
+  EXPECT_EQ(report["received"], "80");
+  const int used = std::stoi(report["used"]);
   EXPECT_GE(used, 30) << "all that came after the transform";
   // Fifty waited, more than the queue holds: the oldest were dropped, and counted.
-  const std::string overload = client.diagnosis("Scans", "dropped: overload");
+  const std::string overload = report["dropped: overload"];
   EXPECT_EQ(used + (overload.empty() ? 0 : std::stoi(overload)), 80);
-  EXPECT_NE(client.diagnosis("Scans", "level"), "2") << "nothing is missing any more";
+  EXPECT_NE(report["level"], "2") << "nothing is missing any more";
   EXPECT_EQ(client.parents["late_base"], std::set<std::string>{"map"});
 }
 

@@ -122,11 +122,10 @@ std::optional<Pose2> MapperClient::match(const sensor_msgs::LaserScan& scan, dou
   return poseOf(pose.pose);
 }
 
-std::string MapperClient::diagnosis(const std::string& item, const std::string& key) {
+std::map<std::string, std::string> MapperClient::report(const std::string& item) {
   diagnostics_.clear();
-  const auto reported = [&] { return diagnostics_.count(item) > 0; };
-  if (!waitFor(reported) || diagnostics_[item].count(key) == 0) return "";
-  return diagnostics_[item][key];
+  waitFor([&] { return diagnostics_.count(item) > 0; });
+  return diagnostics_[item];
 }
 
 void MapperClient::onTransforms(const tf2_msgs::TFMessage& message) {

@@ -64,9 +64,14 @@ class MapperClient {
   /// Publishes a scan and waits for its pose.
   std::optional<Pose2> match(const sensor_msgs::LaserScan& scan, double timeout_s = 5.0);
 
-  /// The value of a key of a diagnostics item ("Scans", "Match", "Map") in the next report that
-  /// has it; an empty text if there is none. "level" and "message" are those of the item.
-  std::string diagnosis(const std::string& item, const std::string& key);
+  /// The next report of a diagnostics item ("Scans", "Match", "Map") by key; "level" and "message"
+  /// are those of the item. Empty if none comes.
+  std::map<std::string, std::string> report(const std::string& item);
+
+  /// One value of the next report; empty where it has none.
+  std::string diagnosis(const std::string& item, const std::string& key) {
+    return report(item)[key];
+  }
 
   ros::NodeHandle nh;
   tf2_ros::StaticTransformBroadcaster static_broadcaster;

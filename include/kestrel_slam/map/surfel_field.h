@@ -96,6 +96,7 @@ class SurfelField {
   std::vector<Cell> orphans_;            ///< of a removal: cells whose nearest surfel it was,
   struct Adopter {
     Eigen::Vector2f mean;  ///< in cells
+    Cell cell;
     std::uint32_t id;
   };
   std::vector<Adopter> adopters_;  ///< and the surfels that can take its place

@@ -42,11 +42,13 @@ class Mapper {
 
   /// Finds the pose of `scan` and inserts it into the map where the vehicle moved enough and the
   /// fit is good. `odom_T_base` is the odometry at the scan's time, in any continuous frame; only
-  /// its increments are used. Throws nothing; a scan without rays gives the prediction, kLost.
+  /// its increments are used. Throws nothing: rays and odometry that are not finite, or farther
+  /// away than any sensor sees, are left out; a scan without hits gives the last pose, kLost.
   MapperResult process(const PlanarScan& scan,
                        const std::optional<Pose2>& odom_T_base = std::nullopt);
 
-  /// Forgets everything; the next scan starts a new map at `map_T_base`.
+  /// Forgets everything; the next scan starts a new map at `map_T_base`. Ignored where that is not
+  /// finite, as in setPose.
   void reset(const Pose2& map_T_base = Pose2());
 
   /// Keeps the map and places the vehicle; the next scan is searched for around `map_T_base`.

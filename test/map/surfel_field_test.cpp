@@ -1,0 +1,122 @@
+#include "kestrel_slam/map/surfel_field.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+#include "kestrel_slam/map/submap.h"
+#include "room.h"
+
+namespace kestrel_slam {
+namespace {
+
+/// The surfel of the cell itself, or nullptr.
+const Surfel* surfelOf(const Submap& map, const Cell& cell) {
+  const Surfel* surfel = map.surface().nearest(map.grid().centerOf(cell));
+  return surfel != nullptr && surfel->cell == cell ? surfel : nullptr;
+}
+
+/// Scans of a room whose walls come and go.
+void insertRandomly(Submap& map, std::mt19937_64& random, int scans) {
+  std::uniform_real_distribution<double> offset(-1.5, 1.5), angle(-kPi, kPi);
+  for (int i = 0; i < scans; ++i) {
+    std::vector<room::Segment> walls = room::walls();
+    walls.resize(4 + random() % (walls.size() - 3));
+    const Pose2 pose(offset(random), offset(random), angle(random));
+    map.insert(room::scanFrom(pose, walls, 180), pose);
+  }
+}
+
+TEST(SurfelField, IsExactlyWhereTheGridIsOccupied) {
+  std::mt19937_64 random(7);
+  Submap map{OccupancyGridConfig()};
+  for (int round = 0; round < 20; ++round) {
+    insertRandomly(map, random, 3);
+    std::size_t occupied = 0;
+    for (int y = -90; y < 90; ++y) {
+      for (int x = -110; x < 110; ++x) {
+        const bool is_occupied = map.grid().isOccupied({x, y});
+        occupied += is_occupied ? 1U : 0U;
+        ASSERT_EQ(surfelOf(map, {x, y}) != nullptr, is_occupied) << x << " " << y;
+      }
+    }
+    ASSERT_EQ(map.surface().size(), occupied);
+  }
+}
+
+TEST(SurfelField, NearestAgreesWithBruteForceAfterInsertionsAndRemovals) {
+  std::mt19937_64 random(8);
+  Submap map{OccupancyGridConfig()};
+  insertRandomly(map, random, 60);
+  std::vector<const Surfel*> all;
+  for (int y = -90; y < 90; ++y) {
+    for (int x = -110; x < 110; ++x) {
+      if (const Surfel* surfel = surfelOf(map, {x, y})) all.push_back(surfel);
+    }
+  }
+  // Means move after their surfel was spread, by less than a cell: both distances of a comparison
+  // may be off by that.
+  const float tolerance = 2.0F * 0.05F;
+  const float reach = SurfelField::kReachCells * 0.05F;
+  for (int y = -90; y < 90; y += 3) {
+    for (int x = -110; x < 110; x += 3) {
+      const Eigen::Vector2f center = map.grid().centerOf({x, y});
+      float nearest = 1e9F;
+      for (const Surfel* surfel : all) nearest = std::min(nearest, (surfel->mean - center).norm());
+      const Surfel* found = map.surface().nearest(center);
+      if (nearest < reach - tolerance) {
+        ASSERT_NE(found, nullptr) << x << " " << y;
+        ASSERT_LT((found->mean - center).norm(), nearest + tolerance);
+      } else if (nearest > reach + tolerance) {
+        ASSERT_EQ(found, nullptr) << x << " " << y;
+      }
+    }
+  }
+}
+
+TEST(SurfelField, MeanIsThatOfTheHitsAndTheShapeThatOfTheWall) {
+  // A wall along the direction 0.3 rad, seen from 3 m with a beam every 2 cm.
+  Submap map{OccupancyGridConfig()};
+  const Eigen::Vector2f along(std::cos(0.3F), std::sin(0.3F)), normal(-along.y(), along.x());
+  PlanarScan scan;
+  for (int i = -75; i <= 75; ++i) {
+    scan.rays.push_back({Eigen::Vector2f::Zero(),
+                         3.0F * normal + 0.02F * static_cast<float>(i) * along, true});
+  }
+  map.insert(scan, Pose2());
+  int checked = 0;
+  for (int i = -60; i <= 60; i += 10) {
+    const Surfel* surfel = map.surface().nearest(3.0F * normal + 0.02F * static_cast<float>(i) * along);
+    ASSERT_NE(surfel, nullptr);
+    EXPECT_NEAR(surfel->mean.dot(normal), 3.0F, 1e-3F);
+    const float across = surfel->a11 * normal.x() * normal.x() +
+                         2 * surfel->a12 * normal.x() * normal.y() +
+                         surfel->a22 * normal.y() * normal.y();
+    const float lengthwise = surfel->a11 * along.x() * along.x() +
+                             2 * surfel->a12 * along.x() * along.y() +
+                             surfel->a22 * along.y() * along.y();
+    EXPECT_NEAR(across, 1.0F, 0.02F);
+    EXPECT_NEAR(lengthwise, SurfelField::kAlongWeight, 0.02F);
+    ++checked;
+  }
+  EXPECT_EQ(checked, 13);
+}
+
+TEST(SurfelField, SparseHitsOfOneScanMakeALine) {
+  // Hits 0.4 m apart: no neighbours in the map, but neighbours in the scan.
+  Submap map{OccupancyGridConfig()};
+  PlanarScan scan;
+  for (int i = -5; i <= 5; ++i) {
+    scan.rays.push_back({Eigen::Vector2f::Zero(),
+                         Eigen::Vector2f(0.4F * static_cast<float>(i), 2.02F), true});
+  }
+  map.insert(scan, Pose2());
+  const Surfel* surfel = map.surface().nearest({0.4F, 2.02F});
+  ASSERT_NE(surfel, nullptr);
+  EXPECT_NEAR(surfel->a22, 1.0F, 1e-3F);
+  EXPECT_NEAR(surfel->a11, SurfelField::kAlongWeight, 1e-3F);
+}
+
+}  // namespace
+}  // namespace kestrel_slam

@@ -1,0 +1,119 @@
+// The real recordings, laser only and with odometry, against the limits that the README promises.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "kestrel_slam/mapping/mapper.h"
+#include "kestrel_slam/mapping/parameters.h"
+#include "kestrel_slam/sensor/level_projector.h"
+#include "kestrel_slam/tools/evaluation.h"
+#include "kestrel_slam/tools/recording.h"
+#include "kestrel_slam/tools/trajectory.h"
+
+namespace kestrel_slam {
+namespace {
+
+std::string dataFile(const std::string& name) {
+  const char* folder = std::getenv("KESTREL_DATA");
+  return (folder != nullptr ? std::string(folder)
+                            : std::string(KESTREL_SOURCE_DIR) + "/../shared/data") +
+         "/freiburg/" + name;
+}
+
+struct LogRun {
+  Trajectory trajectory;
+  MapSnapshot map;
+  std::size_t scans = 0;
+  std::size_t lost = 0;
+  std::size_t memory_bytes = 0;
+};
+
+LogRun mapLog(const std::string& name, bool use_odometry, const SlamConfig& config = SlamConfig()) {
+  const std::unique_ptr<Recording> recording = openRecording(dataFile(name + ".clf.bz2"));
+  const LevelProjector projector(config.beams);
+  Mapper mapper(config.mapper);
+  LogRun run;
+  RecordedScan scan;
+  while (recording->next(scan)) {
+    Projection projection = projector.project(scan.scan, scan.base_T_laser);
+    projection.scan.time = scan.time;
+    const MapperResult result =
+        mapper.process(projection.scan, use_odometry ? scan.odom_T_base : std::nullopt);
+    run.trajectory.push_back({scan.scan.stamp, result.pose});
+    run.lost += result.state == MatchState::kLost ? 1U : 0U;
+    ++run.scans;
+  }
+  run.map = mapper.snapshot();
+  run.memory_bytes = mapper.memoryBytes();
+  return run;
+}
+
+double meanError(const LogRun& run, const std::string& name) {
+  return evaluateRelations(run.trajectory, readRelations(dataFile(name + ".relations")))
+      .all.translation_m.mean;
+}
+
+class Freiburg : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(dataFile("fr079.clf.bz2"))) {
+      GTEST_SKIP() << dataFile("fr079.clf.bz2") << " is absent: set KESTREL_DATA";
+    }
+  }
+};
+
+TEST_F(Freiburg, Building79LaserOnly) {
+  const LogRun run = mapLog("fr079", false);
+  EXPECT_EQ(run.scans, 4934U);
+  EXPECT_EQ(run.lost, 0U);
+  EXPECT_LT(meanError(run, "fr079"), 0.033);
+  EXPECT_LT(run.memory_bytes, 20000000U);
+}
+
+TEST_F(Freiburg, Building79WithUnsignedOdometry) {
+  const LogRun run = mapLog("fr079", true);
+  EXPECT_EQ(run.lost, 0U);
+  EXPECT_LT(meanError(run, "fr079"), 0.033);
+}
+
+TEST_F(Freiburg, SameRecordingSameMap) {
+  const LogRun first = mapLog("fr079", true), second = mapLog("fr079", true);
+  ASSERT_EQ(first.trajectory.size(), second.trajectory.size());
+  for (std::size_t i = 0; i < first.trajectory.size(); ++i) {
+    ASSERT_EQ(first.trajectory[i].pose, second.trajectory[i].pose) << "scan " << i;
+  }
+  EXPECT_EQ(first.map.cells, second.map.cells);
+}
+
+TEST_F(Freiburg, Building79AtOtherInsertDistance) {
+  SlamConfig config;
+  config.mapper.insert_distance_m = 0.24;
+  const LogRun run = mapLog("fr079", false, config);
+  EXPECT_EQ(run.lost, 0U);
+  EXPECT_LT(meanError(run, "fr079"), 0.035);
+}
+
+TEST_F(Freiburg, IntelLaserOnly) {
+  const LogRun run = mapLog("intel", false);
+  EXPECT_EQ(run.scans, 13631U);
+  EXPECT_EQ(run.lost, 0U);
+  EXPECT_LT(meanError(run, "intel"), 0.020);
+}
+
+TEST_F(Freiburg, MitCsailLaserOnlyIsNeverLost) {
+  const LogRun run = mapLog("mit-csail", false);
+  EXPECT_EQ(run.scans, 1988U);
+  EXPECT_EQ(run.lost, 0U);
+  // Laser only and with odometry end in the same place of the same building.
+  const LogRun with_odometry = mapLog("mit-csail", true);
+  EXPECT_EQ(with_odometry.lost, 0U);
+  const Pose2 difference =
+      run.trajectory.back().pose.inverse() * with_odometry.trajectory.back().pose;
+  EXPECT_LT(difference.distance(), 0.5);
+}
+
+}  // namespace
+}  // namespace kestrel_slam

@@ -1,0 +1,197 @@
+#include "kestrel_slam/mapping/mapper.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <limits>
+#include <random>
+
+#include "room.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// A drive through the room: a figure with turns, 60 scans.
+Pose2 drive(int i) {
+  const double s = 0.1 * i;
+  return {1.2 * std::sin(s), 0.8 * std::sin(2 * s), 0.5 * s};
+}
+
+PlanarScan scanAt(int i) {
+  PlanarScan scan = room::scanFrom(drive(i));
+  scan.stamp = scan.time = 0.1 * i;
+  return scan;
+}
+
+/// Sees a circle of 1 m radius, where the room is empty.
+PlanarScan nowhere() {
+  PlanarScan circle;
+  for (int i = 0; i < 90; ++i) {
+    const auto angle = static_cast<float>(i) * 0.07F;
+    circle.rays.push_back({Eigen::Vector2f::Zero(), {std::cos(angle), std::sin(angle)}, true});
+  }
+  return circle;
+}
+
+void expectFinite(const MapperResult& result) {
+  ASSERT_TRUE(result.pose.isFinite());
+  ASSERT_TRUE(result.covariance.allFinite());
+  ASSERT_TRUE(std::isfinite(result.match.score));
+  ASSERT_FALSE(std::isnan(result.evaluation));
+}
+
+TEST(Mapper, FollowsADriveWithoutOdometry) {
+  Mapper mapper{MapperConfig()};
+  mapper.reset(drive(0));
+  for (int i = 0; i < 60; ++i) {
+    const MapperResult result = mapper.process(scanAt(i));
+    ASSERT_EQ(result.state, MatchState::kOk) << i;
+    ASSERT_LT((drive(i).inverse() * result.pose).distance(), 0.03) << i;
+    ASSERT_LT(std::abs(normalizeAngle(drive(i).theta - result.pose.theta)), 0.01) << i;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(result.covariance);
+    ASSERT_GE(solver.eigenvalues()(0), 0.0);
+  }
+}
+
+TEST(Mapper, InsertsOnMotionOnly) {
+  Mapper mapper{MapperConfig()};
+  EXPECT_TRUE(mapper.process(room::scanFrom(Pose2())).inserted);
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(mapper.process(room::scanFrom(Pose2())).inserted);
+  EXPECT_FALSE(mapper.process(room::scanFrom(Pose2(0.1, 0, 0))).inserted);
+  EXPECT_TRUE(mapper.process(room::scanFrom(Pose2(0.22, 0, 0))).inserted);
+  EXPECT_FALSE(mapper.process(room::scanFrom(Pose2(0.22, 0, 0.15))).inserted);
+  EXPECT_TRUE(mapper.process(room::scanFrom(Pose2(0.22, 0, 0.28))).inserted);
+}
+
+TEST(Mapper, AScanThatFitsNowhereIsLostAndNotInserted) {
+  Mapper mapper{MapperConfig()};
+  mapper.process(room::scanFrom(Pose2()));
+  const MapSnapshot before = mapper.snapshot();
+  for (int i = 0; i < 5; ++i) {
+    const MapperResult result = mapper.process(nowhere());
+    EXPECT_EQ(result.state, MatchState::kLost);
+    EXPECT_TRUE(result.searched);
+    EXPECT_FALSE(result.inserted);
+    EXPECT_EQ(result.pose, mapper.pose());
+  }
+  EXPECT_EQ(mapper.snapshot().cells, before.cells);
+  EXPECT_EQ(mapper.process(room::scanFrom(Pose2())).state, MatchState::kOk) << "found again";
+}
+
+TEST(Mapper, OdometryCarriesAVehicleThatSeesNothingToMatch) {
+  Mapper mapper{MapperConfig()};
+  mapper.process(room::scanFrom(Pose2()), Pose2(10, 10, 1));
+  for (int i = 1; i <= 10; ++i) {
+    EXPECT_EQ(mapper.process(nowhere(), Pose2(10, 10, 1) * Pose2(0.05 * i, 0, 0)).state,
+              MatchState::kLost);
+  }
+  // The first lost scan still went on as before, standing.
+  EXPECT_NEAR(mapper.pose().x, 0.45, 0.03);
+  const MapperResult back =
+      mapper.process(room::scanFrom(Pose2(0.55, 0, 0)), Pose2(10, 10, 1) * Pose2(0.55, 0, 0));
+  EXPECT_EQ(back.state, MatchState::kOk);
+  EXPECT_NEAR(back.pose.x, 0.55, 0.02);
+}
+
+TEST(Mapper, ResetStartsAnewAndSetPoseKeepsTheMap) {
+  Mapper mapper{MapperConfig()};
+  for (int i = 0; i < 20; ++i) mapper.process(scanAt(i));
+  mapper.reset(Pose2(5, 6, 1));
+  EXPECT_TRUE(mapper.snapshot().empty());
+  EXPECT_EQ(mapper.process(room::scanFrom(Pose2())).pose, Pose2(5, 6, 1));
+
+  mapper.reset();
+  mapper.process(room::scanFrom(Pose2()));
+  mapper.setPose(Pose2(0.9, 0.5, 0.2));  // moved by hand, and told so roughly
+  const MapperResult result = mapper.process(room::scanFrom(Pose2(1.0, 0.4, 0.3)));
+  EXPECT_EQ(result.state, MatchState::kOk);
+  EXPECT_NEAR(result.pose.x, 1.0, 0.02);
+  EXPECT_NEAR(result.pose.y, 0.4, 0.02);
+  EXPECT_NEAR(result.pose.theta, 0.3, 0.01);
+}
+
+TEST(Mapper, EvaluationFunctionKeepsScansOut) {
+  MapperConfig config;
+  config.evaluation.threshold = 1.0;  // f is at least 1: nothing may enter
+  for (const bool enabled : {true, false}) {
+    config.evaluation.enabled = enabled;
+    Mapper mapper(config);
+    mapper.process(room::scanFrom(Pose2()));
+    EXPECT_EQ(mapper.process(room::scanFrom(Pose2(0.3, 0, 0))).inserted, !enabled);
+  }
+}
+
+TEST(Mapper, IsDeterministic) {
+  Mapper first{MapperConfig()}, second{MapperConfig()};
+  for (int i = 0; i < 40; ++i) {
+    ASSERT_EQ(first.process(scanAt(i)).pose, second.process(scanAt(i)).pose);
+  }
+  EXPECT_EQ(first.snapshot().cells, second.snapshot().cells);
+}
+
+TEST(Mapper, ReportsAFullMapAndGoesOn) {
+  MapperConfig config;
+  config.grid.memory_limit_mb = 0.05;
+  Mapper mapper(config);
+  bool full = false;
+  for (int i = 0; i < 60; ++i) {
+    const MapperResult result = mapper.process(scanAt(i));
+    expectFinite(result);
+    full |= result.map_full;
+  }
+  EXPECT_TRUE(full);
+  EXPECT_LT(mapper.memoryBytes(), 2000000U);
+}
+
+TEST(Mapper, BrokenNumbersDoNotGetIn) {
+  Mapper mapper{MapperConfig()};
+  PlanarScan scan = room::scanFrom(Pose2());
+  const auto nan = std::numeric_limits<float>::quiet_NaN();
+  scan.rays.push_back({Eigen::Vector2f::Zero(), {nan, 1.0F}, true});
+  scan.rays.push_back({Eigen::Vector2f::Zero(), {1e30F, 1.0F}, true});
+  scan.rays.push_back({{std::numeric_limits<float>::infinity(), 0.0F}, {1.0F, 1.0F}, false});
+  expectFinite(mapper.process(scan, Pose2(1, 2, 3)));
+  EXPECT_LT(mapper.snapshot().width, 200);
+  Pose2 broken;
+  broken.x = kNan;
+  mapper.setPose(broken);
+  EXPECT_EQ(mapper.pose(), Pose2());
+  mapper.reset(broken);
+  EXPECT_FALSE(mapper.snapshot().empty());
+  mapper.setPose(Pose2(1e9, 0, 0));
+  EXPECT_EQ(mapper.pose(), Pose2());
+  expectFinite(mapper.process(scan, broken));
+  EXPECT_EQ(mapper.process(scan, Pose2(1, 2, 3)).state, MatchState::kOk);
+  expectFinite(mapper.process(PlanarScan()));
+}
+
+TEST(Mapper, ThousandsOfGarbageScans) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<float> place(-8.0F, 8.0F);
+  std::uniform_real_distribution<double> odometry(-1e3, 1e3);
+  MapperConfig config;
+  config.matcher.near_window = {0.1, 0.1};  // the search is exercised, not waited for
+  config.matcher.wide_window = {0.2, 0.2};
+  Mapper mapper(config);
+  for (int i = 0; i < 3000; ++i) {
+    PlanarScan scan;
+    scan.time = scan.stamp = i % 7 == 0 ? odometry(random) : 0.1 * i;
+    const std::size_t beams = random() % 20;
+    for (std::size_t k = 0; k < beams; ++k) {
+      PlanarRay ray{{place(random), place(random)}, {place(random), place(random)}, random() % 2 == 0};
+      if (random() % 50 == 0) ray.end.x() = std::numeric_limits<float>::quiet_NaN();
+      if (random() % 50 == 0) ray.end.y() *= 1e20F;
+      scan.rays.push_back(ray);
+    }
+    std::optional<Pose2> odom;
+    if (random() % 3 == 0) odom = Pose2(odometry(random), odometry(random), odometry(random));
+    if (random() % 100 == 0) mapper.setPose(Pose2(odometry(random), 0, odometry(random)));
+    if (random() % 200 == 0) mapper.reset(Pose2(0, odometry(random), 1));
+    expectFinite(mapper.process(scan, odom));
+  }
+}
+
+}  // namespace
+}  // namespace kestrel_slam
