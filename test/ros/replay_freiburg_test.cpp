@@ -1,0 +1,91 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "kestrel_slam/tools/bag_writer.h"
+#include "kestrel_slam/tools/evaluation.h"
+#include "kestrel_slam/tools/recording.h"
+#include "mapper_client.h"
+
+namespace kestrel_slam {
+namespace {
+
+/// How much of the recording is played, and how quickly.
+constexpr double kDuration = 150.0;  // s
+constexpr char kRate[] = "8";
+
+std::string dataFile(const std::string& name) {
+  const char* data = std::getenv("KESTREL_DATA");
+  const std::string folder = data != nullptr ? data : KESTREL_SOURCE_DIR "/../shared/data";
+  return folder + "/freiburg/" + name;
+}
+
+/// A folder that goes with the test.
+struct Folder {
+  std::string path;
+  Folder() {
+    std::string name =
+        (std::filesystem::temp_directory_path() / "kestrel_replay_XXXXXX").string();
+    path = mkdtemp(name.data()) != nullptr ? name : "";
+  }
+  ~Folder() { std::filesystem::remove_all(path); }
+};
+
+/// Freiburg building 79 as a bag, from `rosbag play` through the live node, with its odometry frame:
+/// the poses of the topic against the reference relations, and tf against the poses.
+TEST(ReplayFreiburg, Building79) {
+  if (!std::filesystem::exists(dataFile("fr079.clf.bz2"))) {
+    GTEST_SKIP() << dataFile("fr079.clf.bz2")
+                 << " is absent; set KESTREL_DATA to the folder of the data";
+  }
+  const Folder folder;
+  const std::string bag = folder.path + "/fr079.bag";
+  writeBag(bag, *openRecording(dataFile("fr079.clf.bz2")), BagStamps::kRecorded);
+
+  MapperClient client;
+  Trajectory trajectory;
+  const ros::Subscriber subscriber = client.nh.subscribe<geometry_msgs::PoseStamped>(
+      "slam_out_pose", 1000, [&](const geometry_msgs::PoseStampedConstPtr& message) {
+        trajectory.push_back({message->header.stamp.toSec(), poseOf(message->pose)});
+      });
+  const std::string command = "rosbag play --quiet --clock --delay=1 --rate=" +
+                              std::string(kRate) + " --duration=" + std::to_string(kDuration) +
+                              " '" + bag + "' >/dev/null 2>&1";
+  FILE* player = popen(command.c_str(), "r");
+  ASSERT_NE(player, nullptr);
+  std::size_t before = 0;
+  const auto silent = [&] {  // the replay has ended when no pose comes for a while
+    client.waitFor([&] { return trajectory.size() > before; }, 3.0);
+    const bool none = trajectory.size() == before && before > 0;
+    before = trajectory.size();
+    return none;
+  };
+  EXPECT_TRUE(client.waitFor(silent, 60.0));
+  EXPECT_EQ(WEXITSTATUS(pclose(player)), 0);
+
+  std::map<std::string, std::string> scans = client.report("Scans");
+  EXPECT_GT(trajectory.size(), 600U);
+  EXPECT_EQ(scans["received"], scans["used"]);
+  EXPECT_EQ(scans["used"], std::to_string(trajectory.size()));
+  EXPECT_EQ(client.diagnosis("Match", "state"), "ok");
+  EXPECT_EQ(client.parents["odom"], std::set<std::string>{"map"});
+  EXPECT_EQ(client.parents["base_link"], std::set<std::string>{"odom"});
+
+  const RelationEvaluation errors =
+      evaluateRelations(trajectory, readRelations(dataFile("fr079.relations")));
+  EXPECT_GT(errors.all.translation_m.count, 100U);
+  EXPECT_LT(errors.all.translation_m.mean, 0.035);
+  EXPECT_LT(errors.all.rotation_deg.mean, 0.6);
+}
+
+}  // namespace
+}  // namespace kestrel_slam
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "replay_freiburg_test");
+  return RUN_ALL_TESTS();
+}
