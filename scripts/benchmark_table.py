@@ -48,7 +48,8 @@ def header(cells):
 def accuracy_table(build, data, output, quick):
     print("\n== accuracy: every scan, one set of parameters, no loop closing", flush=True)
     header(["recording", "prediction", "lost", "error, m (mean ± std, max)", "error, deg",
-            "worst of 5 runs, m", "ms a scan, mean / p99", "peak MB"])
+            "worst of 5 runs, m", "ms a scan, mean / p99", "median ms, first / last quarter",
+            "peak MB"])
     for name in RECORDINGS:
         log = f"{data}/{name}.clf.bz2"
         for odometry in ["none", "use"]:
@@ -72,6 +73,7 @@ def accuracy_table(build, data, output, quick):
                 cells += ["no reference", "", ""]
             ms = stats["timing"]["ms_per_scan"]
             cells += [f"{ms['mean']:.2f} / {ms['p99']:.2f}",
+                      f"{ms['median_first_quarter']:.2f} / {ms['median_last_quarter']:.2f}",
                       f"{stats['timing']['peak_memory_mb']:.0f}"]
             row(cells)
 

@@ -17,9 +17,8 @@ struct Segment {
 
 /// A room of 8 m × 6 m around the origin with a box in one corner, so that no two views agree.
 inline std::vector<Segment> walls() {
-  return {{-4, -3, 4, -3}, {4, -3, 4, 3},  {4, 3, -4, 3},    {-4, 3, -4, -3},
-          {2, 1, 3, 1},    {3, 1, 3, 2},   {3, 2, 2, 2},     {2, 2, 2, 1},
-          {-4, 0, -2.5, 0}, {-1, -3, -1, -2}};
+  return {{-4, -3, 4, -3}, {4, -3, 4, 3}, {4, 3, -4, 3}, {-4, 3, -4, -3},  {2, 1, 3, 1},
+          {3, 1, 3, 2},    {3, 2, 2, 2},  {2, 2, 2, 1},  {-4, 0, -2.5, 0}, {-1, -3, -1, -2}};
 }
 
 /// A corridor along x without ends.

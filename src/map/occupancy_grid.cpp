@@ -42,9 +42,7 @@ const std::array<Lanes, 256>& laneMasks() {
 std::uint32_t bitOf(const Cell& cell) {
   return 1U << (static_cast<unsigned>(cell.x) & (kTileSide - 1U));
 }
-std::size_t rowOf(const Cell& cell) {
-  return static_cast<unsigned>(cell.y) & (kTileSide - 1U);
-}
+std::size_t rowOf(const Cell& cell) { return static_cast<unsigned>(cell.y) & (kTileSide - 1U); }
 
 /// How many points x, x + step, … of 32.32 fixed-point cells lie in the tile of the first one.
 std::int64_t stepsInTile(std::int64_t x, std::int64_t step) {
@@ -249,8 +247,8 @@ InterpolatedValue OccupancyGrid::interpolate(int level, const Eigen::Vector2f& p
   const float m00 = value(0, 0), m10 = value(1, 0), m01 = value(0, 1), m11 = value(1, 1);
   InterpolatedValue result;
   result.value = v * (u * m11 + (1 - u) * m01) + (1 - v) * (u * m10 + (1 - u) * m00);  // eq. 4
-  result.gradient.x() = scale * (v * (m11 - m01) + (1 - v) * (m10 - m00));            // eq. 5
-  result.gradient.y() = scale * (u * (m11 - m10) + (1 - u) * (m01 - m00));            // eq. 6
+  result.gradient.x() = scale * (v * (m11 - m01) + (1 - v) * (m10 - m00));             // eq. 5
+  result.gradient.y() = scale * (u * (m11 - m10) + (1 - u) * (m01 - m00));             // eq. 6
   return result;
 }
 
@@ -262,8 +260,8 @@ MapSnapshot OccupancyGrid::snapshot() const {
     tiles_.forEach([&](const Cell& corner, const Tile& tile) {
       for (std::size_t i = 0; i < kTileCells; ++i) {
         if (tile.log_odds[i] == 0) continue;
-        visit(corner.x + static_cast<int>(i % kTileSide), corner.y + static_cast<int>(i / kTileSide),
-              tile.log_odds[i]);
+        visit(corner.x + static_cast<int>(i % kTileSide),
+              corner.y + static_cast<int>(i / kTileSide), tile.log_odds[i]);
       }
     });
   };

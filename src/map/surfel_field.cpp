@@ -71,7 +71,8 @@ void SurfelField::clear() {
   free_.clear();
 }
 
-void SurfelField::update(const OccupancyGrid& grid, const OccupancyGrid::Changes& changes) {
+bool SurfelField::update(const OccupancyGrid& grid, const OccupancyGrid::Changes& changes) {
+  full_ = false;
   for (const Cell& cell : changes.became_free) remove(cell);
   changed_.clear();
   for (std::size_t i = 0; i < changes.hits.size(); ++i) {
@@ -80,6 +81,7 @@ void SurfelField::update(const OccupancyGrid& grid, const OccupancyGrid::Changes
   std::sort(changed_.begin(), changed_.end());
   changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
   for (const std::uint32_t id : changed_) updateShape(id);
+  return !full_;
 }
 
 std::uint32_t SurfelField::idAt(const Cell& cell) const {
@@ -97,8 +99,8 @@ void SurfelField::setOwn(const Cell& cell, bool own) {
   row = own ? row | bit : row & ~bit;
 }
 
-/// Calls `visit(id)` for every surfel whose cell is in the square of `radius` cells around `center`,
-/// row by row.
+/// Calls `visit(id)` for every surfel whose cell is in the square of `radius` cells around
+/// `center`, row by row.
 template <typename Visit>
 void SurfelField::forEachOwn(const Cell& center, int radius, Visit visit) const {
   const int x0 = center.x - radius, x1 = center.x + radius;
@@ -117,10 +119,14 @@ void SurfelField::forEachOwn(const Cell& center, int radius, Visit visit) const 
   }
 }
 
-void SurfelField::addHit(const OccupancyGrid::Changes::Hit& hit,
-                         const Eigen::Vector2f& tangent2) {
+void SurfelField::addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Vector2f& tangent2) {
   std::uint32_t id = idAt(hit.cell);
   if (id == kNone) {
+    // Without its own cell a surfel would be found by nobody, and the next hit would add another.
+    if (tiles_.obtain(hit.cell) == nullptr) {
+      full_ = true;
+      return;
+    }
     const Surfel surfel{hit.point, 1.0F, 0.0F, 1.0F, hit.cell, 1.0F, tangent2};
     if (free_.empty()) {
       id = static_cast<std::uint32_t>(surfels_.size());
@@ -149,7 +155,9 @@ void SurfelField::spread(std::uint32_t id) {
     for (int x = cell.x - half; x <= cell.x + half;) {
       const int end = std::min(cell.x + half, x | (kTileSide - 1)) + 1;  // of this tile's part
       Tile* tile = tiles_.obtain({x, y});
-      if (tile != nullptr) {
+      if (tile == nullptr) {
+        full_ = true;
+      } else {
         const std::size_t offset = offsetInTile({x, y});
         std::uint16_t* distance2 = tile->distance2.data() + offset;
         std::uint32_t* nearest = tile->nearest.data() + offset;

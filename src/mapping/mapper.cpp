@@ -47,36 +47,37 @@ Points hitsOf(const PlanarScan& scan) {
 }
 
 Pose2 halfway(const Pose2& a, const Pose2& b) {
-  return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y),
-          a.theta + 0.5 * normalizeAngle(b.theta - a.theta)};
+  return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y), a.theta + 0.5 * normalizeAngle(b.theta - a.theta)};
 }
 
 }  // namespace
 
 const char* toString(MatchState state) {
   switch (state) {
-    case MatchState::kOk: return "ok";
-    case MatchState::kDegraded: return "degraded";
-    case MatchState::kLost: return "lost";
+    case MatchState::kOk:
+      return "ok";
+    case MatchState::kDegraded:
+      return "degraded";
+    case MatchState::kLost:
+      return "lost";
   }
   return "unknown";
 }
 
 struct Mapper::State {
-  explicit State(const MapperConfig& c)
-      : config(c), map(c.grid), matcher(makeMatcher(c.matcher)) {}
+  explicit State(const MapperConfig& c) : config(c), map(c.grid), matcher(makeMatcher(c.matcher)) {}
 
   MapperConfig config;
   Submap map;
   std::unique_ptr<Matcher> matcher;
 
-  Pose2 pose;                  ///< map_T_base of the last scan
-  Pose2 motion;                ///< from the scan before the last one to the last one
-  Pose2 inserted_pose;         ///< of the last scan that entered the map
-  std::optional<Pose2> odom;   ///< odom_T_base of the last scan
-  double time = 0.0;           ///< of the last scan
-  int lost_scans = 0;          ///< in a row
-  bool placed = false;         ///< somebody said where the vehicle is: search around there
+  Pose2 pose;                 ///< map_T_base of the last scan
+  Pose2 motion;               ///< from the scan before the last one to the last one
+  Pose2 inserted_pose;        ///< of the last scan that entered the map
+  std::optional<Pose2> odom;  ///< odom_T_base of the last scan
+  double time = 0.0;          ///< of the last scan
+  int lost_scans = 0;         ///< in a row
+  bool placed = false;        ///< somebody said where the vehicle is: search around there
 
   MatchRequest request(const Points& points, const PlanarScan& scan,
                        const std::optional<Pose2>& odom_now) const;
@@ -154,8 +155,8 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
     result.match.converged = true;
     result.state = MatchState::kOk;
   }
-  const bool accepted = !s.config.evaluation.enabled || first ||
-                        result.evaluation < s.config.evaluation.threshold;
+  const bool accepted =
+      !s.config.evaluation.enabled || first || result.evaluation < s.config.evaluation.threshold;
   if (result.state != MatchState::kLost && accepted && (first || s.movedEnough())) {
     result.map_full = !s.map.insert(scan, s.pose);
     result.inserted = true;

@@ -15,6 +15,18 @@ constexpr int kMinLevels = 3;
 constexpr int kCovarianceRadius = 3;
 /// How much of the likelihoods' logarithm one beam is worth: neighbouring beams see the same wall.
 constexpr double kIndependentBeams = 30.0;
+/// Points farther away than this many cells (100 m at 5 cm) take no part: the image around them all
+/// would need more memory than there is.
+constexpr float kMaxRangeCells = 2000.0F;
+
+Points pointsInRange(const Points& points, float resolution) {
+  Points result;
+  result.reserve(points.size());
+  for (const Eigen::Vector2f& p : points) {
+    if (p.norm() <= kMaxRangeCells * resolution) result.push_back(p);  // NaN fails
+  }
+  return result;
+}
 
 /// The discretised window: what both searches and the covariance share.
 class Grid {
@@ -24,10 +36,12 @@ class Grid {
       : points_(points), center_(center), config_(config), resolution_(surface.resolution()) {
     float range = 0.0F;
     for (const Eigen::Vector2f& p : points) range = std::max(range, p.norm());
-    linear_steps_ = std::max(0, static_cast<int>(std::ceil(window.linear_m / static_cast<double>(resolution_) - 1e-6)));
+    linear_steps_ = std::max(
+        0, static_cast<int>(std::ceil(window.linear_m / static_cast<double>(resolution_) - 1e-6)));
     angular_step_ = std::max(config.min_angular_step_rad,
                              static_cast<double>(resolution_ / std::max(range, resolution_)));
-    angular_steps_ = std::max(0, static_cast<int>(std::ceil(window.angular_rad / angular_step_ - 1e-6)));
+    angular_steps_ =
+        std::max(0, static_cast<int>(std::ceil(window.angular_rad / angular_step_ - 1e-6)));
     radius_ = range + resolution_ * static_cast<float>(linear_steps_ + 2 * kCovarianceRadius + 2);
   }
 
@@ -62,8 +76,8 @@ class Grid {
   }
 
   Pose2 pose(int dx, int dy, int k) const {
-    return {center_.x + dx * static_cast<double>(resolution_), center_.y + dy * static_cast<double>(resolution_),
-            center_.theta + k * angular_step_};
+    return {center_.x + dx * static_cast<double>(resolution_),
+            center_.y + dy * static_cast<double>(resolution_), center_.theta + k * angular_step_};
   }
 
  private:
@@ -123,7 +137,9 @@ class BranchAndBound {
   }
 
  private:
-  std::vector<Cell>& cells(int k) { return cells_[static_cast<std::size_t>(k + grid_.angularSteps())]; }
+  std::vector<Cell>& cells(int k) {
+    return cells_[static_cast<std::size_t>(k + grid_.angularSteps())];
+  }
 
   Block makeBlock(int k, int dx, int dy, int level) {
     const int sum = sumAt(pyramid_, level, cells(k), dx, dy);
@@ -196,6 +212,12 @@ SearchResult resultOf(const Grid& grid, const LikelihoodPyramid& pyramid, const 
   return result;
 }
 
+SearchResult nothingAt(const Pose2& center) {
+  SearchResult result;
+  result.pose = result.mean = center;
+  return result;
+}
+
 }  // namespace
 
 LikelihoodPyramid::LikelihoodPyramid(const SurfelField& surface, const Eigen::Vector2f& center,
@@ -230,11 +252,11 @@ void LikelihoodPyramid::rasterise(const SurfelField& surface, float sigma_m) {
   const float scale = -0.5F / (sigma_m * sigma_m);
   for (int y = 0; y < side_; ++y) {
     for (int x = 0; x < side_; ++x) {
-      const Eigen::Vector2f center = (Eigen::Vector2f(static_cast<float>(corner_.x + x),
-                                                      static_cast<float>(corner_.y + y))
-                                          .array() +
-                                      0.5F) *
-                                     resolution;
+      const Eigen::Vector2f center =
+          (Eigen::Vector2f(static_cast<float>(corner_.x + x), static_cast<float>(corner_.y + y))
+               .array() +
+           0.5F) *
+          resolution;
       const Surfel* surfel = surface.nearest(center);
       if (surfel == nullptr) continue;
       const float likelihood = std::exp(scale * (center - surfel->mean).squaredNorm());
@@ -246,10 +268,9 @@ void LikelihoodPyramid::rasterise(const SurfelField& surface, float sigma_m) {
 
 SearchResult searchWindow(const SurfelField& surface, const Points& points, const Pose2& center,
                           const SearchWindow& window, const CorrelativeConfig& config) {
-  SearchResult nothing;
-  nothing.pose = nothing.mean = center;
-  if (points.empty()) return nothing;
-  const Grid grid(surface, points, center, window, config);
+  const Points near = pointsInRange(points, surface.resolution());
+  if (near.empty()) return nothingAt(center);
+  const Grid grid(surface, near, center, window, config);
   int levels = kMinLevels + 1;
   while ((1 << levels) < grid.linearSteps()) ++levels;
   const LikelihoodPyramid pyramid(surface, center.translation().cast<float>(), grid.radius(),
@@ -260,7 +281,9 @@ SearchResult searchWindow(const SurfelField& surface, const Points& points, cons
 SearchResult searchWindowBruteForce(const SurfelField& surface, const Points& points,
                                     const Pose2& center, const SearchWindow& window,
                                     const CorrelativeConfig& config) {
-  const Grid grid(surface, points, center, window, config);
+  const Points near = pointsInRange(points, surface.resolution());
+  if (near.empty()) return nothingAt(center);
+  const Grid grid(surface, near, center, window, config);
   const LikelihoodPyramid pyramid(surface, center.translation().cast<float>(), grid.radius(),
                                   static_cast<float>(config.sigma_m), 1);
   Best best;

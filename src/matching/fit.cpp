@@ -18,8 +18,7 @@ Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, doub
     float fit = 0.0F, distance2 = 0.0F;
     if (surfel != nullptr) {
       const float ex = point.x() - surfel->mean.x(), ey = point.y() - surfel->mean.y();
-      distance2 =
-          surfel->a11 * ex * ex + 2.0F * surfel->a12 * ex * ey + surfel->a22 * ey * ey;
+      distance2 = surfel->a11 * ex * ex + 2.0F * surfel->a12 * ex * ey + surfel->a22 * ey * ey;
       fit = 1.0F / (1.0F + distance2 * inverse_scale2);
     }
     if (fit > kOnWall) {

@@ -61,8 +61,8 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
   const std::size_t count = request.search_all_round ? windows.size() : windows.size() - 1;
   for (std::size_t i = 0; i < count && best.fit.score < config_.search_score; ++i) {
     windows[i].linear_m *= request.search_scale;
-    const SearchResult found = searchWindow(map.surface(), request.points, request.last,
-                                            windows[i], config_.correlative);
+    const SearchResult found =
+        searchWindow(map.surface(), request.points, request.last, windows[i], config_.correlative);
     Candidate other = refine(map, request, found.pose);
     result.iterations += other.descent.iterations;
     if (other.preferred > best.preferred + config_.jump_margin) best = other;
@@ -84,10 +84,9 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
     const Points& points = last ? request.points : few;
     const Eigen::Vector3f pull =
         Eigen::Vector3f::Constant(kStartPull * static_cast<float>(points.size()));
-    result.descent =
-        descend(pose, last ? config_.gauss_newton : coarse, pull, [&](const Pose2& at) {
-          return lineariseDistance(map.surface(), points, at, scale);
-        });
+    result.descent = descend(
+        pose, last ? config_.gauss_newton : coarse, pull,
+        [&](const Pose2& at) { return lineariseDistance(map.surface(), points, at, scale); });
     pose = result.descent.pose;
     iterations += result.descent.iterations;
     result.stages[stage] = pose;
@@ -95,15 +94,13 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   result.descent.iterations = iterations;
   result.fit = fitOf(map, request.points, pose, config_.score_scale_m);
   const Pose2 motion = request.last.inverse() * pose;
-  result.preferred = result.fit.score -
-                     config_.correlative.linear_preference * motion.distance() -
+  result.preferred = result.fit.score - config_.correlative.linear_preference * motion.distance() -
                      config_.correlative.angular_preference * std::abs(motion.theta);
   return result;
 }
 
 void fillStages(const Submap& map, const Points& points,
-                const std::array<Pose2, kMatchStages>& poses, double scale_m,
-                MatchResult& result) {
+                const std::array<Pose2, kMatchStages>& poses, double scale_m, MatchResult& result) {
   const Points few = thinned(points, kCoarsePoints);
   result.stages.back() = {poses.back(), result.score};
   for (std::size_t i = 0; i + 1 < kMatchStages; ++i) {

@@ -28,8 +28,8 @@ class HybridMatcher : public Matcher {
   MatcherConfig config_;
 };
 
-/// Fills the stages of a result: the poses and how well each fits at its own resolution, the last at
-/// `scale_m` (that is `result.score`) and each coarser one at twice the scale of the next.
+/// Fills the stages of a result: the poses and how well each fits at its own resolution, the last
+/// at `scale_m` (that is `result.score`) and each coarser one at twice the scale of the next.
 void fillStages(const Submap& map, const Points& points,
                 const std::array<Pose2, kMatchStages>& poses, double scale_m, MatchResult& result);
 

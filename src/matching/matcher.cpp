@@ -23,11 +23,10 @@ class GaussNewtonMatcher : public Matcher {
     descent.pose = request.starts.front();
     for (std::size_t stage = 0; stage < kMatchStages; ++stage) {
       const int level = OccupancyGrid::kLevels - 1 - static_cast<int>(stage);
-      descent = descend(descent.pose, config_.gauss_newton, Eigen::Vector3f::Zero(),
-                        [&](const Pose2& pose) {
-                          return lineariseOccupancy(map.grid(), level, request.points, pose,
-                                                    kResidualScale);
-                        });
+      descent = descend(
+          descent.pose, config_.gauss_newton, Eigen::Vector3f::Zero(), [&](const Pose2& pose) {
+            return lineariseOccupancy(map.grid(), level, request.points, pose, kResidualScale);
+          });
       result.iterations += descent.iterations;
       poses[stage] = descent.pose;
     }
@@ -35,9 +34,8 @@ class GaussNewtonMatcher : public Matcher {
     result.converged = descent.converged;
     // For the covariance the distances are linearised: the residuals 1 - M have no unit.
     const Fit fit = fitOf(map, request.points, result.pose, config_.score_scale_m);
-    const NormalEquations distances =
-        lineariseDistance(map.surface(), request.points, result.pose,
-                          static_cast<float>(config_.score_scale_m));
+    const NormalEquations distances = lineariseDistance(map.surface(), request.points, result.pose,
+                                                        static_cast<float>(config_.score_scale_m));
     fillUncertainty(distances, fit, config_.degenerate_share, result);
     fillStages(map, request.points, poses, config_.score_scale_m, result);
     return result;
@@ -65,9 +63,8 @@ class CorrelativeMatcher : public Matcher {
     result.converged = found.score > 0.0;
     result.pose = found.mean;
     const Fit fit = fitOf(map, request.points, result.pose, config_.score_scale_m);
-    const NormalEquations distances =
-        lineariseDistance(map.surface(), request.points, result.pose,
-                          static_cast<float>(config_.score_scale_m));
+    const NormalEquations distances = lineariseDistance(map.surface(), request.points, result.pose,
+                                                        static_cast<float>(config_.score_scale_m));
     fillUncertainty(distances, fit, config_.degenerate_share, result);
     result.covariance = found.covariance;
     fillStages(map, request.points, {found.pose, found.pose, found.mean}, config_.score_scale_m,

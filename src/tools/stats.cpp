@@ -50,11 +50,15 @@ Json mapOf(const OfflineRun& run) {
 
 Json timingOf(const OfflineRun& run) {
   const Distribution scan_ms = scanTimes(run);
+  // Side by side they tell whether the time grows with the map.
+  const Distribution first = scanTimes(run, 0.0, 0.25), last = scanTimes(run, 0.75, 1.0);
   return {{"ms_per_scan",
            {{"mean", rounded(scan_ms.mean, kFine)},
             {"median", rounded(scan_ms.median, kFine)},
             {"p99", rounded(scan_ms.p99, kFine)},
-            {"max", rounded(scan_ms.max, kFine)}}},
+            {"max", rounded(scan_ms.max, kFine)},
+            {"median_first_quarter", rounded(first.median, kFine)},
+            {"median_last_quarter", rounded(last.median, kFine)}}},
           {"processing_s", rounded(run.processing_s, kFine)},
           {"speed_factor", rounded(run.speedFactor(), kCoarse)},
           {"peak_memory_mb", rounded(run.peak_memory_mb, kCoarse)}};
@@ -86,9 +90,13 @@ Distribution distributionOf(std::vector<double> values) {
           values[static_cast<std::size_t>(rank) - 1], values.back()};
 }
 
-Distribution scanTimes(const OfflineRun& run) {
+Distribution scanTimes(const OfflineRun& run, double from, double to) {
+  const auto count = static_cast<double>(run.scans.size());
   std::vector<double> ms;
-  for (const ScanRecord& scan : run.scans) ms.push_back(scan.ms);
+  for (auto i = static_cast<std::size_t>(from * count); i < static_cast<std::size_t>(to * count);
+       ++i) {
+    ms.push_back(run.scans[i].ms);
+  }
   return distributionOf(std::move(ms));
 }
 

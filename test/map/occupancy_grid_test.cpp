@@ -150,14 +150,16 @@ TEST(OccupancyGrid, InterpolationIsBilinearAndTheGradientItsDerivative) {
         return static_cast<float>(grid.levelProbability(level, {cx + dx, cy + dy}));
       };
       const InterpolatedValue value = grid.interpolate(level, p);
-      const float expected = v * (u * m(1, 1) + (1 - u) * m(0, 1)) +
-                             (1 - v) * (u * m(1, 0) + (1 - u) * m(0, 0));
+      const float expected =
+          v * (u * m(1, 1) + (1 - u) * m(0, 1)) + (1 - v) * (u * m(1, 0) + (1 - u) * m(0, 0));
       ASSERT_NEAR(value.value, expected, 1e-4F);
       const Eigen::Vector2f ex(kStep, 0.0F), ey(0.0F, kStep);
-      const float dx = (grid.interpolate(level, p + ex).value -
-                        grid.interpolate(level, p - ex).value) / (2 * kStep);
-      const float dy = (grid.interpolate(level, p + ey).value -
-                        grid.interpolate(level, p - ey).value) / (2 * kStep);
+      const float dx =
+          (grid.interpolate(level, p + ex).value - grid.interpolate(level, p - ex).value) /
+          (2 * kStep);
+      const float dy =
+          (grid.interpolate(level, p + ey).value - grid.interpolate(level, p - ey).value) /
+          (2 * kStep);
       ASSERT_NEAR(value.gradient.x(), dx, 0.02F);
       ASSERT_NEAR(value.gradient.y(), dy, 0.02F);
     }

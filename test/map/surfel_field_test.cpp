@@ -81,13 +81,14 @@ TEST(SurfelField, MeanIsThatOfTheHitsAndTheShapeThatOfTheWall) {
   const Eigen::Vector2f along(std::cos(0.3F), std::sin(0.3F)), normal(-along.y(), along.x());
   PlanarScan scan;
   for (int i = -75; i <= 75; ++i) {
-    scan.rays.push_back({Eigen::Vector2f::Zero(),
-                         3.0F * normal + 0.02F * static_cast<float>(i) * along, true});
+    scan.rays.push_back(
+        {Eigen::Vector2f::Zero(), 3.0F * normal + 0.02F * static_cast<float>(i) * along, true});
   }
   map.insert(scan, Pose2());
   int checked = 0;
   for (int i = -60; i <= 60; i += 10) {
-    const Surfel* surfel = map.surface().nearest(3.0F * normal + 0.02F * static_cast<float>(i) * along);
+    const Surfel* surfel =
+        map.surface().nearest(3.0F * normal + 0.02F * static_cast<float>(i) * along);
     ASSERT_NE(surfel, nullptr);
     EXPECT_NEAR(surfel->mean.dot(normal), 3.0F, 1e-3F);
     const float across = surfel->a11 * normal.x() * normal.x() +
@@ -108,8 +109,8 @@ TEST(SurfelField, SparseHitsOfOneScanMakeALine) {
   Submap map{OccupancyGridConfig()};
   PlanarScan scan;
   for (int i = -5; i <= 5; ++i) {
-    scan.rays.push_back({Eigen::Vector2f::Zero(),
-                         Eigen::Vector2f(0.4F * static_cast<float>(i), 2.02F), true});
+    scan.rays.push_back(
+        {Eigen::Vector2f::Zero(), Eigen::Vector2f(0.4F * static_cast<float>(i), 2.02F), true});
   }
   map.insert(scan, Pose2());
   const Surfel* surfel = map.surface().nearest({0.4F, 2.02F});

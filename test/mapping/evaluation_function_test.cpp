@@ -34,8 +34,9 @@ TEST(EvaluationFunction, PenalisesTheSpreadOfThePoses) {
     const double mean = (a + b + c) / 3;
     return (a * a + b * b + c * c) / 3 - mean * mean;
   };
-  const double expected = 1.0 + config.penalty * (variance(0.03, 0, 0) / std::pow(config.sigma_m, 2) +
-                                                  variance(-0.01, 0.02, 0) / std::pow(config.sigma_rad, 2));
+  const double expected =
+      1.0 + config.penalty * (variance(0.03, 0, 0) / std::pow(config.sigma_m, 2) +
+                              variance(-0.01, 0.02, 0) / std::pow(config.sigma_rad, 2));
   EXPECT_NEAR(evaluationFunction(match, config), expected, 1e-9);
 }
 

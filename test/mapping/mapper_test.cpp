@@ -180,7 +180,8 @@ TEST(Mapper, ThousandsOfGarbageScans) {
     scan.time = scan.stamp = i % 7 == 0 ? odometry(random) : 0.1 * i;
     const std::size_t beams = random() % 20;
     for (std::size_t k = 0; k < beams; ++k) {
-      PlanarRay ray{{place(random), place(random)}, {place(random), place(random)}, random() % 2 == 0};
+      PlanarRay ray{
+          {place(random), place(random)}, {place(random), place(random)}, random() % 2 == 0};
       if (random() % 50 == 0) ray.end.x() = std::numeric_limits<float>::quiet_NaN();
       if (random() % 50 == 0) ray.end.y() *= 1e20F;
       scan.rays.push_back(ray);

@@ -33,8 +33,7 @@ void expectGradient(const Pose2& pose, double step, double tolerance, Linearise 
                           static_cast<double>(linearise(backward[i]).cost)) /
                          (2.0 * step);
     const auto row = static_cast<Eigen::Index>(i);
-    EXPECT_NEAR(-static_cast<double>(at.gradient(row)), slope,
-                tolerance * (1.0 + std::abs(slope)))
+    EXPECT_NEAR(-static_cast<double>(at.gradient(row)), slope, tolerance * (1.0 + std::abs(slope)))
         << "component " << i;
   }
   EXPECT_TRUE(at.hessian.isApprox(at.hessian.transpose()));
@@ -46,8 +45,8 @@ TEST(GaussNewton, DistanceGradientIsTheDerivativeOfTheCost) {
   Submap map{OccupancyGridConfig()};
   PlanarScan wall;
   for (int i = -100; i <= 100; ++i) {
-    wall.rays.push_back({Eigen::Vector2f::Zero(),
-                         Eigen::Vector2f(0.02F * static_cast<float>(i), 2.025F), true});
+    wall.rays.push_back(
+        {Eigen::Vector2f::Zero(), Eigen::Vector2f(0.02F * static_cast<float>(i), 2.025F), true});
   }
   map.insert(wall, Pose2());
   Points points;
@@ -74,9 +73,9 @@ TEST(GaussNewton, ConvergesToTheTruth) {
   const Submap map = roomMap();
   const Pose2 truth(0.21, -0.13, 0.5);
   const Points points = room::hitsOf(room::scanFrom(truth));
-  const Descent descent =
-      descend(truth * Pose2(0.06, -0.05, 0.04), GaussNewtonConfig(), Eigen::Vector3f::Zero(),
-              [&](const Pose2& pose) { return lineariseDistance(map.surface(), points, pose, 0.1F); });
+  const Descent descent = descend(
+      truth * Pose2(0.06, -0.05, 0.04), GaussNewtonConfig(), Eigen::Vector3f::Zero(),
+      [&](const Pose2& pose) { return lineariseDistance(map.surface(), points, pose, 0.1F); });
   EXPECT_TRUE(descent.converged);
   EXPECT_NEAR(descent.pose.x, truth.x, 3e-3);
   EXPECT_NEAR(descent.pose.y, truth.y, 3e-3);
@@ -88,9 +87,9 @@ TEST(GaussNewton, StaysWhereNothingPulls) {
   const Pose2 start(100, -50, 1);
   const Points points = room::hitsOf(room::scanFrom(Pose2()));
   for (const Points& some : {points, Points()}) {
-    const Descent descent =
-        descend(start, GaussNewtonConfig(), Eigen::Vector3f::Zero(),
-                [&](const Pose2& pose) { return lineariseDistance(map.surface(), some, pose, 0.1F); });
+    const Descent descent = descend(
+        start, GaussNewtonConfig(), Eigen::Vector3f::Zero(),
+        [&](const Pose2& pose) { return lineariseDistance(map.surface(), some, pose, 0.1F); });
     EXPECT_EQ(descent.pose, start);
   }
 }

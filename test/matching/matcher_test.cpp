@@ -53,7 +53,8 @@ TEST_P(EveryMatcher, SaysWhereNothingFits) {
   const Submap map = roomMap();
   Points points;  // a circle where the room is empty
   for (int i = 0; i < 90; ++i) {
-    points.push_back({std::cos(static_cast<float>(i) * 0.07F), std::sin(static_cast<float>(i) * 0.07F)});
+    points.push_back(
+        {std::cos(static_cast<float>(i) * 0.07F), std::sin(static_cast<float>(i) * 0.07F)});
   }
   const MatchResult result = match(GetParam(), map, points, Pose2());
   EXPECT_LT(result.score, 0.5);
@@ -122,8 +123,8 @@ TEST(Fit, CountsOnlyPointsInKnownSpace) {
   Submap map{OccupancyGridConfig()};
   PlanarScan scan;
   for (int i = -20; i <= 20; ++i) {
-    scan.rays.push_back({Eigen::Vector2f::Zero(),
-                         Eigen::Vector2f(2.02F, 0.05F * static_cast<float>(i)), true});
+    scan.rays.push_back(
+        {Eigen::Vector2f::Zero(), Eigen::Vector2f(2.02F, 0.05F * static_cast<float>(i)), true});
   }
   map.insert(scan, Pose2());
   const Points on_wall(10, Eigen::Vector2f(2.02F, 0.0F));

@@ -27,15 +27,14 @@ std::string dataFile(const std::string& name) {
 struct Folder {
   std::string path;
   Folder() {
-    std::string name =
-        (std::filesystem::temp_directory_path() / "kestrel_replay_XXXXXX").string();
+    std::string name = (std::filesystem::temp_directory_path() / "kestrel_replay_XXXXXX").string();
     path = mkdtemp(name.data()) != nullptr ? name : "";
   }
   ~Folder() { std::filesystem::remove_all(path); }
 };
 
-/// Freiburg building 79 as a bag, from `rosbag play` through the live node, with its odometry frame:
-/// the poses of the topic against the reference relations, and tf against the poses.
+/// Freiburg building 79 as a bag, from `rosbag play` through the live node, with its odometry
+/// frame: the poses of the topic against the reference relations, and tf against the poses.
 TEST(ReplayFreiburg, Building79) {
   if (!std::filesystem::exists(dataFile("fr079.clf.bz2"))) {
     GTEST_SKIP() << dataFile("fr079.clf.bz2")
@@ -51,9 +50,9 @@ TEST(ReplayFreiburg, Building79) {
       "slam_out_pose", 1000, [&](const geometry_msgs::PoseStampedConstPtr& message) {
         trajectory.push_back({message->header.stamp.toSec(), poseOf(message->pose)});
       });
-  const std::string command = "rosbag play --quiet --clock --delay=1 --rate=" +
-                              std::string(kRate) + " --duration=" + std::to_string(kDuration) +
-                              " '" + bag + "' >/dev/null 2>&1";
+  const std::string command = "rosbag play --quiet --clock --delay=1 --rate=" + std::string(kRate) +
+                              " --duration=" + std::to_string(kDuration) + " '" + bag +
+                              "' >/dev/null 2>&1";
   FILE* player = popen(command.c_str(), "r");
   ASSERT_NE(player, nullptr);
   std::size_t before = 0;

@@ -75,7 +75,8 @@ TEST(StatsTest, CountsAndShares) {
             R"({"resolution_m":0.5,"width_cells":3,"height_cells":2,"width_m":1.5,"height_m":1.0,)"
             R"("known_area_m2":0.8,"memory_mb":3.0})");
   EXPECT_EQ(stats["timing"].dump(),
-            R"({"ms_per_scan":{"mean":4.0,"median":2.5,"p99":10.0,"max":10.0},)"
+            R"({"ms_per_scan":{"mean":4.0,"median":2.5,"p99":10.0,"max":10.0,)"
+            R"("median_first_quarter":1.0,"median_last_quarter":10.0},)"
             R"("processing_s":0.5,"speed_factor":6.0,"peak_memory_mb":33.3})");
   EXPECT_EQ(stats["distance_m"], 12.346);
   EXPECT_EQ(stats["duration_s"], 3.0);

@@ -33,9 +33,9 @@ class OccupancyGrid {
       Cell cell;
       Eigen::Vector2f point;  ///< the end point in the map, m
     };
-    std::vector<Hit> hits;             ///< every hit beam, in the order of the scan
-    std::vector<Cell> became_free;     ///< cells that were occupied before
-    bool full = false;                 ///< the memory limit kept something out
+    std::vector<Hit> hits;          ///< every hit beam, in the order of the scan
+    std::vector<Cell> became_free;  ///< cells that were occupied before
+    bool full = false;              ///< the memory limit kept something out
   };
 
   explicit OccupancyGrid(const OccupancyGridConfig& config);
@@ -48,7 +48,8 @@ class OccupancyGrid {
   void clear();
 
   Cell cellAt(const Eigen::Vector2f& point) const {
-    return {floorToInt(point.x() * inverse_resolution_), floorToInt(point.y() * inverse_resolution_)};
+    return {floorToInt(point.x() * inverse_resolution_),
+            floorToInt(point.y() * inverse_resolution_)};
   }
   Eigen::Vector2f centerOf(const Cell& cell) const {
     return {(static_cast<float>(cell.x) + 0.5F) * resolution_,

@@ -13,12 +13,13 @@ class Submap {
         surface_(static_cast<float>(config.resolution_m),
                  static_cast<std::size_t>(config.memory_limit_mb * 1e6)) {}
 
-  /// Inserts a scan and brings the surface up to date; false where the memory limit kept a part out.
+  /// Inserts a scan and brings the surface up to date; false where the memory limit kept a part
+  /// out.
   bool insert(const PlanarScan& scan, const Pose2& map_T_base) {
     const OccupancyGrid::Changes& changes = grid_.insert(scan, map_T_base);
-    surface_.update(grid_, changes);
+    const bool surface_complete = surface_.update(grid_, changes);
     ++scans_;
-    return !changes.full;
+    return surface_complete && !changes.full;
   }
 
   void clear() {

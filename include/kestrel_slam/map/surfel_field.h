@@ -12,10 +12,10 @@ namespace kestrel_slam {
 
 /// The surface inside one occupied cell: where its hits lie and which way the wall runs.
 struct Surfel {
-  Eigen::Vector2f mean;        ///< mean of the end points in the cell, m
-  float a11, a12, a22;         ///< information shape A: distance² = e' A e for e = point - mean
+  Eigen::Vector2f mean;  ///< mean of the end points in the cell, m
+  float a11, a12, a22;   ///< information shape A: distance² = e' A e for e = point - mean
   Cell cell;
-  float count = 0.0F;          ///< hits in the mean, capped so that the mean can follow changes
+  float count = 0.0F;  ///< hits in the mean, capped so that the mean can follow changes
   /// Direction of the wall as the scans saw it, summed as (cos, sin) of twice its angle, so that
   /// opposite directions agree; zero where no scan saw neighbouring points of a wall.
   Eigen::Vector2f tangent2 = Eigen::Vector2f::Zero();
@@ -35,8 +35,9 @@ class SurfelField {
 
   SurfelField(float resolution_m, std::size_t limit_bytes);
 
-  /// Follows the changes of the last insertion into `grid`.
-  void update(const OccupancyGrid& grid, const OccupancyGrid::Changes& changes);
+  /// Follows the changes of the last insertion into `grid`; false where the memory limit kept a
+  /// part out.
+  bool update(const OccupancyGrid& grid, const OccupancyGrid::Changes& changes);
 
   /// The surfel nearest to the cell of `point`, or nullptr where none is within reach.
   const Surfel* nearest(const Eigen::Vector2f& point) const {
@@ -68,7 +69,7 @@ class SurfelField {
     std::array<std::uint32_t, kTileCells> nearest;
     /// From the cell's centre to its mean, in steps; 0 where the cell has a surfel itself.
     std::array<std::uint16_t, kTileCells> distance2;
-    std::array<std::uint32_t, kTileSide> own{};      ///< one bit a cell: has a surfel itself
+    std::array<std::uint32_t, kTileSide> own{};  ///< one bit a cell: has a surfel itself
   };
 
   std::uint32_t idAt(const Cell& cell) const;
@@ -91,15 +92,16 @@ class SurfelField {
   float inverse_resolution_;
   TileMap<Tile> tiles_;
   std::vector<Surfel> surfels_;
-  std::vector<std::uint32_t> free_;      ///< places in surfels_ that can be used again
-  std::vector<std::uint32_t> changed_;   ///< surfels hit by the scan being inserted
-  std::vector<Cell> orphans_;            ///< of a removal: cells whose nearest surfel it was,
+  std::vector<std::uint32_t> free_;     ///< places in surfels_ that can be used again
+  std::vector<std::uint32_t> changed_;  ///< surfels hit by the scan being inserted
+  std::vector<Cell> orphans_;           ///< of a removal: cells whose nearest surfel it was,
   struct Adopter {
     Eigen::Vector2f mean;  ///< in cells
     Cell cell;
     std::uint32_t id;
   };
   std::vector<Adopter> adopters_;  ///< and the surfels that can take its place
+  bool full_ = false;              ///< the memory limit kept a part of the last update out
 };
 
 }  // namespace kestrel_slam

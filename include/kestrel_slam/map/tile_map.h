@@ -110,7 +110,7 @@ class TileMap {
     const auto slots = static_cast<std::size_t>(x1 - x0) * static_cast<std::size_t>(y1 - y0);
     // A dense image of the rectangle, one byte a cell, has to fit as well: maps get published.
     if (slots > limit_bytes_ / kTileCells ||
-        tile_count_ * sizeof(Tile) + slots * sizeof(std::unique_ptr<Tile>) > limit_bytes_) {
+        (tile_count_ + 1) * sizeof(Tile) + slots * sizeof(std::unique_ptr<Tile>) > limit_bytes_) {
       return false;
     }
     std::vector<std::unique_ptr<Tile>> index(slots);

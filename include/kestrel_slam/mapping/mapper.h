@@ -20,7 +20,7 @@ const char* toString(MatchState state);
 
 /// What happened to one scan.
 struct MapperResult {
-  Pose2 pose;                    ///< map_T_base at the scan's time (the prediction where lost)
+  Pose2 pose;  ///< map_T_base at the scan's time (the prediction where lost)
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, theta), m² and rad²
   MatchResult match;
   MatchState state = MatchState::kLost;

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <cmath>
 #include <vector>
 
@@ -16,9 +16,9 @@ using Points = std::vector<Eigen::Vector2f>;
 
 /// Parameters of the iterated, damped, robust Gauss-Newton method.
 struct GaussNewtonConfig {
-  int max_iterations = 15;      ///< per stage
-  double min_step_m = 6e-4;     ///< converged when a step is smaller than this,
-  double min_step_rad = 4e-4;   ///< and this
+  int max_iterations = 15;     ///< per stage
+  double min_step_m = 6e-4;    ///< converged when a step is smaller than this,
+  double min_step_rad = 4e-4;  ///< and this
 };
 
 /// One linearisation at a pose: H δ = g (paper 001 eq. 12-13) with δ = (x, y, theta).

@@ -18,21 +18,21 @@ struct MatcherConfig {
   GaussNewtonConfig gauss_newton;
   CorrelativeConfig correlative;
 
-  double score_scale_m = 0.1;   ///< a point this far from its wall fits by half
-  double good_score = 0.9;      ///< below: the other starts are tried as well
-  double search_score = 0.8;    ///< below: the exhaustive search is tried as well
-  double jump_margin = 0.05;    ///< by how much a found pose has to be better than the local one
+  double score_scale_m = 0.1;  ///< a point this far from its wall fits by half
+  double good_score = 0.9;     ///< below: the other starts are tried as well
+  double search_score = 0.8;   ///< below: the exhaustive search is tried as well
+  double jump_margin = 0.05;   ///< by how much a found pose has to be better than the local one
   SearchWindow near_window{0.6, 0.52};
   SearchWindow wide_window{1.0, 1.57};  ///< where the near one finds nothing good
-  double degenerate_share = 0.015;  ///< smaller eigenvalue of the normals below which the scan
-                                    ///< does not constrain a direction
+  double degenerate_share = 0.015;      ///< smaller eigenvalue of the normals below which the scan
+                                        ///< does not constrain a direction
 };
 
 /// One scan to be matched.
 struct MatchRequest {
   const Points& points;
-  Pose2 last;                 ///< map_T_base of the scan before: small motions are preferred
-  std::vector<Pose2> starts;  ///< predictions, best first; never empty
+  Pose2 last;                     ///< map_T_base of the scan before: small motions are preferred
+  std::vector<Pose2> starts;      ///< predictions, best first; never empty
   bool search_all_round = false;  ///< nothing is known of the heading (a gap, a lost state)
   double search_scale = 1.0;      ///< of the windows' linear size, for a longer absence
 };

@@ -11,10 +11,10 @@ namespace kestrel_slam {
 
 /// Which beams of a scan are used, and how far a beam without a return clears.
 struct BeamFilterConfig {
-  double min_range_m = 0.1;        ///< closer returns are ignored (the vehicle itself)
-  double max_range_m = 30.0;       ///< farther returns only clear, up to `clear_range_m`
-  double clear_range_m = 10.0;     ///< a beam without a return clears free space up to here; 0: off
-  int max_beams = 100000;          ///< larger messages are refused
+  double min_range_m = 0.1;     ///< closer returns are ignored (the vehicle itself)
+  double max_range_m = 30.0;    ///< farther returns only clear, up to `clear_range_m`
+  double clear_range_m = 10.0;  ///< a beam without a return clears free space up to here; 0: off
+  int max_beams = 100000;       ///< larger messages are refused
 };
 
 /// What became of the beams of one scan.

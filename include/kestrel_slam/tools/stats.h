@@ -29,8 +29,8 @@ struct Distribution {
 /// All zero where there are no values.
 Distribution distributionOf(std::vector<double> values);
 
-/// Time of each scan, ms.
-Distribution scanTimes(const OfflineRun& run);
+/// Time of each scan, ms, of the part of the run between two shares of its scans, 0 to 1.
+Distribution scanTimes(const OfflineRun& run, double from = 0.0, double to = 1.0);
 
 /// How many scans ended in which state, and how well they fitted.
 struct MatchSummary {

@@ -1,0 +1,150 @@
+#include "kestrel_slam/map/tile_map.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace kestrel_slam {
+namespace {
+
+struct Counter {
+  int value = 0;
+};
+struct Kilobyte {
+  std::array<char, 1024> bytes{};
+};
+
+constexpr std::size_t kPlenty = 1U << 28U;
+constexpr int kLowest = std::numeric_limits<int>::min(), kHighest = std::numeric_limits<int>::max();
+
+TEST(FloorToInt, IsTheFloor) {
+  for (const float value :
+       {0.0F, -0.0F, 0.999F, 1.0F, -0.001F, -1.0F, -1.001F, -32.0F, 5e8F, -5e8F}) {
+    EXPECT_EQ(floorToInt(value), static_cast<int>(std::floor(value))) << value;
+  }
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> number(-5000.0F, 5000.0F);
+  for (int i = 0; i < 10000; ++i) {
+    const float value = number(random);
+    ASSERT_EQ(floorToInt(value), static_cast<int>(std::floor(value))) << value;
+  }
+}
+
+TEST(OffsetInTile, IsRowMajorAlsoLeftOfAndBelowTheOrigin) {
+  EXPECT_EQ(offsetInTile({0, 0}), 0U);
+  EXPECT_EQ(offsetInTile({31, 0}), 31U);
+  EXPECT_EQ(offsetInTile({32, 1}), 32U);
+  EXPECT_EQ(offsetInTile({-1, 0}), 31U);
+  EXPECT_EQ(offsetInTile({-32, -32}), 0U);
+  EXPECT_EQ(offsetInTile({-1, -1}), 1023U);
+}
+
+TEST(TileMap, EmptyHasNoTileAnywhere) {
+  TileMap<Counter> tiles(kPlenty);
+  for (const int x : {kLowest, -1, 0, kHighest}) {
+    for (const int y : {kLowest, -1, 0, kHighest}) EXPECT_EQ(tiles.find({x, y}), nullptr);
+  }
+  EXPECT_EQ(tiles.memoryBytes(), 0U);
+}
+
+TEST(TileMap, KeepsTilesInPlaceWhileItGrowsInAllFourDirections) {
+  TileMap<Counter> tiles(kPlenty);
+  const std::vector<Cell> cells = {{0, 0},    {-1, -1},    {500, 3},  {-700, 9},
+                                   {5, -900}, {-33, 1100}, {4000, 0}, {0, -4000}};
+  std::vector<Counter*> places;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    Counter* tile = tiles.obtain(cells[i]);
+    ASSERT_NE(tile, nullptr);
+    EXPECT_EQ(tile->value, 0) << "a new tile";
+    tile->value = static_cast<int>(i) + 1;
+    places.push_back(tile);
+    for (std::size_t k = 0; k <= i; ++k) {
+      ASSERT_EQ(tiles.find(cells[k]), places[k]) << "after growing to tile " << i;
+      ASSERT_EQ(places[k]->value, static_cast<int>(k) + 1);
+    }
+  }
+  EXPECT_EQ(tiles.tileCount(), cells.size());
+  EXPECT_EQ(tiles.find({31, 31}), places[0]);
+  EXPECT_EQ(tiles.find({32, 0}), nullptr);
+  EXPECT_EQ(tiles.find({kLowest, kHighest}), nullptr);
+}
+
+TEST(TileMap, AgreesWithAnOrderedMap) {
+  TileMap<Counter> tiles(kPlenty);
+  std::map<std::pair<int, int>, int> oracle;  // (tile row, tile column): the order of forEach
+  std::mt19937 random(2);
+  std::uniform_int_distribution<int> coordinate(-3000, 3000);
+  for (int i = 0; i < 3000; ++i) {
+    const Cell cell{coordinate(random), coordinate(random)};
+    const auto key = std::make_pair(cell.y >> kTileShift, cell.x >> kTileShift);
+    ASSERT_EQ(tiles.find(cell) != nullptr, oracle.count(key) == 1U);
+    ++tiles.obtain(cell)->value;
+    ++oracle[key];
+  }
+  EXPECT_EQ(tiles.tileCount(), oracle.size());
+  auto expected = oracle.begin();
+  tiles.forEach([&](const Cell& corner, const Counter& tile) {
+    ASSERT_NE(expected, oracle.end());
+    EXPECT_EQ(corner,
+              (Cell{expected->first.second * kTileSide, expected->first.first * kTileSide}));
+    EXPECT_EQ(tile.value, expected->second);
+    ++expected;
+  });
+  EXPECT_EQ(expected, oracle.end());
+}
+
+/// Obtains tiles around the origin at random, then along x, where the index grows all the time.
+void expectLimitKept(std::size_t limit) {
+  std::mt19937 random(3);
+  std::uniform_int_distribution<int> coordinate(-100, 100);
+  TileMap<Kilobyte> tiles(limit);
+  std::size_t refused = 0;
+  for (int i = 0; i < 120; ++i) {
+    const Cell cell{i % 2 == 0 ? coordinate(random) : i * kTileSide / 2, coordinate(random)};
+    const std::size_t count = tiles.tileCount();
+    if (tiles.obtain(cell) == nullptr) {
+      ++refused;
+      ASSERT_EQ(tiles.tileCount(), count);
+    } else {
+      ASSERT_EQ(tiles.obtain(cell), tiles.find(cell)) << "at the limit as well";
+    }
+    ASSERT_LE(tiles.memoryBytes(), limit);
+  }
+  EXPECT_GT(refused, 0U) << "limit " << limit;
+}
+
+TEST(TileMap, StaysBelowItsLimitAndWhatIsThereStaysUsable) {
+  for (std::size_t limit = 0; limit < 80000; limit += 61) {
+    ASSERT_NO_FATAL_FAILURE(expectLimitKept(limit)) << "limit " << limit;
+  }
+}
+
+TEST(TileMap, RefusesWhatWouldNeedAHugeIndexAndGoesOn) {
+  TileMap<Counter> tiles(kPlenty);
+  ASSERT_NE(tiles.obtain({0, 0}), nullptr);
+  for (const int far : {kLowest, kHighest, 500000000, -500000000}) {
+    EXPECT_EQ(tiles.obtain({far, far}), nullptr) << far;
+    EXPECT_EQ(tiles.obtain({far, 0}), nullptr) << far;
+  }
+  EXPECT_EQ(tiles.tileCount(), 1U);
+  EXPECT_NE(tiles.obtain({100, -100}), nullptr);
+  EXPECT_LT(tiles.memoryBytes(), 10000U);
+}
+
+TEST(TileMap, ClearForgetsEverything) {
+  TileMap<Counter> tiles(kPlenty);
+  tiles.obtain({10, 10})->value = 7;
+  tiles.clear();
+  EXPECT_EQ(tiles.find({10, 10}), nullptr);
+  EXPECT_EQ(tiles.memoryBytes(), 0U);
+  EXPECT_EQ(tiles.obtain({-5000, 5000})->value, 0);
+}
+
+}  // namespace
+}  // namespace kestrel_slam
