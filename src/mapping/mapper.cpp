@@ -13,6 +13,8 @@ namespace {
 constexpr double kMaxStepM = 1.0;
 /// Largest factor of the search windows after a long lost state.
 constexpr double kMaxSearchScale = 4.0;
+/// Standard deviations of a pose that is only predicted.
+constexpr double kLostM = 1.0, kLostRad = 0.5;
 
 /// No laser sees farther, and no vehicle flies farther from its start: beyond this, or not finite,
 /// a number is broken and is not used.
@@ -166,6 +168,11 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   s.time = scan.time;
   result.pose = s.pose;
   result.covariance = result.match.covariance;
+  if (result.state == MatchState::kLost) {
+    // That of the failed match says nothing of the predicted pose.
+    result.covariance =
+        Eigen::Vector3d(kLostM * kLostM, kLostM * kLostM, kLostRad * kLostRad).asDiagonal();
+  }
   result.searched = result.match.searched;
   return result;
 }

@@ -75,6 +75,8 @@ TEST(Mapper, AScanThatFitsNowhereIsLostAndNotInserted) {
     EXPECT_TRUE(result.searched);
     EXPECT_FALSE(result.inserted);
     EXPECT_EQ(result.pose, mapper.pose());
+    EXPECT_GE(result.covariance(0, 0), 1.0);
+    EXPECT_GE(result.covariance(2, 2), 0.25);
   }
   EXPECT_EQ(mapper.snapshot().cells, before.cells);
   EXPECT_EQ(mapper.process(room::scanFrom(Pose2())).state, MatchState::kOk) << "found again";
