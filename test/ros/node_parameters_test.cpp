@@ -41,7 +41,7 @@ struct Outcome {
 /// Runs the node with an argument to its end, or for `seconds`.
 Outcome runNode(const std::string& argument, int seconds) {
   const std::string command = "timeout -s INT " + std::to_string(seconds) +
-                              " rosrun kestrel_slam mapper_node __name:=parameters " + argument +
+                              " " KESTREL_MAPPER_NODE " __name:=parameters " + argument +
                               " 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
   Outcome outcome{-1, ""};
