@@ -7,8 +7,8 @@
 
 #include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/matching/matcher.h"
-#include "kestrel_slam/sensor/level_projector.h"
-#include "kestrel_slam/tools/simulator.h"
+#include "kestrel_slam/sensor/scan_projector.h"
+#include "kestrel_slam/tools/simulated_recording.h"
 
 namespace kestrel_slam {
 namespace {
@@ -19,14 +19,16 @@ constexpr std::size_t kMapScans = 100;
 /// A map of the start of a flight, and one more scan to match with it.
 struct Scene {
   Scene() : map(OccupancyGridConfig()) {
-    const SimulatedWorld& world = simulatedWorld("laboratory");
-    LaserModel laser = laserModel("utm30lx");
-    laser.time_increment = 0.0;  // a sweep at once: no motion in it
-    const LevelProjector projector{BeamFilterConfig()};
-    const std::vector<SimulatedScan> scans = simulate(world.walls, laser, world.flight(), kSeed);
-    for (std::size_t i = 0; i <= kMapScans; ++i) {
-      scan = projector.project(scans[i].scan, Eigen::Isometry3d::Identity()).scan;
-      pose = scans[i].world_T_base;
+    Place laboratory = place("laboratory");
+    laboratory.quadrotor.level = true;  // the benchmark is not about the attitude
+    VehicleModel vehicle = quadrotorWith("utm30lx");
+    vehicle.laser->time_increment = 0.0;  // a sweep at once: no motion in it
+    ScanProjector projector{ProjectorConfig()};
+    SimulatedRecording flight(laboratory, vehicle, kSeed);
+    RecordedScan recorded;
+    for (std::size_t i = 0; i <= kMapScans && flight.next(recorded); ++i) {
+      scan = projector.project(recorded.scan, recorded.base_T_laser).scan;
+      pose = flight.truth()[i].pose;
       if (i < kMapScans) map.insert(scan, pose);
     }
     for (const PlanarRay& ray : scan.rays) {

@@ -1,7 +1,7 @@
 # Everything of catkin that has to come before the first target.
 find_package(catkin REQUIRED COMPONENTS
-  diagnostic_updater geometry_msgs message_filters message_generation nav_msgs rosbag_storage roscpp
-  sensor_msgs std_msgs std_srvs tf2 tf2_msgs tf2_ros)
+  diagnostic_updater geometry_msgs message_filters message_generation nav_msgs nodelet pluginlib
+  rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2 tf2_msgs tf2_ros)
 
 file(GLOB SERVICES RELATIVE ${PROJECT_SOURCE_DIR}/srv ${PROJECT_SOURCE_DIR}/srv/*.srv)
 add_service_files(DIRECTORY srv FILES ${SERVICES})
@@ -10,7 +10,8 @@ generate_messages(DEPENDENCIES geometry_msgs std_msgs)
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES kestrel_core
-  CATKIN_DEPENDS geometry_msgs message_runtime nav_msgs roscpp sensor_msgs std_msgs std_srvs tf2_ros
+  CATKIN_DEPENDS geometry_msgs message_runtime nav_msgs nodelet roscpp sensor_msgs std_msgs std_srvs
+    tf2_ros
   DEPENDS EIGEN3)
 
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})

@@ -1,5 +1,7 @@
-# The ROS layer: a library with the conversions and the node classes, and one program for each node.
+# The ROS layer: a library with the conversions and the node classes, one program for each node, and
+# one plugin library with the same nodes as nodelets.
 file(GLOB ROS_SOURCES CONFIGURE_DEPENDS src/ros/*.cpp)
+list(FILTER ROS_SOURCES EXCLUDE REGEX "/nodelets\\.cpp$")
 set(ROS_MAINS ${ROS_SOURCES})
 list(FILTER ROS_MAINS INCLUDE REGEX "_main\\.cpp$")
 list(FILTER ROS_SOURCES EXCLUDE REGEX "_main\\.cpp$")
@@ -16,11 +18,14 @@ if(ROS_SOURCES)
     target_link_libraries(${name} PRIVATE kestrel_ros kestrel_warnings)
     list(APPEND KESTREL_EXECUTABLES ${name})
   endforeach()
+  add_library(kestrel_nodelets SHARED src/ros/nodelets.cpp)
+  target_link_libraries(kestrel_nodelets PRIVATE kestrel_ros kestrel_warnings)
 endif()
 
 if(KESTREL_BUILD_TESTS AND CATKIN_ENABLE_TESTING)
   find_package(rostest REQUIRED)
-  add_library(kestrel_ros_testing STATIC EXCLUDE_FROM_ALL test/ros/mapper_client.cpp)
+  add_library(kestrel_ros_testing STATIC EXCLUDE_FROM_ALL test/ros/mapper_client.cpp
+    test/ros/node_watcher.cpp test/ros/projector_client.cpp test/ros/tilting_flight.cpp)
   target_link_libraries(kestrel_ros_testing PUBLIC kestrel_ros PRIVATE kestrel_warnings)
   file(GLOB ROS_TEST_SOURCES CONFIGURE_DEPENDS test/ros/*_test.cpp)
   foreach(source ${ROS_TEST_SOURCES})
@@ -28,7 +33,8 @@ if(KESTREL_BUILD_TESTS AND CATKIN_ENABLE_TESTING)
     add_executable(${name} ${source})
     target_link_libraries(${name} PRIVATE kestrel_ros_testing kestrel_warnings GTest::gtest)
     target_compile_definitions(${name} PRIVATE KESTREL_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-      KESTREL_MAPPER_NODE="$<TARGET_FILE:mapper_node>")
+      KESTREL_MAPPER_NODE="$<TARGET_FILE:mapper_node>"
+      KESTREL_SCAN_PROJECTOR_NODE="$<TARGET_FILE:scan_projector_node>")
   endforeach()
   file(GLOB ROS_TESTS CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} test/ros/*.test)
   foreach(test ${ROS_TESTS})
@@ -37,6 +43,7 @@ if(KESTREL_BUILD_TESTS AND CATKIN_ENABLE_TESTING)
 endif()
 
 install(TARGETS ${KESTREL_EXECUTABLES} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+install(TARGETS kestrel_nodelets LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
 install(TARGETS kestrel_core ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
 install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
 install(DIRECTORY launch config rviz DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})

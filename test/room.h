@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/matching/gauss_newton.h"
 #include "kestrel_slam/sensor/planar_scan.h"
 
@@ -62,6 +63,15 @@ inline Points hitsOf(const PlanarScan& scan) {
     if (ray.hit) points.push_back(ray.end);
   }
   return points;
+}
+
+/// The map of the room, as three scans see it.
+inline Submap map() {
+  Submap map{OccupancyGridConfig()};
+  for (const Pose2& pose : {Pose2(0, 0, 0), Pose2(0.5, 0.3, 1), Pose2(-0.6, -0.4, 2)}) {
+    map.insert(scanFrom(pose), pose);
+  }
+  return map;
 }
 
 }  // namespace kestrel_slam::room

@@ -1,5 +1,6 @@
 #include "kestrel_slam/mapping/mapper.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -15,6 +16,9 @@ constexpr double kMaxStepM = 1.0;
 constexpr double kMaxSearchScale = 4.0;
 /// Standard deviations of a pose that is only predicted.
 constexpr double kLostM = 1.0, kLostRad = 0.5;
+
+/// Time constant of the velocity, s.
+constexpr double kVelocityTime = 0.15;
 
 /// No laser sees farther, and no vehicle flies farther from its start: beyond this, or not finite,
 /// a number is broken and is not used.
@@ -36,6 +40,7 @@ PlanarScan repaired(const PlanarScan& scan) {
   const auto broken = [](const PlanarRay& ray) { return !isUsable(ray); };
   result.rays.erase(std::remove_if(result.rays.begin(), result.rays.end(), broken),
                     result.rays.end());
+  if (result.heading && !std::isfinite(*result.heading)) result.heading.reset();
   return result;
 }
 
@@ -73,18 +78,22 @@ struct Mapper::State {
   Submap map;
   std::unique_ptr<Matcher> matcher;
 
-  Pose2 pose;                 ///< map_T_base of the last scan
-  Pose2 motion;               ///< from the scan before the last one to the last one
-  Pose2 inserted_pose;        ///< of the last scan that entered the map
-  std::optional<Pose2> odom;  ///< odom_T_base of the last scan
-  double time = 0.0;          ///< of the last scan
-  int lost_scans = 0;         ///< in a row
-  bool placed = false;        ///< somebody said where the vehicle is: search around there
+  Pose2 pose;                     ///< map_T_base of the last scan
+  Pose2 motion;                   ///< from the scan before the last one to the last one
+  Pose2 inserted_pose;            ///< of the last scan that entered the map
+  std::optional<Pose2> odom;      ///< odom_T_base of the last scan
+  std::optional<double> heading;  ///< of the gyro, at the last scan, rad
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< in map, smoothed, m/s
+  double time = 0.0;                                   ///< of the last scan
+  int lost_scans = 0;                                  ///< in a row
+  bool placed = false;  ///< somebody said where the vehicle is: search around there
 
   MatchRequest request(const Points& points, const PlanarScan& scan,
                        const std::optional<Pose2>& odom_now) const;
   MatchState judge(const MatchResult& match) const;
-  void move(const MatchResult& match, const Pose2& prediction, MatchState match_state);
+  void move(const MatchResult& match, const Pose2& prediction, MatchState match_state,
+            double seconds);
+  void updateVelocity(const Pose2& next, double seconds, bool unknown);
   bool movedEnough() const;
 };
 
@@ -95,11 +104,18 @@ MatchRequest Mapper::State::request(const Points& points, const PlanarScan& scan
   MatchRequest result{points, pose, {}, false, 1.0};
   const Pose2 continued = pose * motion;
   result.starts = {continued, pose, halfway(pose, continued)};
+  const bool has_turn = heading && scan.heading;
+  if (has_turn) {
+    // The gyro knows the rotation better than any motion model; without it only in the last place.
+    const double theta = pose.theta + *scan.heading - *heading;
+    for (Pose2& start : result.starts) start = Pose2(start.x, start.y, theta);
+    result.starts.push_back(continued);
+  }
   if (odom && odom_now) {
     const auto place = lost_scans > 0 ? result.starts.begin() : result.starts.end();
     result.starts.insert(place, pose * (odom->inverse() * *odom_now));
   }
-  result.search_all_round = lost_scans > 0 || scan.time - time > config.gap_s;
+  result.search_all_round = !has_turn && (lost_scans > 0 || scan.time - time > config.gap_s);
   result.search_scale = std::min(1.0 + 0.1 * lost_scans, kMaxSearchScale);
   return result;
 }
@@ -112,15 +128,26 @@ MatchState Mapper::State::judge(const MatchResult& match) const {
   return good ? MatchState::kOk : MatchState::kDegraded;
 }
 
-void Mapper::State::move(const MatchResult& match, const Pose2& prediction,
-                         MatchState match_state) {
+void Mapper::State::move(const MatchResult& match, const Pose2& prediction, MatchState match_state,
+                         double seconds) {
   const bool lost = match_state == MatchState::kLost;
   const Pose2 next = !lost ? match.pose : isUsable(prediction) ? prediction : pose;
   motion = lost || placed ? Pose2() : pose.inverse() * next;
   if (motion.distance() > kMaxStepM) motion = Pose2();
+  updateVelocity(next, seconds, lost || placed);
   pose = next;
   lost_scans = lost ? lost_scans + 1 : 0;
   placed = false;
+}
+
+/// Smoothed: over one period of a 40 Hz laser the noise of the poses is as large as the motion.
+void Mapper::State::updateVelocity(const Pose2& next, double seconds, bool unknown) {
+  if (unknown || !(seconds > 0.0) || seconds > config.gap_s) {
+    velocity.setZero();
+    return;
+  }
+  const Eigen::Vector2d measured = (next.translation() - pose.translation()) / seconds;
+  velocity += seconds / (seconds + kVelocityTime) * (measured - velocity);
 }
 
 bool Mapper::State::movedEnough() const {
@@ -140,6 +167,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
     return process(repaired(scan), odom_T_base);
   }
   if (odom_T_base && !isUsable(*odom_T_base)) return process(scan);
+  if (scan.heading && !std::isfinite(*scan.heading)) return process(repaired(scan), odom_T_base);
   State& s = *state_;
   MapperResult result;
   const Points points = hitsOf(scan);
@@ -149,7 +177,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
     result.match = s.matcher->match(s.map, request);
     result.evaluation = evaluationFunction(result.match, s.config.evaluation);
     result.state = s.judge(result.match);
-    s.move(result.match, request.starts.front(), result.state);
+    s.move(result.match, request.starts.front(), result.state, scan.time - s.time);
   } else if (first && !points.empty()) {
     result.match.pose = s.pose;
     result.match.covariance.setZero();  // the first scan defines the map
@@ -165,8 +193,10 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
     s.inserted_pose = s.pose;
   }
   s.odom = odom_T_base;
+  s.heading = scan.heading;
   s.time = scan.time;
   result.pose = s.pose;
+  result.velocity = Eigen::Rotation2Dd(-s.pose.theta) * s.velocity;
   result.covariance = result.match.covariance;
   if (result.state == MatchState::kLost) {
     // That of the failed match says nothing of the predicted pose.
@@ -189,6 +219,8 @@ void Mapper::setPose(const Pose2& map_T_base) {
   state_->pose = map_T_base;
   state_->motion = Pose2();
   state_->odom.reset();
+  state_->heading.reset();
+  state_->velocity.setZero();
   state_->placed = true;
 }
 

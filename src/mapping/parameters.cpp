@@ -17,21 +17,6 @@ namespace {
 /// Longest piece of a user's text that a message repeats.
 constexpr std::size_t kMaxQuotedLength = 60;
 
-Parameter number(const char* name, const char* unit,
-                 std::variant<double*, int*, bool*, std::string*> value, double min, double max,
-                 const char* description) {
-  return {name, unit, description, value, min, max, {}};
-}
-
-Parameter flag(const char* name, bool* value, const char* description) {
-  return {name, "", description, value, 0.0, 0.0, {}};
-}
-
-Parameter choice(const char* name, std::string* value, std::vector<std::string> choices,
-                 const char* description) {
-  return {name, "", description, value, 0.0, 0.0, std::move(choices)};
-}
-
 std::string format(double value, int digits) {
   std::ostringstream text;
   text.imbue(std::locale::classic());
@@ -170,61 +155,6 @@ void requireLess(const char* name_a, double a, const char* name_b, double b) {
 
 }  // namespace
 
-std::vector<Parameter> parametersOf(SlamConfig& config) {
-  BeamFilterConfig& beams = config.beams;
-  MapperConfig& mapper = config.mapper;
-  OccupancyGridConfig& grid = mapper.grid;
-  // Columns: name, unit, place, smallest, largest, description.
-  return {
-      number("map_resolution", "m", &grid.resolution_m, 0.005, 1.0, "edge length of a map cell"),
-      number("update_factor_free", "", &grid.miss_probability, 0.01, 0.49,
-             "probability that a cell is occupied although a beam passed it"),
-      number("update_factor_occupied", "", &grid.hit_probability, 0.51, 0.99,
-             "probability that a cell is occupied where a beam ended in it"),
-      number("map_min_probability", "", &grid.min_probability, 0.0001, 0.49,
-             "lower clamp: how sure a cell can become that it is free"),
-      number("map_max_probability", "", &grid.max_probability, 0.51, 0.9999,
-             "upper clamp: how sure a cell can become that it is occupied"),
-      number("map_memory_limit_mb", "MB", &grid.memory_limit_mb, 1.0, 1e6,
-             "the map stops growing at this size, with a warning"),
-      number("map_update_distance_thresh", "m", &mapper.insert_distance_m, 0.0, 100.0,
-             "a scan enters the map after this much motion"),
-      number("map_update_angle_thresh", "rad", &mapper.insert_angle_rad, 0.0, 100.0,
-             "a scan enters the map after this much rotation"),
-      number("laser_min_dist", "m", &beams.min_range_m, 0.0, 100.0,
-             "closer returns are ignored: the vehicle itself"),
-      number("laser_max_dist", "m", &beams.max_range_m, 0.1, 1000.0,
-             "farther returns only clear free space"),
-      number("clear_range", "m", &beams.clear_range_m, 0.0, 1000.0,
-             "a beam without a return clears free space up to here; 0: not at all"),
-      number("max_beams", "", &beams.max_beams, 1.0, 1e7, "scans with more beams are refused"),
-      number("lost_score", "", &mapper.lost_score, 0.0, 1.0,
-             "a scan whose best fit is below this is lost and not inserted"),
-      number("search_score", "", &mapper.matcher.search_score, 0.0, 1.0,
-             "a fit below this is degraded and starts the exhaustive search"),
-      number("good_score", "", &mapper.matcher.good_score, 0.0, 1.0,
-             "a fit below this is compared with that from other starts"),
-      number("search_window", "m", &mapper.matcher.near_window.linear_m, 0.0, 10.0,
-             "the exhaustive search looks this far in x and y"),
-      number("search_angle", "rad", &mapper.matcher.near_window.angular_rad, 0.0, 3.15,
-             "the exhaustive search looks this far in heading"),
-      number("wide_search_window", "m", &mapper.matcher.wide_window.linear_m, 0.0, 10.0,
-             "where that finds nothing good: this far in x and y"),
-      number("wide_search_angle", "rad", &mapper.matcher.wide_window.angular_rad, 0.0, 3.15,
-             "where that finds nothing good: this far in heading"),
-      number("match_iterations", "", &mapper.matcher.gauss_newton.max_iterations, 1.0, 1000.0,
-             "Gauss-Newton iterations of each resolution at most"),
-      flag("use_evaluation_function", &mapper.evaluation.enabled,
-           "judge by the penalised evaluation function whether a scan may enter the map"),
-      number("evaluation_threshold", "", &mapper.evaluation.threshold, 1.0, 1000.0,
-             "scans whose evaluation is above this stay out of the map"),
-      number("evaluation_penalty", "", &mapper.evaluation.penalty, 0.0, 1000.0,
-             "weight of the disagreement between the resolutions in the evaluation"),
-      choice("matcher", &mapper.matcher.method, {"gauss_newton", "correlative", "hybrid"},
-             "how the pose of a scan is found"),
-  };
-}
-
 std::string valueText(const Parameter& parameter) {
   return std::visit(ValueText{}, parameter.value);
 }
@@ -263,8 +193,14 @@ void validate(const SlamConfig& config) {
   for (const Parameter& parameter : parametersOf(copy)) {
     setParameter(copy, parameter.name, valueText(parameter));
   }
-  requireLess("laser_min_dist", config.beams.min_range_m, "laser_max_dist",
-              config.beams.max_range_m);
+  requireLess("laser_min_dist", config.projector.beams.min_range_m, "laser_max_dist",
+              config.projector.beams.max_range_m);
+  requireLess("laser_z_min_value", config.projector.slice_min_m, "laser_z_max_value",
+              config.projector.slice_max_m);
+  for (const std::string& angles :
+       {config.projector.ignored_angles, config.projector.mirror_angles}) {
+    parseAngleRanges(angles);
+  }
   requireLess("map_min_probability", config.mapper.grid.min_probability, "map_max_probability",
               config.mapper.grid.max_probability);
 }

@@ -37,7 +37,7 @@ Diagnostics::Diagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& priva
       statistics_(statistics),
       publisher_count_(std::move(publisher_count)),
       map_size_(std::move(map_size)),
-      updater_(nh, private_nh) {
+      updater_(nh, private_nh, private_nh.getNamespace()) {  // a nodelet is not its process
   updater_.setHardwareID(scan_topic);
   updater_.add("Scans", [this](Status& status) { fillScans(status); });
   updater_.add("Match", [this](Status& status) { fillMatch(status); });

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "kestrel_slam/ros/conversions.h"
+#include "kestrel_slam/ros/planar_scan_message.h"
 
 namespace kestrel_slam {
 namespace {
@@ -28,7 +29,7 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
     : config_(loadParameters(private_nh)),
       mapper_(config_.slam.mapper),
       queue_(static_cast<std::size_t>(config_.scan_subscriber_queue_size)),
-      projector_(config_.slam.beams),
+      projector_(config_.slam.projector),
       pose_publisher_(nh, config_) {
   command_subscriber_ =
       nh.subscribe(config_.sys_msg_topic, kCommandQueue, &MapperNode::onCommand, this);
@@ -76,7 +77,7 @@ void MapperNode::handle(const ReadyScan& scan) {
   if (statistics_.paused()) {
     was_paused_ = true;
     statistics_.dropped("paused");
-    pose_publisher_.repeatCorrection(scan.message->header.stamp);
+    pose_publisher_.repeatCorrection(scan.stamp);
     return;
   }
   if (was_paused_ || scan.epoch != epoch_) continueAfter(scan);
@@ -98,21 +99,42 @@ void MapperNode::continueAfter(const ReadyScan& scan) {
 
 void MapperNode::match(const ReadyScan& scan) {
   const auto start = std::chrono::steady_clock::now();
-  const ros::Time& stamp = scan.message->header.stamp;
-  Projection projection = projector_.project(fromMessage(*scan.message), scan.base_T_laser);
-  if (projection.error != ScanError::kNone) {
-    statistics_.dropped(toString(projection.error));
-    ROS_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped (%s): %s", input_->topic().c_str(),
-                      toString(projection.error), projection.message.c_str());
-    return;
-  }
-  projection.scan.time = monotone_time_.repair(projection.scan.stamp);
-  const MapperResult result = mapper_.process(projection.scan, scan.odom_T_base, stamp);
+  std::optional<PlanarScan> planar = planarOf(scan);
+  if (!planar) return;
+  planar->time = monotone_time_.repair(planar->stamp);
+  const MapperResult result = mapper_.process(*planar, scan.odom_T_base, scan.stamp);
   const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
   if (!result.pose.isFinite()) throw std::runtime_error("the pose is not finite");
   statistics_.used(result, ms.count());
-  trajectory_.add(stamp, result.pose);
-  pose_publisher_.publish(stamp, result, projection.scan, scan.odom_T_base);
+  trajectory_.add(scan.stamp, result.pose);
+  pose_publisher_.publish(scan.stamp, result, *planar, scan.odom_T_base);
+}
+
+/// Nothing where the scan cannot be used; that is counted and said.
+std::optional<PlanarScan> MapperNode::planarOf(const ReadyScan& scan) {
+  if (scan.message.planar_scan) return planarOf(*scan.message.planar_scan);
+  const LaserScan laser_scan = fromMessage(*scan.message.laser_scan);
+  Projection projection = projector_.project(laser_scan, scan.base_T_laser);
+  if (projection.error == ScanError::kNone) return std::move(projection.scan);
+  drop(toString(projection.error), projection.message);
+  return std::nullopt;
+}
+
+std::optional<PlanarScan> MapperNode::planarOf(const sensor_msgs::PointCloud2& message) {
+  try {
+    PlanarScan scan = fromPlanarScanMessage(message);
+    if (!scan.rays.empty()) return scan;
+    drop(toString(ScanError::kNoBeams), "it has no points");
+  } catch (const std::invalid_argument& error) {
+    drop("bad-planar-scan", error.what());
+  }
+  return std::nullopt;
+}
+
+void MapperNode::drop(const std::string& reason, const std::string& sentence) {
+  statistics_.dropped(reason);
+  ROS_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped (%s): %s.", input_->topic().c_str(),
+                    reason.c_str(), sentence.c_str());
 }
 
 void MapperNode::restart(const Pose2& map_T_base) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "kestrel_slam/mapping/parameter_table.h"
 #include "kestrel_slam/tools/bag_transforms.h"
 
 namespace kestrel_slam {
@@ -22,8 +23,6 @@ const std::map<std::string, std::string>& unneededParameters() {
       {"map_start_x", kGrows},
       {"map_start_y", kGrows},
       {"map_multi_res_levels", "the matcher chooses its resolutions itself"},
-      {"laser_z_min_value", "the end points of a level laser all have the same height"},
-      {"laser_z_max_value", "the end points of a level laser all have the same height"},
       {"use_tf_scan_transformation", "the mounting of the laser is always taken from tf"},
       {"use_tf_pose_start_estimate", "the odometry is used whenever odom_frame is set"},
       {"map_with_known_poses", "the pose always comes from matching"},
@@ -36,20 +35,6 @@ const std::map<std::string, std::string>& unneededParameters() {
 
 /// Of diagnostic_updater, which reads it from the same namespace.
 constexpr char kDiagnosticPeriod[] = "diagnostic_period";
-
-Parameter text(const char* name, std::string* value, const char* description) {
-  return {name, "", description, value, 0.0, 0.0, {}};
-}
-
-Parameter flag(const char* name, bool* value, const char* description) {
-  return {name, "", description, value, 0.0, 0.0, {}};
-}
-
-Parameter number(const char* name, const char* unit,
-                 std::variant<double*, int*, bool*, std::string*> value, double min, double max,
-                 const char* description) {
-  return {name, unit, description, value, min, max, {}};
-}
 
 /// The shorter of the two decimal forms that give the same number when they are read.
 std::string numberText(double value) {
@@ -123,7 +108,7 @@ void tidyFrames(NodeConfig& config) {
 void validate(const NodeConfig& config) {
   requireName("base_frame", config.base_frame);
   requireName("map_frame", config.map_frame);
-  requireName("scan_topic", config.scan_topic);
+  requireName(config.usesPlanarScans() ? "planar_scan_topic" : "scan_topic", config.inputTopic());
   requireName("sys_msg_topic", config.sys_msg_topic);
   requireName("pose_update_topic", config.pose_update_topic);
   requireDistinct("map_frame", config.map_frame, config.base_frame);
@@ -141,12 +126,16 @@ void validate(const NodeConfig& config) {
 }  // namespace
 
 std::vector<Parameter> parametersOf(NodeConfig& config) {
+  using namespace parameter_table;
   constexpr double kMaxQueue = 10000, kMinPeriod = 0.1, kMaxPeriod = 3600.0, kMaxTolerance = 60.0;
   std::vector<Parameter> parameters = {
       text("base_frame", &config.base_frame, "the vehicle's frame"),
       text("map_frame", &config.map_frame, "the frame of map and poses"),
       text("odom_frame", &config.odom_frame, "the odometry's frame; empty: no odometry"),
+      choice("input", &config.input, {"scan", "planar_scan"},
+             "scan: of a laser that stays level; planar_scan: of the scan projector"),
       text("scan_topic", &config.scan_topic, "the laser's topic"),
+      text("planar_scan_topic", &config.planar_scan_topic, "the scan projector's topic"),
       text("sys_msg_topic", &config.sys_msg_topic, "topic of commands; 'reset' forgets the map"),
       text("pose_update_topic", &config.pose_update_topic, "topic of the pose with covariance"),
       number("scan_subscriber_queue_size", "", &config.scan_subscriber_queue_size, 1.0, kMaxQueue,

@@ -48,6 +48,9 @@ std::optional<Pose2> PosePublisher::carriedOn(const std::optional<Pose2>& odom_T
 }
 
 void PosePublisher::publishTransforms(const ros::Time& stamp, const Pose2& map_T_base) {
+  // Scans of several lasers may share their stamp; tf takes one transform for each.
+  if (stamp == transforms_stamp_) return;
+  transforms_stamp_ = stamp;
   std::vector<geometry_msgs::TransformStamped> transforms;
   if (config_.pub_map_odom_transform && !config_.usesOdometry()) {
     // Not dated into the future: between two dates tf interpolates, and would lag by the tolerance.

@@ -2,10 +2,11 @@
 
 #include <ros/console.h>
 
+#include <boost/make_shared.hpp>
 #include <utility>
 
 #include "kestrel_slam/ros/conversions.h"
-#include "kestrel_slam/sensor/level_projector.h"
+#include "kestrel_slam/sensor/projection.h"
 #include "kestrel_slam/tools/bag_transforms.h"
 
 namespace kestrel_slam {
@@ -37,39 +38,56 @@ ScanInput::ScanInput(ros::NodeHandle nh, const NodeConfig& config, ScanStatistic
   if (config.usesOdometry()) filter_.setTargetFrames({config.base_frame, config.odom_frame});
   filter_.registerCallback(&ScanInput::onReady, this);
   filter_.registerFailureCallback(
-      [this](const sensor_msgs::LaserScanConstPtr& message, tf2_ros::FilterFailureReason reason) {
-        onFailure(message, reason);
+      [this](const ReceivedScanPtr& scan, tf2_ros::FilterFailureReason reason) {
+        onFailure(scan, reason);
       });
+  const auto queue = static_cast<std::uint32_t>(config.scan_subscriber_queue_size);
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   subscriber_ =
-      nh.subscribe(config.scan_topic, static_cast<std::uint32_t>(config.scan_subscriber_queue_size),
-                   &ScanInput::onScan, this, ros::TransportHints().tcpNoDelay());
+      config.usesPlanarScans()
+          ? nh.subscribe(config.inputTopic(), queue, &ScanInput::onPlanarScan, this, hints)
+          : nh.subscribe(config.inputTopic(), queue, &ScanInput::onLaserScan, this, hints);
 }
 
-void ScanInput::onScan(const sensor_msgs::LaserScanConstPtr& message) {
+void ScanInput::onLaserScan(const sensor_msgs::LaserScanConstPtr& message) {
+  const std_msgs::Header& header = message->header;
+  receive({{message, nullptr}, withoutSlash(header.frame_id), header.stamp},
+          message->ranges.size());
+}
+
+/// Its frame has the position and the heading of the base: of tf only the odometry is needed, and
+/// that is published for the base.
+void ScanInput::onPlanarScan(const sensor_msgs::PointCloud2ConstPtr& message) {
+  const std::size_t beams = static_cast<std::size_t>(message->width) * message->height;
+  receive({{nullptr, message}, config_.base_frame, message->header.stamp}, beams);
+}
+
+void ScanInput::receive(const ReceivedScan& scan, std::size_t beams) {
   statistics_.received();
-  if (!acceptable(*message)) return;
-  noticeJump(message->header.stamp);
-  last_stamp_ = message->header.stamp;
-  if (needsTransform(*message)) {
-    filter_.add(message);
-    explainWaiting(*message);
+  if (!acceptable(scan, beams)) return;
+  noticeJump(scan.stamp);
+  last_stamp_ = scan.stamp;
+  if (needsTransform(scan)) {
+    filter_.add(boost::make_shared<const ReceivedScan>(scan));
+    explainWaiting(scan);
   } else {
-    onReady(message);
+    handOver(scan);
   }
 }
 
-/// What must not get into the queue of the transforms; the projector looks at the rest.
-bool ScanInput::acceptable(const sensor_msgs::LaserScan& message) {
-  const std::size_t max_beams = static_cast<std::size_t>(config_.slam.beams.max_beams);
-  if (message.ranges.size() > max_beams) {
-    refuse(toString(ScanError::kTooManyBeams), "it has " + std::to_string(message.ranges.size()) +
+/// What must not get into the queue of the transforms; the matching thread looks at the rest.
+/// Planar scans of several lasers may share their stamp.
+bool ScanInput::acceptable(const ReceivedScan& scan, std::size_t beams) {
+  const std::size_t max_beams = static_cast<std::size_t>(config_.slam.projector.beams.max_beams);
+  if (beams > max_beams) {
+    refuse(toString(ScanError::kTooManyBeams), "it has " + std::to_string(beams) +
                                                    " beams, ~max_beams allows " +
                                                    std::to_string(max_beams));
-  } else if (withoutSlash(message.header.frame_id).empty()) {
+  } else if (scan.frame.empty()) {
     refuse("no-frame", "its frame_id is empty; the laser's driver has to set it");
-  } else if (message.header.stamp.isZero()) {
+  } else if (scan.stamp.isZero()) {
     refuse(toString(ScanError::kBadStamp), "its stamp is zero; the laser's driver has to set it");
-  } else if (message.header.stamp == last_stamp_) {
+  } else if (scan.stamp == last_stamp_ && !config_.usesPlanarScans()) {
     refuse("repeated-stamp", "its stamp is that of the scan before (two publishers?)");
   } else {
     return true;
@@ -96,25 +114,25 @@ void ScanInput::noticeJump(const ros::Time& stamp) {
 }
 
 /// tf2 knows no frame that nobody has published, not even its own identity.
-bool ScanInput::needsTransform(const sensor_msgs::LaserScan& message) const {
-  return config_.usesOdometry() || withoutSlash(message.header.frame_id) != config_.base_frame;
+bool ScanInput::needsTransform(const ReceivedScan& scan) const {
+  return config_.usesOdometry() || scan.frame != config_.base_frame;
 }
 
-void ScanInput::explainWaiting(const sensor_msgs::LaserScan& message) {
+void ScanInput::explainWaiting(const ReceivedScan& scan) {
   const ros::WallTime now = ros::WallTime::now();
   if (waiting_since_.isZero()) waiting_since_ = now;
   if ((now - waiting_since_).toSec() < kExplainAfter) return;
-  const std::string text = missingTransform(message);
+  const std::string text = missingTransform(scan);
   statistics_.setWaitingFor(text);
   ROS_WARN_THROTTLE(kComplainEvery, "Scans on %s are waiting: %s", topic().c_str(), text.c_str());
 }
 
 /// Which transform is missing, and who should publish it.
-std::string ScanInput::missingTransform(const sensor_msgs::LaserScan& message) const {
-  const std::string laser = withoutSlash(message.header.frame_id);
+std::string ScanInput::missingTransform(const ReceivedScan& scan) const {
+  const std::string& laser = scan.frame;
   const std::string& base = config_.base_frame;
   std::string error;
-  if (laser != base && !buffer_.canTransform(base, laser, message.header.stamp, &error)) {
+  if (laser != base && !buffer_.canTransform(base, laser, scan.stamp, &error)) {
     return "no transform from the laser's frame '" + laser + "' to the base frame '" + base +
            "' (" + error +
            "). The robot's description should publish it; for a laser that is the "
@@ -126,14 +144,16 @@ std::string ScanInput::missingTransform(const sensor_msgs::LaserScan& message) c
          "odometry, set ~odom_frame to ''";
 }
 
-void ScanInput::onReady(const sensor_msgs::LaserScanConstPtr& message) {
+void ScanInput::onReady(const ReceivedScanPtr& scan) { handOver(*scan); }
+
+void ScanInput::handOver(const ReceivedScan& scan) {
   if (!waiting_since_.isZero()) {
     waiting_since_ = ros::WallTime();
     statistics_.setWaitingFor("");
   }
   try {
-    warnOfOtherParent(message->header.stamp);
-    on_ready_(lookUp(message));
+    warnOfOtherParent(scan.stamp);
+    on_ready_(lookUp(scan));
   } catch (const std::exception& error) {
     refuse("no-transform", error.what());
   }
@@ -153,28 +173,27 @@ void ScanInput::warnOfOtherParent(const ros::Time& stamp) const {
                     parent.c_str());
 }
 
-ReadyScan ScanInput::lookUp(const sensor_msgs::LaserScanConstPtr& message) const {
-  ReadyScan scan;
-  scan.message = message;
-  scan.epoch = epoch_;
-  const std::string laser = withoutSlash(message->header.frame_id);
-  const ros::Time& stamp = message->header.stamp;
-  if (laser != config_.base_frame) {
-    scan.base_T_laser =
-        fromMessage(buffer_.lookupTransform(config_.base_frame, laser, stamp).transform);
+ReadyScan ScanInput::lookUp(const ReceivedScan& scan) const {
+  ReadyScan ready;
+  ready.message = scan.message;
+  ready.stamp = scan.stamp;
+  ready.epoch = epoch_;
+  const std::string& base = config_.base_frame;
+  if (scan.frame != base) {
+    ready.base_T_laser =
+        fromMessage(buffer_.lookupTransform(base, scan.frame, scan.stamp).transform);
   }
   if (config_.usesOdometry()) {
-    scan.odom_T_base = toPose2(fromMessage(
-        buffer_.lookupTransform(config_.odom_frame, config_.base_frame, stamp).transform));
+    ready.odom_T_base = toPose2(
+        fromMessage(buffer_.lookupTransform(config_.odom_frame, base, scan.stamp).transform));
   }
-  return scan;
+  return ready;
 }
 
-void ScanInput::onFailure(const sensor_msgs::LaserScanConstPtr& message,
-                          tf2_ros::FilterFailureReason reason) {
+void ScanInput::onFailure(const ReceivedScanPtr& scan, tf2_ros::FilterFailureReason reason) {
   if (reason == tf2_ros::filter_failure_reasons::OutTheBack) {
-    refuse("too-old", "tf has forgotten what was at its stamp " +
-                          std::to_string(message->header.stamp.toSec()));
+    refuse("too-old",
+           "tf has forgotten what was at its stamp " + std::to_string(scan->stamp.toSec()));
   } else {
     statistics_.dropped("no-transform");  // explainWaiting says why
   }

@@ -1,44 +1,25 @@
 #include "kestrel_slam/tools/bag_flight_writer.h"
 
-#include <geometry_msgs/TransformStamped.h>
-#include <nav_msgs/Odometry.h>
 #include <rosbag/bag.h>
-#include <sensor_msgs/LaserScan.h>
-#include <tf2_msgs/TFMessage.h>
 
-#include <algorithm>
+#include <boost/make_shared.hpp>
 #include <cerrno>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
 
+#include "bag_flight_messages.h"
+
 namespace kestrel_slam {
 namespace {
 
-constexpr const char* kWorldFrame = "world";
-constexpr const char* kBaseFrame = "base_link";
-constexpr const char* kLaserFrame = "laser";
-
-geometry_msgs::Quaternion yawQuaternion(double yaw) {
-  geometry_msgs::Quaternion q;
-  q.z = std::sin(yaw / 2.0);
-  q.w = std::cos(yaw / 2.0);
-  return q;
-}
-
-tf2_msgs::TFMessage mountingMessage(const Pose2& base_T_laser, const ros::Time& stamp) {
-  geometry_msgs::TransformStamped transform;
-  transform.header.stamp = stamp;
-  transform.header.frame_id = kBaseFrame;
-  transform.child_frame_id = kLaserFrame;
-  transform.transform.translation.x = base_T_laser.x;
-  transform.transform.translation.y = base_T_laser.y;
-  transform.transform.rotation = yawQuaternion(base_T_laser.theta);
-  tf2_msgs::TFMessage message;
-  message.transforms.push_back(transform);
-  return message;
-}
+const char* topicOf(const LaserScan&) { return "/scan"; }
+const char* topicOf(const PointCloud&) { return "/points"; }
+const char* topicOf(const ImuSample&) { return "/imu/data"; }
+const char* topicOf(const HeightSample&) { return "/height"; }
+const char* topicOf(const Barometer&) { return "/pressure_height"; }
+const char* topicOf(const TruePose&) { return "/ground_truth"; }
+const char* topicOf(const TrueWalkers&) { return "/people"; }
 
 /// Makes rosbag play latch the static transforms. rosbag adds nothing to a header that is given.
 boost::shared_ptr<ros::M_string> latchedHeader() {
@@ -52,65 +33,40 @@ boost::shared_ptr<ros::M_string> latchedHeader() {
   return header;
 }
 
-sensor_msgs::LaserScan scanMessage(const LaserScan& scan, const ros::Time& stamp) {
-  sensor_msgs::LaserScan message;
-  message.header.stamp = stamp;
-  message.header.frame_id = kLaserFrame;
-  message.angle_min = static_cast<float>(scan.angle_min);
-  message.angle_increment = static_cast<float>(scan.angle_increment);
-  message.angle_max = static_cast<float>(
-      scan.angle_min + static_cast<double>(scan.ranges.size() - 1) * scan.angle_increment);
-  message.time_increment = static_cast<float>(scan.time_increment);
-  message.range_min = static_cast<float>(scan.range_min);
-  message.range_max = static_cast<float>(scan.range_max);
-  message.ranges = scan.ranges;
-  return message;
+bool isScan(const FlightMessage& message, const VehicleModel& vehicle) {
+  return vehicle.laser ? std::holds_alternative<LaserScan>(message)
+                       : std::holds_alternative<PointCloud>(message);
 }
 
-/// The pose of scan `i`, and its velocity from the scans around it.
-nav_msgs::Odometry truthMessage(const std::vector<SimulatedScan>& flight, std::size_t i,
-                                const ros::Time& stamp) {
-  const Pose2& pose = flight[i].world_T_base;
-  nav_msgs::Odometry message;
-  message.header.stamp = stamp;
-  message.header.frame_id = kWorldFrame;
-  message.child_frame_id = kBaseFrame;
-  message.pose.pose.position.x = pose.x;
-  message.pose.pose.position.y = pose.y;
-  message.pose.pose.orientation = yawQuaternion(pose.theta);
-  const SimulatedScan& before = flight[i == 0 ? 0 : i - 1];
-  const SimulatedScan& after = flight[std::min(i + 1, flight.size() - 1)];
-  const double seconds = after.scan.stamp - before.scan.stamp;
-  if (seconds > 0.0) {
-    const Pose2 from = pose.inverse() * before.world_T_base;
-    const Pose2 to = pose.inverse() * after.world_T_base;
-    message.twist.twist.linear.x = (to.x - from.x) / seconds;
-    message.twist.twist.linear.y = (to.y - from.y) / seconds;
-    message.twist.twist.angular.z = normalizeAngle(to.theta - from.theta) / seconds;
+FlightBagSummary writeMessages(rosbag::Bag& bag, FlightSimulator& flight,
+                               const VehicleModel& vehicle) {
+  FlightBagSummary summary;
+  const ros::Time start(kFlightStart);
+  bag.write("/tf_static", start, mountings(vehicle, start), latchedHeader());
+  ++summary.messages;
+  FlightEvent event;
+  while (flight.next(event)) {
+    std::visit(
+        [&](const auto& message) {
+          bag.write(topicOf(message), ros::Time(event.arrival),
+                    toMessage(message, ros::Time(event.stamp), vehicle));
+        },
+        event.message);
+    ++summary.messages;
+    if (isScan(event.message, vehicle)) summary.scan_stamps.push_back(event.stamp);
   }
-  return message;
-}
-
-void writeMessages(rosbag::Bag& bag, const std::vector<SimulatedScan>& flight,
-                   const Pose2& base_T_laser) {
-  for (std::size_t i = 0; i < flight.size(); ++i) {
-    const ros::Time stamp(flight[i].scan.stamp);
-    if (i == 0) {
-      bag.write("/tf_static", stamp, mountingMessage(base_T_laser, stamp), latchedHeader());
-    }
-    bag.write("/ground_truth", stamp, truthMessage(flight, i, stamp));
-    bag.write("/scan", stamp, scanMessage(flight[i].scan, stamp));
-  }
+  return summary;
 }
 
 }  // namespace
 
-void writeFlightBag(const std::string& path, const std::vector<SimulatedScan>& flight,
-                    const Pose2& base_T_laser) {
+FlightBagSummary writeFlightBag(const std::string& path, FlightSimulator& flight,
+                                const VehicleModel& vehicle) {
   const std::string unfinished = path + ".part";
+  FlightBagSummary summary;
   try {
     rosbag::Bag bag(unfinished, rosbag::bagmode::Write);
-    writeMessages(bag, flight, base_T_laser);
+    summary = writeMessages(bag, flight, vehicle);
     bag.close();
   } catch (const rosbag::BagException& error) {
     std::remove(unfinished.c_str());
@@ -122,6 +78,7 @@ void writeFlightBag(const std::string& path, const std::vector<SimulatedScan>& f
     std::remove(unfinished.c_str());
     throw std::runtime_error(path + ": cannot write the bag (" + reason + "); choose another name");
   }
+  return summary;
 }
 
 }  // namespace kestrel_slam

@@ -7,10 +7,28 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <sstream>
 #include <stdexcept>
 
 namespace kestrel_slam {
 namespace {
+
+const std::string kOdometryType = "nav_msgs/Odometry";
+
+/// Whether a topic's name says that it is the truth, which nobody has in flight: /ground_truth,
+/// /groundtruth/pose, /gt/odom.
+bool namesGroundTruth(const std::string& topic) {
+  for (const char* word : {"ground_truth", "groundtruth", "ground-truth"}) {
+    if (topic.find(word) != std::string::npos) return true;
+  }
+  std::istringstream parts(topic);
+  for (std::string part; std::getline(parts, part, '/');) {
+    if (part == "gt" || part == "truth") return true;
+  }
+  return false;
+}
+
+}  // namespace
 
 Pose2 toPose2(const geometry_msgs::Pose& pose) {
   const auto& q = pose.orientation;
@@ -18,8 +36,6 @@ Pose2 toPose2(const geometry_msgs::Pose& pose) {
       std::atan2(2.0 * (q.w * q.z + q.x * q.y), q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z);
   return {pose.position.x, pose.position.y, yaw};
 }
-
-}  // namespace
 
 double toSeconds(const ros::Time& time) {
   // Through text: sec + 1e-9 * nsec rounds twice, and misses the double that a log has by one bit.
@@ -57,6 +73,64 @@ std::optional<Pose2> BagOdometry::at(double stamp) const {
   const double f = (stamp - a.stamp) / gap;
   return Pose2(a.pose.x + f * (b.pose.x - a.pose.x), a.pose.y + f * (b.pose.y - a.pose.y),
                a.pose.theta + f * normalizeAngle(b.pose.theta - a.pose.theta));
+}
+
+BagOdometrySource::BagOdometrySource(const rosbag::Bag& bag, const BagTopics& topics,
+                                     const BagTransforms& transforms, std::string base_frame,
+                                     const std::string& wanted)
+    : transforms_(transforms), base_frame_(std::move(base_frame)) {
+  const std::string topic = chooseTopic(topics, wanted);
+  if (!topic.empty()) {
+    requireVersion<nav_msgs::Odometry>(topics, topic);
+    odometry_.emplace(bag, topic);
+    description_ = "odometry " + topic;
+    return;
+  }
+  for (const std::string& frame : transforms_.ancestors(base_frame_)) {
+    if (frame.find("odom") == std::string::npos) continue;
+    odom_frame_ = frame;
+    description_ = "odometry tf " + odom_frame_ + " -> " + base_frame_;
+    return;
+  }
+}
+
+std::string BagOdometrySource::chooseTopic(const BagTopics& topics, const std::string& wanted) {
+  if (!wanted.empty()) {
+    std::string topic = requireTopic(topics, wanted, kOdometryType);
+    if (namesGroundTruth(topic)) {
+      warnings_.push_back("the odometry " + topic + " is ground truth by its name: what is made " +
+                          "with it says nothing of a flight without");
+    }
+    return topic;
+  }
+  BagTopics candidates;
+  for (const auto& [name, topic] : topics) {
+    if (topic.type != kOdometryType) continue;
+    if (namesGroundTruth(name)) {
+      warnings_.push_back(name + " is ground truth by its name and is not used as odometry");
+    } else {
+      candidates[name] = topic;
+    }
+  }
+  if (candidates.size() > 1) {
+    warnings_.push_back("several odometry topics, none is used; choose one of: " +
+                        listTopics(candidates, kOdometryType));
+    return "";
+  }
+  return busiestTopic(candidates, kOdometryType);
+}
+
+std::optional<Pose2> BagOdometrySource::at(double stamp, const ros::Time& time) const {
+  if (!odometry_) {
+    if (odom_frame_.empty()) return std::nullopt;
+    const auto odom_T_base = transforms_.lookup(odom_frame_, base_frame_, time);
+    return odom_T_base ? std::optional<Pose2>(toPose2(*odom_T_base)) : std::nullopt;
+  }
+  const std::optional<Pose2> odom_T_child = odometry_->at(stamp);
+  const std::string& child = odometry_->childFrame();
+  if (!odom_T_child || child.empty() || child == base_frame_) return odom_T_child;
+  const auto child_T_base = transforms_.lookup(child, base_frame_, time);
+  return child_T_base ? *odom_T_child * toPose2(*child_T_base) : *odom_T_child;
 }
 
 }  // namespace kestrel_slam

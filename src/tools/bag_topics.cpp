@@ -5,9 +5,29 @@
 #include <algorithm>
 #include <sstream>
 
+#include "kestrel_slam/tools/bag_structure.h"
 #include "kestrel_slam/tools/bag_transforms.h"
 
 namespace kestrel_slam {
+namespace {
+
+bool contains(const std::vector<std::string>& items, const std::string& item) {
+  return std::find(items.begin(), items.end(), item) != items.end();
+}
+
+}  // namespace
+
+void openBag(rosbag::Bag& bag, const std::string& path) {
+  const std::string advice = "; repair it with `rosbag reindex " + path + "`";
+  try {
+    checkBagStructure(path);
+    bag.open(path, rosbag::bagmode::Read);
+  } catch (const rosbag::BagUnindexedException&) {
+    throw std::runtime_error(path + ": the bag has no index (its recording was cut off)" + advice);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(path + ": is no usable bag: " + error.what() + advice);
+  }
+}
 
 BagTopics topicsOf(const rosbag::Bag& bag) {
   BagTopics topics;
@@ -23,11 +43,16 @@ BagTopics topicsOf(const rosbag::Bag& bag) {
 }
 
 std::string listTopics(const BagTopics& topics, const std::string& type) {
+  return listTopics(topics,
+                    type.empty() ? std::vector<std::string>() : std::vector<std::string>{type});
+}
+
+std::string listTopics(const BagTopics& topics, const std::vector<std::string>& types) {
   std::ostringstream text;
   for (const auto& [name, topic] : topics) {
-    if (!type.empty() && topic.type != type) continue;
+    if (!types.empty() && !contains(types, topic.type)) continue;
     text << (text.tellp() > 0 ? ", " : "") << name << " (";
-    if (type.empty()) text << topic.type << ", ";
+    if (types.size() != 1) text << topic.type << ", ";
     text << topic.messages << " messages)";
   }
   return text.tellp() > 0 ? text.str() : "none";
@@ -51,11 +76,18 @@ std::size_t countOfType(const BagTopics& topics, const std::string& type) {
 
 std::string requireTopic(const BagTopics& topics, const std::string& wanted,
                          const std::string& type) {
+  return requireTopic(topics, wanted, std::vector<std::string>{type});
+}
+
+std::string requireTopic(const BagTopics& topics, const std::string& wanted,
+                         const std::vector<std::string>& types) {
   for (const auto& [name, topic] : topics) {
-    if (withoutSlash(name) == withoutSlash(wanted) && topic.type == type) return name;
+    if (withoutSlash(name) == withoutSlash(wanted) && contains(types, topic.type)) return name;
   }
-  throw std::runtime_error("no topic " + wanted + " of type " + type +
-                           "; choose one of: " + listTopics(topics, type));
+  std::string list;
+  for (const std::string& type : types) list += (list.empty() ? "" : " or ") + type;
+  throw std::runtime_error("no topic " + wanted + " of type " + list +
+                           "; choose one of: " + listTopics(topics, types));
 }
 
 void requireMd5(const BagTopics& topics, const std::string& name, const std::string& expected) {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 namespace kestrel_slam {
@@ -91,6 +92,18 @@ std::vector<std::string> BagTransforms::ancestors(const std::string& frame) cons
     edge = edges_.find(edge->second.parent);
   }
   return result;
+}
+
+std::string BagTransforms::vehicleFrame(const std::string& sensor_frame) const {
+  static const std::set<std::string> kWorldFrames = {"map",           "world", "odom",
+                                                     "odom_combined", "mocap", "earth"};
+  if (knows("base_link")) return "base_link";
+  std::string base = sensor_frame;
+  for (const std::string& frame : ancestors(sensor_frame)) {
+    if (kWorldFrames.count(frame) > 0) break;
+    base = frame;
+  }
+  return base;
 }
 
 bool BagTransforms::rigid(const std::string& a, const std::string& b) const {

@@ -75,11 +75,7 @@ Eigen::Isometry3d toIsometry(const Pose2& pose) {
 }  // namespace
 
 bool looksLikeCarmenLog(const std::string& path) {
-  constexpr std::size_t kProbedBytes = 1U << 16U;
-  const std::unique_ptr<std::istream> stream = openText(path);
-  std::string head(kProbedBytes, '\0');
-  stream->read(head.data(), static_cast<std::streamsize>(kProbedBytes));
-  head.resize(static_cast<std::size_t>(stream->gcount()));
+  const std::string head = readHead(path);
   if (head.find('\0') != std::string::npos) return false;
   std::istringstream lines(head);
   for (std::string line; std::getline(lines, line);) {
@@ -206,8 +202,7 @@ void CarmenLog::reportEnd() {
   if (at_end_) return;
   at_end_ = true;
   if (stream_->bad()) {
-    warnings_.push_back("the compressed data are damaged or cut off after line " +
-                        std::to_string(line_number_) + ": only the scans up to there are used");
+    warnings_.push_back(cutOffText(line_number_));
   }
 }
 

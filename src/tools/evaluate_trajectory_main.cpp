@@ -9,6 +9,7 @@
 
 #include "kestrel_slam/tools/evaluation.h"
 #include "kestrel_slam/tools/evaluation_plot.h"
+#include "kestrel_slam/tools/reference.h"
 #include "kestrel_slam/tools/trajectory.h"
 
 namespace kestrel_slam {
@@ -18,7 +19,7 @@ constexpr int kExitBadInput = 1;
 constexpr int kExitWrongUsage = 2;
 
 struct Options {
-  std::string trajectory, relations, reference, json, plot;
+  std::string trajectory, relations, reference, reference_topic, json, plot;
 };
 
 struct Results {
@@ -110,7 +111,8 @@ Results evaluate(const Options& options) {
   }
   if (!options.reference.empty()) {
     try {
-      results.reference = evaluateReference(results.trajectory, readTum(options.reference));
+      results.reference = evaluateReference(
+          results.trajectory, readReference(options.reference, options.reference_topic));
     } catch (const ReferenceMismatch& error) {
       throw std::runtime_error(options.reference + ": " + error.what());
     }
@@ -139,7 +141,9 @@ int main(int argc, char** argv) {
   kestrel_slam::Options options;
   app.add_option("trajectory", options.trajectory, "trajectory to judge, TUM format")->required();
   app.add_option("--relations", options.relations, "file of lines `t1 t2 x y z roll pitch yaw`");
-  app.add_option("--reference", options.reference, "reference trajectory, TUM format");
+  app.add_option("--reference", options.reference, "reference trajectory, TUM format or rosbag");
+  app.add_option("--reference-topic", options.reference_topic,
+                 "which topic of a rosbag: PoseStamped, PoseWithCovarianceStamped or Odometry");
   app.add_option("--json", options.json, "write all statistics to this file");
   app.add_option("--plot", options.plot, "write a picture (PNG) of trajectory and errors");
   try {

@@ -34,6 +34,7 @@ struct Arguments {
   std::string output;
   std::string config;
   std::string odometry = "none";
+  std::string imu = "use";
   std::vector<std::string> settings;
   RecordingOptions topics;
   bool no_timing = false;
@@ -43,19 +44,31 @@ struct Arguments {
 };
 
 void declareOptions(CLI::App& app, Arguments& arguments) {
-  app.add_option("RECORDING", arguments.recording, "rosbag or CARMEN log (plain, .bz2 or .gz)");
+  app.add_option(
+      "RECORDING", arguments.recording,
+      "rosbag, CARMEN log, BreezySLAM log or table of ranges (logs plain, .bz2, .gz or .xz)");
   app.add_option("--output", arguments.output,
                  "folder for map, trajectory, statistics and report (default: ./<name>_map)");
   app.add_option("--config", arguments.config, "YAML file with parameters");
   app.add_option("--odometry", arguments.odometry,
                  "none: laser only (default); use: predict from the recording's odometry")
       ->check(CLI::IsMember({"none", "use"}));
+  app.add_option("--imu", arguments.imu,
+                 "use: roll, pitch and turn rate from the recording's IMU (default); none: level")
+      ->check(CLI::IsMember({"none", "use"}));
   app.add_option("--set", arguments.settings, "name=value: a parameter, after those of --config")
       ->expected(1)
       ->take_all();
-  app.add_option("--scan-topic", arguments.topics.scan_topic, "bags: which laser");
+  app.add_option("--scan-topic", arguments.topics.scan_topic,
+                 "bags: which laser, or clouds of a 3D lidar");
   app.add_option("--odom-topic", arguments.topics.odom_topic, "bags: which odometry");
+  app.add_option("--imu-topic", arguments.topics.imu_topic, "bags: which IMU");
+  app.add_option("--height-topic", arguments.topics.height_topic,
+                 "bags: which range finder measures the height");
   app.add_option("--base-frame", arguments.topics.base_frame, "bags: the frame of the vehicle");
+  app.add_option("--rate", arguments.topics.rate_hz, "tables of ranges: scans a second")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_flag("--no-timing", arguments.no_timing,
                "leave measured times and memory out of the files: two runs give the same bytes");
   app.add_flag("--quiet", arguments.quiet, "only warnings and errors");
@@ -67,7 +80,7 @@ void declareOptions(CLI::App& app, Arguments& arguments) {
 /// The file's name without its folder and without the endings of recordings.
 std::string nameOf(const std::string& recording) {
   fs::path name = fs::path(recording).filename();
-  for (const char* ending : {".bz2", ".gz", ".bag", ".clf", ".log"}) {
+  for (const char* ending : {".bz2", ".gz", ".xz", ".bag", ".clf", ".log", ".csv", ".dat"}) {
     if (name.extension() == ending && name != ending) name = name.stem();
   }
   return name.string();
@@ -104,10 +117,10 @@ void prepareOutput(const fs::path& folder) {
   fs::remove(probe, error);
 }
 
-OfflineRun mapIt(Recording& recording, const RunInfo& info, bool quiet) {
+OfflineRun mapIt(Recording& recording, const RunInfo& info, const RunOptions& options, bool quiet) {
   ProgressBar bar(stderr, ::isatty(STDERR_FILENO) == 1);
   const OfflineRun run =
-      runOffline(recording, info.config, info.odometry, [&](const OfflineProgress& progress) {
+      runOffline(recording, info.config, options, [&](const OfflineProgress& progress) {
         if (!quiet) bar.update(progress);
         return stop_requested == 0;
       });
@@ -164,7 +177,8 @@ void mapRecording(const Arguments& arguments) {
   std::signal(SIGTERM, requestStop);
   prepareOutput(folder);
 
-  const OfflineRun run = mapIt(*recording, info, arguments.quiet);
+  const OfflineRun run =
+      mapIt(*recording, info, {info.odometry, arguments.imu == "use"}, arguments.quiet);
   if (run.scans.empty()) refuseEmpty(arguments.recording, run);
   writeOutputs(folder, run, info);
   for (const std::string& warning : run.warnings) {

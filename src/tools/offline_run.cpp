@@ -8,7 +8,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "kestrel_slam/sensor/level_projector.h"
+#include "kestrel_slam/sensor/attitude_tracker.h"
+#include "kestrel_slam/sensor/height_tracker.h"
+#include "kestrel_slam/sensor/scan_projector.h"
 
 namespace kestrel_slam {
 namespace {
@@ -55,14 +57,23 @@ struct Occurrence {
   }
 };
 
+HeightConfig heightConfig(const ProjectorConfig& projector) {
+  HeightConfig config;
+  config.fixed_m = projector.height_m;
+  return config;
+}
+
 class Runner {
  public:
-  Runner(Recording& recording, const SlamConfig& config, bool use_odometry)
+  Runner(Recording& recording, const SlamConfig& config, const RunOptions& options)
       : recording_(recording),
-        projector_(config.beams),
+        projector_(config.projector),
+        attitude_(config.attitude),
+        height_(heightConfig(config.projector)),
         mapper_(config.mapper),
         memory_limit_mb_(config.mapper.grid.memory_limit_mb),
-        use_odometry_(use_odometry) {}
+        use_odometry_(options.use_odometry),
+        use_imu_(options.use_imu && !recording.imu().samples.empty()) {}
 
   OfflineRun run(const ProgressCallback& progress) {
     const Clock::time_point start = Clock::now();
@@ -97,7 +108,7 @@ class Runner {
 
   void processScan(const RecordedScan& scan) {
     const Clock::time_point start = Clock::now();
-    Projection projection = projector_.project(scan.scan, scan.base_T_laser);
+    Projection projection = project(scan);
     if (projection.error != ScanError::kNone) {
       drop(projection);
       return;
@@ -105,7 +116,43 @@ class Runner {
     projection.scan.time = scan.time;
     const MapperResult result =
         mapper_.process(projection.scan, use_odometry_ ? scan.odom_T_base : std::nullopt);
+    velocity_ = result.velocity;
     record(scan, result, kMillisecondsPerSecond * secondsSince(start));
+  }
+
+  Projection project(const RecordedScan& scan) {
+    VehicleState vehicle;
+    if (use_imu_) {
+      const double end = (scan.cloud ? sweepTimes(*scan.cloud) : sweepTimes(scan.scan)).last;
+      readImuUpTo(end);
+      readHeightsUpTo(end);
+      vehicle.attitude = &attitude_.buffer();
+      vehicle.velocity = velocity_;
+      vehicle.height_m = height_.height(scan.scan.stamp);
+    }
+    const Projection projection = scan.cloud
+                                      ? projector_.project(*scan.cloud, scan.base_T_laser, vehicle)
+                                      : projector_.project(scan.scan, scan.base_T_laser, vehicle);
+    height_.addProjection(scan.scan.stamp, projection);
+    return projection;
+  }
+
+  /// One reading beyond `time`, so that the attitude at `time` is known; like a live projector,
+  /// which waits for it.
+  void readImuUpTo(double time) {
+    const RecordedImu& imu = recording_.imu();
+    while (next_imu_ < imu.samples.size()) {
+      const std::optional<double> latest = attitude_.buffer().latest();
+      if (latest && *latest >= time) return;
+      attitude_.add(imu.samples[next_imu_++], imu.base_R_imu);
+    }
+  }
+
+  void readHeightsUpTo(double time) {
+    const std::vector<HeightSample>& heights = recording_.heights();
+    for (; next_height_ < heights.size() && heights[next_height_].stamp <= time; ++next_height_) {
+      height_.addRange(heights[next_height_], &attitude_.buffer());
+    }
   }
 
   void drop(const Projection& projection) {
@@ -167,10 +214,15 @@ class Runner {
   }
 
   Recording& recording_;
-  LevelProjector projector_;
+  ScanProjector projector_;
+  AttitudeTracker attitude_;
+  HeightTracker height_;
   Mapper mapper_;
   double memory_limit_mb_;
   bool use_odometry_;
+  bool use_imu_;
+  std::size_t next_imu_ = 0, next_height_ = 0;
+  Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();  ///< in base_stabilized, of the last scan
 
   OfflineRun run_;
   std::size_t read_ = 0;
@@ -191,9 +243,9 @@ double OfflineRun::speedFactor() const {
   return processing_s > 0.0 ? duration_s / processing_s : 0.0;
 }
 
-OfflineRun runOffline(Recording& recording, const SlamConfig& config, bool use_odometry,
+OfflineRun runOffline(Recording& recording, const SlamConfig& config, const RunOptions& options,
                       const ProgressCallback& progress) {
-  return Runner(recording, config, use_odometry).run(progress);
+  return Runner(recording, config, options).run(progress);
 }
 
 }  // namespace kestrel_slam

@@ -5,16 +5,16 @@
 #include <limits>
 #include <stdexcept>
 
+#include "kestrel_slam/tools/breezy_log.h"
 #include "kestrel_slam/tools/carmen_log.h"
-#include "kestrel_slam/tools/text_stream.h"
+#include "kestrel_slam/tools/range_table.h"
+#include "kestrel_slam/tools/reference.h"
 #ifdef KESTREL_WITH_ROS
 #include "kestrel_slam/tools/bag_recording.h"
 #endif
 
 namespace kestrel_slam {
 namespace {
-
-const std::string kBagMagic = "#ROSBAG";
 
 std::unique_ptr<Recording> openBag(const std::string& path,
                                    [[maybe_unused]] const RecordingOptions& options) {
@@ -30,13 +30,14 @@ std::unique_ptr<Recording> openBag(const std::string& path,
 }  // namespace
 
 std::unique_ptr<Recording> openRecording(const std::string& path, const RecordingOptions& options) {
-  if (readMagic(path, kBagMagic.size()) == kBagMagic) return openBag(path, options);
-  if (!looksLikeCarmenLog(path)) {
-    throw std::runtime_error(path +
-                             ": is neither a rosbag nor a CARMEN log (plain, .bz2 or .gz); give a "
-                             "recording in one of these formats");
-  }
-  return std::make_unique<CarmenLog>(path);
+  if (isBag(path)) return openBag(path, options);
+  if (looksLikeCarmenLog(path)) return std::make_unique<CarmenLog>(path);
+  if (looksLikeBreezyLog(path)) return std::make_unique<BreezyLog>(path);
+  if (looksLikeRangeTable(path)) return std::make_unique<RangeTable>(path, options.rate_hz);
+  throw std::runtime_error(path +
+                           ": is neither a rosbag nor a CARMEN log, a BreezySLAM log or a table of "
+                           "ranges (plain, .bz2, .gz or .xz); give a recording in one of these "
+                           "formats");
 }
 
 double MonotoneTime::repair(double stamp) {

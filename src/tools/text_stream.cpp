@@ -3,6 +3,7 @@
 #include <boost/iostreams/device/file.hpp>
 #include <boost/iostreams/filter/bzip2.hpp>
 #include <boost/iostreams/filter/gzip.hpp>
+#include <boost/iostreams/filter/lzma.hpp>
 #include <boost/iostreams/filtering_stream.hpp>
 #include <cctype>
 #include <cerrno>
@@ -16,9 +17,10 @@
 namespace kestrel_slam {
 namespace {
 
-constexpr std::size_t kMagicBytes = 3;
+constexpr std::size_t kMagicBytes = 6;
 const std::string kBzip2Magic = "BZh";
 const std::string kGzipMagic = "\x1f\x8b";
+const std::string kXzMagic("\xfd\x37zXZ\0", 6);
 
 bool startsWith(const std::string& text, const std::string& start) {
   return text.compare(0, start.size(), start) == 0;
@@ -61,9 +63,25 @@ std::unique_ptr<std::istream> openText(const std::string& path) {
     stream->push(boost::iostreams::bzip2_decompressor());
   } else if (startsWith(magic, kGzipMagic)) {
     stream->push(boost::iostreams::gzip_decompressor());
+  } else if (startsWith(magic, kXzMagic)) {
+    stream->push(boost::iostreams::lzma_decompressor());
   }
   stream->push(boost::iostreams::file_source(path, std::ios::binary));
   return stream;
+}
+
+std::string readHead(const std::string& path) {
+  constexpr std::size_t kBytes = 1U << 16U;
+  const std::unique_ptr<std::istream> stream = openText(path);
+  std::string head(kBytes, '\0');
+  stream->read(head.data(), static_cast<std::streamsize>(kBytes));
+  head.resize(static_cast<std::size_t>(stream->gcount()));
+  return head;
+}
+
+std::string cutOffText(std::size_t line) {
+  return "the compressed data are damaged or cut off after line " + std::to_string(line) +
+         ": only the scans up to there are used";
 }
 
 bool parseFinite(const std::string& text, double& value) {

@@ -8,7 +8,7 @@
 
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/mapping/parameters.h"
-#include "kestrel_slam/sensor/level_projector.h"
+#include "kestrel_slam/sensor/scan_projector.h"
 #include "kestrel_slam/tools/evaluation.h"
 #include "kestrel_slam/tools/recording.h"
 #include "kestrel_slam/tools/trajectory.h"
@@ -33,7 +33,7 @@ struct LogRun {
 
 LogRun mapLog(const std::string& name, bool use_odometry, const SlamConfig& config = SlamConfig()) {
   const std::unique_ptr<Recording> recording = openRecording(dataFile(name + ".clf.bz2"));
-  const LevelProjector projector(config.beams);
+  ScanProjector projector(config.projector);
   Mapper mapper(config.mapper);
   LogRun run;
   RecordedScan scan;

@@ -43,9 +43,9 @@ TEST(Parameters, setsEachKindOfValue) {
   setParameter(config, "max_beams", "2000");
   setParameter(config, "matcher", "correlative");
   EXPECT_EQ(config.mapper.grid.resolution_m, 0.1);
-  EXPECT_EQ(config.beams.max_range_m, 5.0);
-  EXPECT_EQ(config.beams.clear_range_m, 10.0);
-  EXPECT_EQ(config.beams.max_beams, 2000);
+  EXPECT_EQ(config.projector.beams.max_range_m, 5.0);
+  EXPECT_EQ(config.projector.beams.clear_range_m, 10.0);
+  EXPECT_EQ(config.projector.beams.max_beams, 2000);
   EXPECT_EQ(valueOf(config, "matcher"), "correlative");
 }
 
@@ -60,7 +60,7 @@ TEST(Parameters, hectorNamesReachTheirFields) {
   EXPECT_EQ(config.mapper.grid.hit_probability, 0.8);
   EXPECT_EQ(config.mapper.insert_distance_m, 0.4);
   EXPECT_EQ(config.mapper.insert_angle_rad, 0.9);
-  EXPECT_EQ(config.beams.min_range_m, 0.2);
+  EXPECT_EQ(config.projector.beams.min_range_m, 0.2);
 }
 
 TEST(Parameters, refusesWhatIsOutOfRange) {
@@ -126,7 +126,7 @@ TEST(Parameters, textsOfValuesAreShort) {
   SlamConfig config;
   config.mapper.grid.resolution_m = 0.05;
   config.mapper.grid.memory_limit_mb = 1e6;
-  config.beams.max_beams = 100000;
+  config.projector.beams.max_beams = 100000;
   EXPECT_EQ(valueOf(config, "map_resolution"), "0.05");
   EXPECT_EQ(valueOf(config, "map_memory_limit_mb"), "1000000");
   EXPECT_EQ(valueOf(config, "max_beams"), "100000");
@@ -139,7 +139,9 @@ TEST(Parameters, tableIsComplete) {
     EXPECT_TRUE(names.insert(parameter.name).second) << parameter.name << " twice";
     EXPECT_FALSE(parameter.description.empty()) << parameter.name;
     const bool is_text = std::holds_alternative<std::string*>(parameter.value);
-    EXPECT_EQ(is_text, !parameter.choices.empty()) << parameter.name;
+    EXPECT_EQ(parameter.min < parameter.max,
+              !is_text && !std::holds_alternative<bool*>(parameter.value))
+        << parameter.name;
   }
 }
 
@@ -147,14 +149,18 @@ TEST(Parameters, defaultsAreValid) { EXPECT_NO_THROW(validate(SlamConfig())); }
 
 TEST(Parameters, validateChecksRelationsAndRanges) {
   SlamConfig config;
-  config.beams.min_range_m = 5.0;
-  config.beams.max_range_m = 4.0;
+  config.projector.beams.min_range_m = 5.0;
+  config.projector.beams.max_range_m = 4.0;
   EXPECT_EQ(errorOf([&] { validate(config); }),
             "laser_min_dist = 5: must be less than laser_max_dist = 4");
   config = SlamConfig();
   config.mapper.grid.resolution_m = std::nan("");
   EXPECT_EQ(errorOf([&] { validate(config); }),
             "map_resolution = nan: must be a number between 0.005 and 1 m");
+  config = SlamConfig();
+  config.projector.ignored_angles = "10 to 20";
+  EXPECT_NE(errorOf([&] { validate(config); }).find("'10 to 20' is no list of angles"),
+            std::string::npos);
   config = SlamConfig();
   config.mapper.grid.min_probability = 0.5;
   EXPECT_NE(errorOf([&] { validate(config); }), "accepted");

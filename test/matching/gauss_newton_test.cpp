@@ -10,14 +10,6 @@
 namespace kestrel_slam {
 namespace {
 
-Submap roomMap() {
-  Submap map{OccupancyGridConfig()};
-  for (const Pose2& pose : {Pose2(0, 0, 0), Pose2(0.5, 0.3, 1), Pose2(-0.6, -0.4, 2)}) {
-    map.insert(room::scanFrom(pose), pose);
-  }
-  return map;
-}
-
 /// The gradient must be the derivative of the cost, as long as no point changes its wall.
 template <typename Linearise>
 void expectGradient(const Pose2& pose, double step, double tolerance, Linearise linearise) {
@@ -59,7 +51,7 @@ TEST(GaussNewton, DistanceGradientIsTheDerivativeOfTheCost) {
 }
 
 TEST(GaussNewton, OccupancyGradientIsTheDerivativeOfTheCost) {
-  const Submap map = roomMap();
+  const Submap map = room::map();
   // Few points well inside the squares of the bilinear interpolation.
   const Points points = {{3.94F, 0.51F}, {3.96F, -1.02F}, {-0.52F, 2.94F}};
   for (int level = 0; level < OccupancyGrid::kLevels; ++level) {
@@ -70,7 +62,7 @@ TEST(GaussNewton, OccupancyGradientIsTheDerivativeOfTheCost) {
 }
 
 TEST(GaussNewton, ConvergesToTheTruth) {
-  const Submap map = roomMap();
+  const Submap map = room::map();
   const Pose2 truth(0.21, -0.13, 0.5);
   const Points points = room::hitsOf(room::scanFrom(truth));
   const Descent descent = descend(
@@ -83,7 +75,7 @@ TEST(GaussNewton, ConvergesToTheTruth) {
 }
 
 TEST(GaussNewton, StaysWhereNothingPulls) {
-  const Submap map = roomMap();
+  const Submap map = room::map();
   const Pose2 start(100, -50, 1);
   const Points points = room::hitsOf(room::scanFrom(Pose2()));
   for (const Points& some : {points, Points()}) {

@@ -10,14 +10,6 @@
 namespace kestrel_slam {
 namespace {
 
-Submap roomMap() {
-  Submap map{OccupancyGridConfig()};
-  for (const Pose2& pose : {Pose2(0, 0, 0), Pose2(0.5, 0.3, 1), Pose2(-0.6, -0.4, 2)}) {
-    map.insert(room::scanFrom(pose), pose);
-  }
-  return map;
-}
-
 MatchResult match(const std::string& method, const Submap& map, const Points& points,
                   const Pose2& start) {
   MatcherConfig config;
@@ -34,7 +26,7 @@ void expectCovariance(const Eigen::Matrix3d& covariance) {
 class EveryMatcher : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(EveryMatcher, FindsAKnownPose) {
-  const Submap map = roomMap();
+  const Submap map = room::map();
   for (const Pose2& truth : {Pose2(0.2, 0.1, 0.3), Pose2(-0.8, 0.6, -2.0), Pose2(0.9, -0.7, 3.1)}) {
     const Points points = room::hitsOf(room::scanFrom(truth));
     const MatchResult result = match(GetParam(), map, points, truth * Pose2(0.06, -0.04, 0.04));
@@ -50,7 +42,7 @@ TEST_P(EveryMatcher, FindsAKnownPose) {
 }
 
 TEST_P(EveryMatcher, SaysWhereNothingFits) {
-  const Submap map = roomMap();
+  const Submap map = room::map();
   Points points;  // a circle where the room is empty
   for (int i = 0; i < 90; ++i) {
     points.push_back(
@@ -68,7 +60,7 @@ TEST_P(EveryMatcher, SurvivesAnEmptyMapAndOnePoint) {
   EXPECT_EQ(nothing.score, 0.0);
   EXPECT_TRUE(nothing.pose.isFinite());
   EXPECT_TRUE(nothing.covariance.allFinite());
-  const MatchResult one = match(GetParam(), roomMap(), {Eigen::Vector2f(4, 0)}, Pose2());
+  const MatchResult one = match(GetParam(), room::map(), {Eigen::Vector2f(4, 0)}, Pose2());
   EXPECT_TRUE(one.pose.isFinite());
   EXPECT_TRUE(one.covariance.allFinite());
 }
@@ -77,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, EveryMatcher,
                          ::testing::Values("gauss_newton", "correlative", "hybrid"));
 
 TEST(HybridMatcher, SearchesWhereTheStartIsFarOff) {
-  const Submap map = roomMap();
+  const Submap map = room::map();
   const Pose2 truth(0.3, 0.2, 0.4);
   const Points points = room::hitsOf(room::scanFrom(truth));
   const MatchResult near = match("hybrid", map, points, truth * Pose2(0.02, 0.01, 0.01));

@@ -5,7 +5,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "kestrel_slam/ros/conversions.h"
 #include "mapper_client.h"
@@ -14,16 +13,6 @@ namespace kestrel_slam {
 namespace {
 
 constexpr std::size_t kScans = 400;  // 40 s, most of the loop
-
-double distanceToWalls(const std::vector<Wall>& walls, const Eigen::Vector2d& point) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Wall& wall : walls) {
-    const Eigen::Vector2d along = wall.to - wall.from;
-    const double t = std::clamp((point - wall.from).dot(along) / along.squaredNorm(), 0.0, 1.0);
-    nearest = std::min(nearest, (point - wall.from - t * along).norm());
-  }
-  return nearest;
-}
 
 /// One flight, mapped by the node that the .test file starts; every test looks at what came of it.
 class LiveMapping : public testing::Test {
@@ -120,7 +109,7 @@ TEST_F(LiveMapping, MapShowsTheRoom) {
     const Eigen::Vector2d cell(map.info.origin.position.x + column * map.info.resolution,
                                map.info.origin.position.y + row * map.info.resolution);
     ++occupied;
-    at_a_wall += distanceToWalls(flight_->walls, inWorld(cell)) < 0.1 ? 1U : 0U;
+    at_a_wall += flight_->distanceToSurface(inWorld(cell)) < 0.1 ? 1U : 0U;
   }
   EXPECT_EQ(other_values, 0U);
   EXPECT_GT(occupied, 500U);
@@ -161,7 +150,7 @@ TEST_F(LiveMapping, MatchedScanLiesOnTheWalls) {
   std::size_t points = 0;
   for (; x != x.end(); ++x, ++y, ++points) {
     const Eigen::Vector2d point(static_cast<double>(*x), static_cast<double>(*y));
-    EXPECT_LT(distanceToWalls(flight_->walls, inWorld(point)), 0.15);
+    EXPECT_LT(flight_->distanceToSurface(inWorld(point)), 0.15);
   }
   EXPECT_GT(points, 300U);
 }

@@ -3,8 +3,11 @@
 #include <ros/callback_queue.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "kestrel_slam/ros/conversions.h"
+#include "kestrel_slam/tools/simulated_recording.h"
 
 namespace kestrel_slam {
 namespace {
@@ -21,23 +24,49 @@ ros::Subscriber keepLast(ros::NodeHandle& nh, const std::string& topic, Message&
 
 LaserModel testLaser() {
   LaserModel laser;
+  laser.name = "test";
   laser.beams = 360;
   laser.angle_min = -kPi;
   laser.angle_increment = 2.0 * kPi / 360.0;
   laser.rate_hz = 10.0;
   laser.range_min = 0.05;
   laser.range_max = 12.0;
-  laser.sigma_m = 0.01;
+  laser.errors.sigma_m = 0.01;
   return laser;
+}
+
+double distanceToOutline(const Box& box, const Eigen::Vector2d& point) {
+  const Eigen::Vector2d local =
+      Eigen::Rotation2Dd(-box.yaw) * (point - Eigen::Vector2d(box.centre.head<2>()));
+  const Eigen::Vector2d beyond = local.cwiseAbs() - Eigen::Vector2d(box.size.head<2>()) / 2.0;
+  const double inside = std::min(beyond.maxCoeff(), 0.0);
+  return beyond.cwiseMax(0.0).norm() - inside;
 }
 
 }  // namespace
 
 TestFlight laboratoryFlight(std::size_t scan_count) {
-  const SimulatedWorld& world = simulatedWorld("laboratory");
-  TestFlight flight{world.walls, simulate(world.walls, testLaser(), world.flight(), 1)};
-  flight.scans.resize(std::min(scan_count, flight.scans.size()));
+  Place laboratory = place("laboratory");
+  laboratory.quadrotor.level = true;
+  laboratory.quadrotor.gust_m_s2 = 0.0;
+  VehicleModel vehicle;
+  vehicle.laser = testLaser();
+  SimulatedRecording recording(laboratory, vehicle, 1);
+  TestFlight flight{laboratory.parts, {}};
+  RecordedScan scan;
+  while (flight.scans.size() < scan_count && recording.next(scan)) {
+    flight.scans.push_back({scan.scan, recording.truth()[flight.scans.size()].pose});
+  }
   return flight;
+}
+
+double TestFlight::distanceToSurface(const Eigen::Vector2d& point) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Box& box : parts.boxes) nearest = std::min(nearest, distanceToOutline(box, point));
+  for (const Cylinder& cylinder : parts.cylinders) {
+    nearest = std::min(nearest, std::abs((point - cylinder.centre).norm() - cylinder.radius));
+  }
+  return nearest;
 }
 
 sensor_msgs::LaserScan messageOf(const LaserScan& scan, const std::string& frame, double shift_s) {

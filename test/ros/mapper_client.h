@@ -20,14 +20,24 @@
 #include <vector>
 
 #include "kestrel_slam/geometry/pose2.h"
-#include "kestrel_slam/tools/simulator.h"
+#include "kestrel_slam/sensor/laser_scan.h"
+#include "kestrel_slam/simulation/world.h"
 
 namespace kestrel_slam {
 
-/// A flight through a built-in world with a small fast laser, the same every time.
+/// One scan and where the base really was at its stamp.
+struct SimulatedScan {
+  LaserScan scan;
+  Pose2 world_T_base;
+};
+
+/// A level flight through the laboratory with a small fast laser, the same every time.
 struct TestFlight {
-  std::vector<Wall> walls;
+  World::Parts parts;
   std::vector<SimulatedScan> scans;
+
+  /// From a point in the plane to the nearest surface that stands there, m.
+  double distanceToSurface(const Eigen::Vector2d& point) const;
 
   /// Where the base is in a map that begins at the first scan.
   Pose2 truth(std::size_t i) const {

@@ -71,7 +71,7 @@ TEST_F(NodeParameters, AreReadWithTheirTypes) {
   private_nh_.setParam("odom_frame", "/odom");  // as tf1 wrote it
   const NodeConfig config = loadParameters(private_nh_);
   EXPECT_EQ(config.slam.mapper.grid.resolution_m, 0.025);
-  EXPECT_EQ(config.slam.beams.max_range_m, 12.0);
+  EXPECT_EQ(config.slam.projector.beams.max_range_m, 12.0);
   EXPECT_EQ(config.scan_subscriber_queue_size, 7);
   EXPECT_TRUE(config.pub_odometry);
   EXPECT_EQ(config.odom_frame, "odom");
@@ -83,8 +83,6 @@ TEST_F(NodeParameters, OfHectorMappingAreAllAccepted) {
                          "map_start_x",
                          "map_start_y",
                          "map_multi_res_levels",
-                         "laser_z_min_value",
-                         "laser_z_max_value",
                          "output_timing",
                          "use_tf_scan_transformation",
                          "use_tf_pose_start_estimate",
@@ -92,7 +90,21 @@ TEST_F(NodeParameters, OfHectorMappingAreAllAccepted) {
                          "pub_drawings",
                          "pub_debug_output"};
   for (const char* name : names) private_nh_.setParam(name, 1);
+  private_nh_.setParam("laser_z_min_value", -1.0);
+  private_nh_.setParam("laser_z_max_value", 1.0);
   EXPECT_EQ(errorOfLoading(), "");
+}
+
+TEST_F(NodeParameters, InputChoosesTheTopic) {
+  private_nh_.setParam("scan_topic", "front");
+  private_nh_.setParam("planar_scan_topic", "slice");
+  EXPECT_EQ(loadParameters(private_nh_).inputTopic(), "front");
+  private_nh_.setParam("input", "planar_scan");
+  EXPECT_EQ(loadParameters(private_nh_).inputTopic(), "slice");
+  private_nh_.setParam("planar_scan_topic", "");
+  EXPECT_NE(errorOfLoading().find("planar_scan_topic"), std::string::npos);
+  private_nh_.setParam("input", "cloud");
+  EXPECT_NE(errorOfLoading().find("input = cloud"), std::string::npos);
 }
 
 TEST_F(NodeParameters, OutOfRangeNamesValueAndRange) {

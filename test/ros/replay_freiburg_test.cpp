@@ -8,6 +8,7 @@
 #include "kestrel_slam/tools/bag_writer.h"
 #include "kestrel_slam/tools/evaluation.h"
 #include "kestrel_slam/tools/recording.h"
+#include "../tools/temporary_folder.h"
 #include "mapper_client.h"
 
 namespace kestrel_slam {
@@ -23,16 +24,6 @@ std::string dataFile(const std::string& name) {
   return folder + "/freiburg/" + name;
 }
 
-/// A folder that goes with the test.
-struct Folder {
-  std::string path;
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "kestrel_replay_XXXXXX").string();
-    path = mkdtemp(name.data()) != nullptr ? name : "";
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
-};
-
 /// Freiburg building 79 as a bag, from `rosbag play` through the live node, with its odometry
 /// frame: the poses of the topic against the reference relations, and tf against the poses.
 TEST(ReplayFreiburg, Building79) {
@@ -40,8 +31,8 @@ TEST(ReplayFreiburg, Building79) {
     GTEST_SKIP() << dataFile("fr079.clf.bz2")
                  << " is absent; set KESTREL_DATA to the folder of the data";
   }
-  const Folder folder;
-  const std::string bag = folder.path + "/fr079.bag";
+  const TemporaryFolder folder;
+  const std::string bag = folder.file("fr079.bag");
   writeBag(bag, *openRecording(dataFile("fr079.clf.bz2")), BagStamps::kRecorded);
 
   MapperClient client;

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "kestrel_slam/sensor/level_projector.h"
+#include "kestrel_slam/sensor/scan_projector.h"
 
 namespace kestrel_slam {
 namespace {
@@ -49,9 +49,9 @@ class GarbageScans {
   std::mt19937_64 random_{117};
 };
 
-TEST(LevelProjector, garbageGivesFiniteRaysOrAReason) {
+TEST(ScanProjector, garbageGivesFiniteRaysOrAReason) {
   GarbageScans garbage;
-  const LevelProjector projector{BeamFilterConfig()};
+  ScanProjector projector{ProjectorConfig()};
   std::size_t used = 0, refused = 0;
   for (int i = 0; i < 20000; ++i) {
     const LaserScan scan = garbage.next();
@@ -65,7 +65,9 @@ TEST(LevelProjector, garbageGivesFiniteRaysOrAReason) {
     }
     if (result.error != ScanError::kNone) continue;
     const BeamCounts& counts = result.counts;
-    ASSERT_EQ(counts.hits + counts.clears + counts.invalid + counts.too_close, scan.ranges.size());
+    ASSERT_EQ(counts.hits + counts.clears + counts.invalid + counts.too_close + counts.masked +
+                  counts.mixed + counts.floor + counts.ceiling + counts.outside,
+              scan.ranges.size());
     ASSERT_EQ(counts.hits, result.scan.hitCount());
   }
   EXPECT_GT(used, 5000U);  // the test is worth something only where both happen

@@ -46,7 +46,7 @@ class RoomRecording : public Recording {
 
 TEST(OfflineRunTest, FollowsAFlightThroughARoom) {
   RoomRecording recording(41);
-  const OfflineRun run = runOffline(recording, SlamConfig(), false);
+  const OfflineRun run = runOffline(recording, SlamConfig(), RunOptions());
   ASSERT_EQ(run.trajectory.size(), 41U);
   ASSERT_EQ(run.scans.size(), 41U);
   EXPECT_NEAR(run.trajectory.back().pose.x, 2.0, 0.03);
@@ -65,7 +65,7 @@ TEST(OfflineRunTest, FollowsAFlightThroughARoom) {
 TEST(OfflineRunTest, TheTrajectoryKeepsTheRecordedStamps) {
   RoomRecording recording(5);
   recording.late_stamp_at = 3;
-  const OfflineRun run = runOffline(recording, SlamConfig(), false);
+  const OfflineRun run = runOffline(recording, SlamConfig(), RunOptions());
   ASSERT_EQ(run.trajectory.size(), 5U);
   EXPECT_EQ(run.trajectory[2].stamp, RoomFlight::stamp(2));
   EXPECT_EQ(run.trajectory[3].stamp, RoomFlight::stamp(3) - 0.9);
@@ -75,7 +75,7 @@ TEST(OfflineRunTest, TheTrajectoryKeepsTheRecordedStamps) {
 TEST(OfflineRunTest, AScanWithoutValidBeamsIsDroppedAndCounted) {
   RoomRecording recording(10);
   recording.invalid_at = 4;
-  const OfflineRun run = runOffline(recording, SlamConfig(), false);
+  const OfflineRun run = runOffline(recording, SlamConfig(), RunOptions());
   EXPECT_EQ(run.trajectory.size(), 9U);
   const std::map<std::string, std::size_t> expected = {{toString(ScanError::kNoValidBeam), 1}};
   EXPECT_EQ(run.dropped, expected);
@@ -89,7 +89,7 @@ TEST(OfflineRunTest, WhatTheRecordingSkippedIsCountedToo) {
   RoomRecording recording(3);
   recording.skip("broken line", 2);
   recording.warn("line 7 is broken");
-  const OfflineRun run = runOffline(recording, SlamConfig(), false);
+  const OfflineRun run = runOffline(recording, SlamConfig(), RunOptions());
   EXPECT_EQ(run.droppedCount(), 2U);
   EXPECT_EQ(run.dropped.at("broken line"), 2U);
   EXPECT_EQ(run.warnings, std::vector<std::string>{"line 7 is broken"});
@@ -98,7 +98,7 @@ TEST(OfflineRunTest, WhatTheRecordingSkippedIsCountedToo) {
 TEST(OfflineRunTest, ARecordingThatBreaksOffKeepsWhatCameBefore) {
   RoomRecording recording(10);
   recording.breaks_at = 6;
-  const OfflineRun run = runOffline(recording, SlamConfig(), false);
+  const OfflineRun run = runOffline(recording, SlamConfig(), RunOptions());
   EXPECT_EQ(run.trajectory.size(), 6U);
   EXPECT_FALSE(run.map.empty());
   EXPECT_EQ(run.warnings, std::vector<std::string>{
@@ -109,7 +109,7 @@ TEST(OfflineRunTest, TheCallbackSeesEveryScanAndCanStop) {
   RoomRecording recording(10);
   std::vector<std::size_t> done;
   const OfflineRun run =
-      runOffline(recording, SlamConfig(), false, [&](const OfflineProgress& progress) {
+      runOffline(recording, SlamConfig(), RunOptions(), [&](const OfflineProgress& progress) {
         EXPECT_EQ(progress.total, 10U);
         done.push_back(progress.done);
         return progress.done < 4;
@@ -122,16 +122,16 @@ TEST(OfflineRunTest, TheCallbackSeesEveryScanAndCanStop) {
 TEST(OfflineRunTest, MissingOdometryIsReportedOnlyWhereItIsUsed) {
   RoomRecording with(10), without(10);
   with.no_odometry_at = without.no_odometry_at = 5;
-  const OfflineRun used = runOffline(with, SlamConfig(), true);
+  const OfflineRun used = runOffline(with, SlamConfig(), RunOptions{true, true});
   EXPECT_EQ(used.warnings,
             std::vector<std::string>{"1 of 10 scans had no odometry and used the laser alone, the "
                                      "first at 0.5 s (scan 6)"});
-  EXPECT_TRUE(runOffline(without, SlamConfig(), false).warnings.empty());
+  EXPECT_TRUE(runOffline(without, SlamConfig(), RunOptions()).warnings.empty());
 }
 
 TEST(OfflineRunTest, AnEmptyRecordingGivesAnEmptyRun) {
   RoomRecording recording(0);
-  const OfflineRun run = runOffline(recording, SlamConfig(), false);
+  const OfflineRun run = runOffline(recording, SlamConfig(), RunOptions());
   EXPECT_TRUE(run.trajectory.empty());
   EXPECT_TRUE(run.map.empty());
   EXPECT_EQ(run.duration_s, 0.0);

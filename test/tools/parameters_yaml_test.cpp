@@ -38,7 +38,7 @@ TEST(ParametersYamlTest, TheShippedFileIsWhatTheToolPrints) {
 TEST(ParametersYamlTest, WhatIsThereIsSetAndTheRestIsKept) {
   const TemporaryFolder folder;
   SlamConfig config;
-  config.beams.max_range_m = 12.0;
+  config.projector.beams.max_range_m = 12.0;
   loadParameters(folder.write("p.yaml", "# mine\nmap_resolution: 0.1\nmatcher: \"correlative\"\n"),
                  config);
   EXPECT_EQ(config.mapper.grid.resolution_m, 0.1);
@@ -47,7 +47,7 @@ TEST(ParametersYamlTest, WhatIsThereIsSetAndTheRestIsKept) {
       EXPECT_EQ(valueText(parameter), "correlative");
     }
   }
-  EXPECT_EQ(config.beams.max_range_m, 12.0);
+  EXPECT_EQ(config.projector.beams.max_range_m, 12.0);
 }
 
 TEST(ParametersYamlTest, AnEmptyFileChangesNothing) {

@@ -22,6 +22,7 @@ const char* toString(MatchState state);
 struct MapperResult {
   Pose2 pose;  ///< map_T_base at the scan's time (the prediction where lost)
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, theta), m² and rad²
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();    ///< in base, smoothed, m/s
   MatchResult match;
   MatchState state = MatchState::kLost;
   double evaluation = 0.0;  ///< f of paper 000 eq. 4: small is good

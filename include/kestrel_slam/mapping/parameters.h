@@ -5,13 +5,15 @@
 #include <vector>
 
 #include "kestrel_slam/mapping/mapper_config.h"
-#include "kestrel_slam/sensor/level_projector.h"
+#include "kestrel_slam/sensor/attitude_tracker.h"
+#include "kestrel_slam/sensor/beam_filter.h"
 
 namespace kestrel_slam {
 
 /// Everything that a user can set, whether offline or live.
 struct SlamConfig {
-  BeamFilterConfig beams;
+  ProjectorConfig projector;
+  AttitudeConfig attitude;
   MapperConfig mapper;
 };
 
@@ -29,6 +31,9 @@ struct Parameter {
 
 /// The table of all parameters, bound to `config`, which must outlive it.
 std::vector<Parameter> parametersOf(SlamConfig& config);
+
+/// Those of the scan projector alone (`projector` and `attitude` of the config).
+std::vector<Parameter> projectorParametersOf(SlamConfig& config);
 
 /// The value of a parameter as text ("0.05", "true", "hybrid").
 std::string valueText(const Parameter& parameter);

@@ -7,6 +7,7 @@
 #include <std_srvs/Trigger.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -19,12 +20,13 @@
 #include "kestrel_slam/ros/scan_input.h"
 #include "kestrel_slam/ros/shared_mapper.h"
 #include "kestrel_slam/ros/trajectory_log.h"
-#include "kestrel_slam/sensor/level_projector.h"
+#include "kestrel_slam/sensor/scan_projector.h"
 #include "kestrel_slam/tools/recording.h"
 
 namespace kestrel_slam {
 
-/// The live mapper: scans in; map, pose and tf out. The interface is that of hector_mapping.
+/// The live mapper: scans of a level laser, or planar scans of the projector, in; map, pose and tf
+/// out. The interface is that of hector_mapping.
 ///
 /// Three threads: that of `nh` receives scans and commands, one matches, and one publishes the map.
 class MapperNode {
@@ -40,6 +42,9 @@ class MapperNode {
   void matchLoop();
   void handle(const ReadyScan& scan);
   void match(const ReadyScan& scan);
+  std::optional<PlanarScan> planarOf(const ReadyScan& scan);
+  std::optional<PlanarScan> planarOf(const sensor_msgs::PointCloud2& message);
+  void drop(const std::string& reason, const std::string& sentence);
   void continueAfter(const ReadyScan& scan);
   void restart(const Pose2& map_T_base);
 
@@ -56,7 +61,7 @@ class MapperNode {
   BoundedQueue<ReadyScan> queue_;
 
   // Only the matching thread uses these.
-  LevelProjector projector_;
+  ScanProjector projector_;
   MonotoneTime monotone_time_;
   PosePublisher pose_publisher_;
   std::size_t epoch_ = 0;

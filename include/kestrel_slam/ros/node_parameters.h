@@ -13,8 +13,10 @@ namespace kestrel_slam {
 struct NodeConfig {
   std::string base_frame = "base_link";
   std::string map_frame = "map";
-  std::string odom_frame;  ///< empty, or the base frame: no odometry, tf is map -> base
+  std::string odom_frame;      ///< empty, or the base frame: no odometry, tf is map -> base
+  std::string input = "scan";  ///< scan: of a level laser; planar_scan: of the scan projector
   std::string scan_topic = "scan";
+  std::string planar_scan_topic = "planar_scan";
   std::string sys_msg_topic = "syscommand";
   std::string pose_update_topic = "poseupdate";
   int scan_subscriber_queue_size = 5;
@@ -27,6 +29,10 @@ struct NodeConfig {
   bool advertise_map_service = true;
   SlamConfig slam;
 
+  bool usesPlanarScans() const { return input == "planar_scan"; }
+  const std::string& inputTopic() const {
+    return usesPlanarScans() ? planar_scan_topic : scan_topic;
+  }
   bool usesOdometry() const { return !odom_frame.empty() && odom_frame != base_frame; }
 };
 

@@ -36,6 +36,7 @@ class PosePublisher {
   ros::Publisher pose_publisher_, pose_update_publisher_, odometry_publisher_, cloud_publisher_;
   tf2_ros::TransformBroadcaster broadcaster_;
   std::optional<Pose2> map_T_odom_;
+  ros::Time transforms_stamp_;  ///< of the last transforms
 };
 
 }  // namespace kestrel_slam

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 namespace kestrel_slam {
@@ -15,8 +16,10 @@ struct PlanarRay {
 
 /// The one type between projector and mapper: hits and clears of one sweep.
 struct PlanarScan {
-  double stamp = 0.0;  ///< as recorded, s; the scan's name, need not be monotone
-  double time = 0.0;   ///< reference time on a monotone time base, s
+  double stamp = 0.0;             ///< as recorded, s; the scan's name, need not be monotone
+  double time = 0.0;              ///< reference time on a monotone time base, s
+  std::optional<double> heading;  ///< integrated turn rate of the gyro at `stamp`, rad, not
+                                  ///< wrapped: only the difference between two scans has a meaning
   std::vector<PlanarRay> rays;
 
   std::size_t hitCount() const {

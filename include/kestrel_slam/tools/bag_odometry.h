@@ -1,5 +1,6 @@
 #pragma once
 
+#include <geometry_msgs/Pose.h>
 #include <rosbag/bag.h>
 
 #include <optional>
@@ -7,9 +8,13 @@
 #include <vector>
 
 #include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/tools/bag_topics.h"
 #include "kestrel_slam/tools/bag_transforms.h"
 
 namespace kestrel_slam {
+
+/// Position and heading seen from above; not finite where the message is not.
+Pose2 toPose2(const geometry_msgs::Pose& pose);
 
 /// The poses of a nav_msgs/Odometry topic, interpolated.
 class BagOdometry {
@@ -32,6 +37,34 @@ class BagOdometry {
 
   std::vector<Entry> poses_;  ///< ascending stamps
   std::string child_frame_;
+};
+
+/// Where a bag has its odometry: in an Odometry topic, in tf, or nowhere. A topic whose name says
+/// that it is ground truth is only taken where the user asks for it.
+class BagOdometrySource {
+ public:
+  /// `wanted`: a topic, or "" for the only one. Throws std::runtime_error where it is not there.
+  BagOdometrySource(const rosbag::Bag& bag, const BagTopics& topics,
+                    const BagTransforms& transforms, std::string base_frame,
+                    const std::string& wanted);
+
+  bool available() const { return !odom_frame_.empty() || (odometry_ && !odometry_->empty()); }
+  /// odom_T_base at a stamp, given in s and as ROS has it.
+  std::optional<Pose2> at(double stamp, const ros::Time& time) const;
+
+  /// "odometry /odom", or "no odometry".
+  const std::string& description() const { return description_; }
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  std::string chooseTopic(const BagTopics& topics, const std::string& wanted);
+
+  const BagTransforms& transforms_;
+  std::string base_frame_;
+  std::optional<BagOdometry> odometry_;
+  std::string odom_frame_;  ///< in tf; "" where odometry is not from tf
+  std::string description_ = "no odometry";
+  std::vector<std::string> warnings_;
 };
 
 /// A ROS time in seconds, rounded once: the double that the same decimals give when they are read.

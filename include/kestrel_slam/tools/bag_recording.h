@@ -7,8 +7,9 @@
 
 namespace kestrel_slam {
 
-/// Reads the LaserScan messages of a rosbag in the order of their recording, with the laser's
-/// mounting from the bag's tf and the odometry from an Odometry topic or tf.
+/// Reads the scans of a rosbag (LaserScan, or PointCloud2 of a 3D lidar) in the order of their
+/// recording, with the sensor's mounting from the bag's tf, the odometry from an Odometry topic or
+/// tf, the IMU and the range finder.
 ///
 /// A bag without any tf is read as if the laser were the base. A header stamp of 0 is replaced by
 /// the time at which the message was recorded.
@@ -27,8 +28,11 @@ class BagRecording : public Recording {
   struct State;
   struct Message;
 
+  void readImu(const RecordingOptions& options);
+  void readHeights(const RecordingOptions& options);
+  void explainChoices(const RecordingOptions& options);
   bool read(Message& message);
-  bool place(const Message& message, RecordedScan& scan);
+  bool place(Message& message, RecordedScan& scan);
   void skip(const std::string& reason, const std::string& warning);
   void warnOnce(const std::string& key, const std::string& warning);
 

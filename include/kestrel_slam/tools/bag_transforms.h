@@ -31,6 +31,10 @@ class BagTransforms {
   /// The frames above `frame`, nearest first.
   std::vector<std::string> ancestors(const std::string& frame) const;
 
+  /// The frame of the vehicle: base_link where tf knows it, otherwise the highest frame above the
+  /// sensor that does not belong to the world.
+  std::string vehicleFrame(const std::string& sensor_frame) const;
+
   /// `target_T_source` at a time, or at any time where nothing between the two ever moves.
   std::optional<Eigen::Isometry3d> lookup(const std::string& target, const std::string& source,
                                           const ros::Time& time) const;

@@ -44,6 +44,12 @@ struct OfflineRun {
   double speedFactor() const;
 };
 
+/// Which of the sensors of a recording are used; those that it does not have are never missed.
+struct RunOptions {
+  bool use_odometry = false;
+  bool use_imu = true;  ///< roll, pitch and turn rate; without: the vehicle is taken to be level
+};
+
 /// How far a run has come.
 struct OfflineProgress {
   std::size_t done = 0;   ///< scans read so far
@@ -57,7 +63,8 @@ using ProgressCallback = std::function<bool(const OfflineProgress&)>;
 /// Maps `recording` from its start to its end. The clock is only read, never acted upon: the same
 /// recording and configuration give the same map and trajectory, bit for bit. A recording that
 /// breaks off midway keeps what came before, with a warning.
-OfflineRun runOffline(Recording& recording, const SlamConfig& config, bool use_odometry,
+OfflineRun runOffline(Recording& recording, const SlamConfig& config,
+                      const RunOptions& options = RunOptions(),
                       const ProgressCallback& progress = nullptr);
 
 }  // namespace kestrel_slam

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <ros/time.h>
+
+#include <algorithm>
+
+namespace kestrel_slam {
+
+/// How long something waits. Counts by the clock of ROS or by that of the computer, whichever says
+/// less: neither a replay that is paused or slow nor one that is fast uses up anybody's patience.
+class WaitingTime {
+ public:
+  double seconds() const {
+    const double steady = (ros::SteadyTime::now() - steady_start_).toSec();
+    const double ros = (ros::Time::now() - ros_start_).toSec();
+    return ros < 0.0 ? steady : std::min(steady, ros);  // negative: the clock was set back
+  }
+
+ private:
+  ros::SteadyTime steady_start_ = ros::SteadyTime::now();
+  ros::Time ros_start_ = ros::Time::now();
+};
+
+}  // namespace kestrel_slam

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <ros/time.h>
+
+#include <cstddef>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "live_player.h"
+
+namespace kestrel_slam {
+
+/// When scans were sent, when their last missing input was, and when their poses came. Every method
+/// may be called from any thread.
+class LatencyRecord {
+ public:
+  void sent(const LiveMessage& message);
+  void poseReceived(const ros::Time& stamp);
+
+  std::size_t sentScans() const;
+  std::size_t poses() const;
+  /// Stamps of the scans that got no pose.
+  std::vector<ros::Time> missing() const;
+  /// From the publication of a scan to its pose, ms, ascending.
+  std::vector<double> fromScan() const;
+  /// From the publication of all that a pose needs, which is the scan and an IMU message that is
+  /// not older than its last beam, to the pose, ms, ascending.
+  std::vector<double> fromLastInput() const;
+
+ private:
+  struct Scan {
+    ros::Time end;  ///< of the sweep
+    ros::WallTime sent;
+    ros::WallTime complete;  ///< zero: the IMU has not come so far yet
+    ros::WallTime posed;     ///< zero: no pose yet
+  };
+
+  std::vector<double> latencies(ros::WallTime Scan::*from) const;
+
+  mutable std::mutex mutex_;
+  std::map<ros::Time, Scan> scans_;  ///< by stamp
+  ros::Time imu_until_;
+};
+
+/// The value below which `share` of the ascending values lie; NaN where there are none.
+double quantile(const std::vector<double>& values, double share);
+
+}  // namespace kestrel_slam

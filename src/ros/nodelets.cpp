@@ -1,0 +1,37 @@
+#include <nodelet/nodelet.h>
+#include <pluginlib/class_list_macros.hpp>
+#include <ros/console.h>
+
+#include <exception>
+#include <memory>
+
+#include "kestrel_slam/ros/mapper_node.h"
+#include "kestrel_slam/ros/scan_projector_node.h"
+
+namespace kestrel_slam {
+
+/// Runs a node inside of a nodelet manager, where messages between nodelets are passed by pointer.
+/// The handles of a nodelet are served by one thread at a time, as the nodes ask for.
+template <typename Node>
+class NodeletOf : public nodelet::Nodelet {
+ private:
+  /// What is thrown makes the manager refuse this nodelet and live on; it does not say why.
+  void onInit() override {
+    try {
+      node_ = std::make_unique<Node>(getNodeHandle(), getPrivateNodeHandle());
+    } catch (const std::exception& error) {
+      ROS_FATAL("%s cannot run: %s", getName().c_str(), error.what());
+      throw;
+    }
+  }
+
+  std::unique_ptr<Node> node_;
+};
+
+class ScanProjectorNodelet : public NodeletOf<ScanProjectorNode> {};
+class MapperNodelet : public NodeletOf<MapperNode> {};
+
+}  // namespace kestrel_slam
+
+PLUGINLIB_EXPORT_CLASS(kestrel_slam::ScanProjectorNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(kestrel_slam::MapperNodelet, nodelet::Nodelet)

@@ -1,0 +1,142 @@
+#include "kestrel_slam/sensor/attitude_buffer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kestrel_slam/geometry/angles.h"
+
+namespace kestrel_slam {
+namespace {
+
+/// Cosine of the pitch below which the nose points straight up or down: yaw has no meaning there.
+constexpr double kMinPitchCosine = 1e-3;
+
+/// Rate of the base's yaw (ZYX Euler angles, paper 001 eq. 1), rad/s.
+double yawRate(const Eigen::Quaterniond& stabilized_R_base, const Eigen::Vector3d& rate) {
+  const Eigen::Matrix3d r = stabilized_R_base.toRotationMatrix();
+  const double cosine = std::max(std::hypot(r(2, 1), r(2, 2)), kMinPitchCosine);
+  return (r(2, 1) * rate.y() + r(2, 2) * rate.z()) / (cosine * cosine);
+}
+
+}  // namespace
+
+const char* toString(AttitudeError error) {
+  switch (error) {
+    case AttitudeError::kNone:
+      return "none";
+    case AttitudeError::kEmpty:
+      return "no attitude yet";
+    case AttitudeError::kTooOld:
+      return "older than the attitudes";
+    case AttitudeError::kNotYet:
+      return "newer than the attitudes";
+    case AttitudeError::kGap:
+      return "gap between the attitudes";
+  }
+  return "unknown";
+}
+
+double yawOf(const Eigen::Quaterniond& world_R_base) {
+  const Eigen::Vector3d nose = world_R_base * Eigen::Vector3d::UnitX();
+  return std::atan2(nose.y(), nose.x());
+}
+
+double tiltOf(const Eigen::Quaterniond& world_R_base) {
+  const Eigen::Vector3d up = world_R_base * Eigen::Vector3d::UnitZ();
+  return std::atan2(std::hypot(up.x(), up.y()), up.z());
+}
+
+Eigen::Quaterniond withoutYaw(const Eigen::Quaterniond& world_R_base) {
+  const Eigen::Quaterniond undo(Eigen::AngleAxisd(-yawOf(world_R_base), Eigen::Vector3d::UnitZ()));
+  return (undo * world_R_base).normalized();
+}
+
+AttitudeBuffer::AttitudeBuffer(const AttitudeBufferConfig& config) : config_(config) {}
+
+AttitudeBuffer::Iterator AttitudeBuffer::firstNotBefore(double time) const {
+  return std::lower_bound(entries_.begin(), entries_.end(), time,
+                          [](const Entry& entry, double t) { return entry.stamp < t; });
+}
+
+bool AttitudeBuffer::add(double stamp, const Eigen::Quaterniond& world_R_base,
+                         const std::optional<Eigen::Vector3d>& angular_velocity) {
+  const double norm = world_R_base.norm();
+  const bool finite = std::isfinite(stamp) && std::isfinite(norm) && norm > 0.0 &&
+                      (!angular_velocity || angular_velocity->allFinite());
+  if (!finite) return false;
+  if (!entries_.empty() && stamp < entries_.back().stamp - config_.history_s) return false;
+  const Iterator place = firstNotBefore(stamp);
+  if (place != entries_.end() && place->stamp == stamp) return false;
+
+  const Eigen::Quaterniond orientation = world_R_base.normalized();
+  Entry entry{stamp, withoutYaw(orientation), yawOf(orientation), std::nullopt, 0.0};
+  if (angular_velocity) entry.yaw_rate = yawRate(entry.stabilized_R_base, *angular_velocity);
+  const auto index = static_cast<std::size_t>(place - entries_.begin());
+  entries_.insert(place, entry);
+  integrateFrom(index);
+  while (entries_.front().stamp < entries_.back().stamp - config_.history_s) entries_.pop_front();
+  return true;
+}
+
+void AttitudeBuffer::integrateFrom(std::size_t index) {
+  if (index == 0 && entries_.size() > 1) {
+    // Headings that were handed out stay as they are: a new first one is fitted to the second.
+    entries_[0].heading = entries_[1].heading - turnBetween(entries_[0], entries_[1]);
+    return;
+  }
+  for (std::size_t i = std::max<std::size_t>(index, 1); i < entries_.size(); ++i) {
+    entries_[i].heading = entries_[i - 1].heading + turnBetween(entries_[i - 1], entries_[i]);
+  }
+}
+
+double AttitudeBuffer::turnBetween(const Entry& a, const Entry& b) {
+  if (!a.yaw_rate || !b.yaw_rate) return normalizeAngle(b.yaw - a.yaw);
+  return 0.5 * (*a.yaw_rate + *b.yaw_rate) * (b.stamp - a.stamp);
+}
+
+AttitudeError AttitudeBuffer::lookup(double time, Attitude& attitude) const {
+  if (entries_.empty()) return AttitudeError::kEmpty;
+  if (!(time >= entries_.front().stamp)) return AttitudeError::kTooOld;
+  if (time > entries_.back().stamp) return AttitudeError::kNotYet;
+  const Iterator after = firstNotBefore(time);
+  if (after->stamp == time) {
+    attitude = {after->stabilized_R_base, after->heading};
+    return AttitudeError::kNone;
+  }
+  const Entry& b = *after;
+  const Entry& a = *(after - 1);
+  const double span = b.stamp - a.stamp, elapsed = time - a.stamp;
+  if (span > config_.max_gap_s) return AttitudeError::kGap;
+  attitude.stabilized_R_base = a.stabilized_R_base.slerp(elapsed / span, b.stabilized_R_base);
+  if (a.yaw_rate && b.yaw_rate) {  // the rate changes evenly between two readings
+    const double change = (*b.yaw_rate - *a.yaw_rate) / span;
+    attitude.heading = a.heading + elapsed * (*a.yaw_rate + 0.5 * change * elapsed);
+  } else {
+    attitude.heading = a.heading + elapsed / span * (b.heading - a.heading);
+  }
+  return AttitudeError::kNone;
+}
+
+AttitudeError AttitudeBuffer::covers(double from, double to) const {
+  Attitude unused;
+  for (const double end : {from, to}) {
+    const AttitudeError error = lookup(end, unused);
+    if (error != AttitudeError::kNone) return error;
+  }
+  for (Iterator next = firstNotBefore(from); next != entries_.end() && next->stamp < to; ++next) {
+    const Iterator after = next + 1;
+    if (after != entries_.end() && after->stamp - next->stamp > config_.max_gap_s) {
+      return AttitudeError::kGap;
+    }
+  }
+  return AttitudeError::kNone;
+}
+
+std::optional<double> AttitudeBuffer::latest() const {
+  if (entries_.empty()) return std::nullopt;
+  return entries_.back().stamp;
+}
+
+void AttitudeBuffer::clear() { entries_.clear(); }
+
+}  // namespace kestrel_slam

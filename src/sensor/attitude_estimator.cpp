@@ -1,0 +1,183 @@
+#include "attitude_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kestrel_slam/geometry/angles.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kStart_s = 0.25;  // readings of this long give the first attitude
+constexpr std::size_t kMinStartReadings = 3;
+constexpr double kStartGate = 0.4;  // share by which their mean may differ from gravity
+
+constexpr double kMaxStep_s = 0.5;     // the gyro is not integrated over longer gaps
+constexpr double kSmooth_s = 0.1;      // of the specific force: takes the motors' vibrations out
+constexpr double kModerateRate = 3.0;  // rad/s; beyond, an IMU off the axis feels the turn itself
+
+// The first corrections are fast, like a mean over all that came since the start.
+constexpr double kFastestCorrection_s = 0.5;
+// A coordinated acceleration of 2 m/s² for 2 s costs kErrorLimit * (exp(2 / kLimitGrowth_s) - 1) *
+// kLimitGrowth_s / gravity_time: 1.1 degrees with a gravity_time of 4 s.
+const double kErrorLimit = degToRad(1.5);
+constexpr double kLimitGrowth_s = 3.0;  // a limited correction may be e times larger after this
+constexpr double kLimitRelease = 2.0;   // how much faster the limit shrinks again
+constexpr double kMaxGrowth = 120.0;    // 180 degrees
+
+constexpr double kFastestBias = 4.0;     // time of the first bias estimates in gravity_times
+constexpr double kMaxBias = 0.2;         // rad/s; more is a turn, or a broken gyro
+constexpr double kStandstillGain = 0.3;  // least share of a standstill's mean that the bias takes
+
+/// The rotation vector in world that turns `up` to the world's z axis.
+Eigen::Vector3d turnUp(const Eigen::Vector3d& up) {
+  const double sine = std::hypot(up.x(), up.y());
+  const double angle = std::atan2(sine, up.z());
+  if (sine <= std::numeric_limits<double>::min()) return {angle, 0.0, 0.0};  // any axis does
+  return Eigen::Vector3d(up.y(), -up.x(), 0.0) * (angle / sine);
+}
+
+double blend(double dt, double time_s) { return 1.0 - std::exp(-dt / time_s); }
+
+}  // namespace
+
+Eigen::Quaterniond rotationBy(const Eigen::Vector3d& vector) {
+  const double angle = vector.norm();
+  if (angle <= std::numeric_limits<double>::min()) return Eigen::Quaterniond::Identity();
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, vector / angle));
+}
+
+AttitudeEstimator::AttitudeEstimator(const AttitudeConfig& config) : config_(config) {}
+
+void AttitudeEstimator::restart() {
+  const AttitudeConfig config = config_;
+  const Eigen::Vector3d bias = bias_;
+  *this = AttitudeEstimator(config);
+  bias_ = bias;
+}
+
+const std::vector<EstimatedAttitude>& AttitudeEstimator::add(double stamp,
+                                                             const Eigen::Vector3d& rate,
+                                                             const Eigen::Vector3d& force) {
+  known_.clear();
+  const Reading reading{stamp, rate, force};
+  const double dt = last_ ? stamp - last_->stamp : 0.0;
+  if (last_ && dt <= 0.0) return known_;
+  if (!last_ || dt > kMaxStep_s) {
+    beginAt(reading);
+  } else {
+    step(reading, dt);
+  }
+  last_ = reading;
+  return known_;
+}
+
+void AttitudeEstimator::beginAt(const Reading& reading) {
+  started_ = false;
+  first_.clear();
+  first_force_.setZero();
+  world_R_base_.setIdentity();
+  standstill_.restart();
+  collect(reading);
+}
+
+void AttitudeEstimator::step(const Reading& reading, double dt) {
+  integrate(reading, dt);
+  learnStandstill(reading, dt);
+  if (!started_) {
+    collect(reading);
+    return;
+  }
+  if (dt > config_.buffer.max_gap_s) settled_s_ = 0.0;  // much can have happened meanwhile
+  force_ += blend(dt, kSmooth_s) * (world_R_base_ * reading.force - force_);
+  correct(reading.rate - bias_, dt);
+  if (!world_R_base_.coeffs().allFinite() || !force_.allFinite()) {
+    beginAt(reading);
+    return;
+  }
+  emit(reading);
+}
+
+void AttitudeEstimator::integrate(const Reading& reading, double dt) {
+  const Eigen::Vector3d before = last_->rate - bias_, now = reading.rate - bias_;
+  // The second term is that of an axis that turns itself (Magnus expansion): coning.
+  constexpr double kConing = 1.0 / 12.0;
+  const Eigen::Vector3d turn = 0.5 * dt * (before + now) + kConing * dt * dt * before.cross(now);
+  world_R_base_ = (world_R_base_ * rotationBy(turn)).normalized();
+}
+
+void AttitudeEstimator::collect(const Reading& reading) {
+  first_.push_back({reading.stamp, world_R_base_, reading.rate - bias_});
+  first_force_ += world_R_base_ * reading.force;
+  const double duration = reading.stamp - first_.front().stamp;
+  if (first_.size() >= kMinStartReadings && duration >= kStart_s) start(reading);
+}
+
+void AttitudeEstimator::start(const Reading& reading) {
+  const Eigen::Vector3d mean = first_force_ / static_cast<double>(first_.size());
+  const double norm = mean.norm();
+  if (!(std::abs(norm - kGravity) <= kStartGate * kGravity)) {
+    refused_gravity_ = norm;
+    beginAt(reading);
+    return;
+  }
+  const Eigen::Quaterniond world_R_first =
+      Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ());
+  world_R_base_ = (world_R_first * world_R_base_).normalized();
+  force_ = world_R_first * mean;
+  for (EstimatedAttitude& attitude : first_) {
+    attitude.world_R_base = (world_R_first * attitude.world_R_base).normalized();
+  }
+  known_.swap(first_);
+  started_ = true;
+  refused_gravity_.reset();
+  settled_s_ = kStart_s;
+  limited_s_ = 0.0;
+}
+
+void AttitudeEstimator::emit(const Reading& reading) {
+  known_.push_back({reading.stamp, world_R_base_, reading.rate - bias_});
+}
+
+void AttitudeEstimator::correct(const Eigen::Vector3d& rate, double dt) {
+  const bool is_gravity = std::abs(force_.norm() - kGravity) <= config_.gravity_gate * kGravity;
+  if (!is_gravity || rate.norm() > kModerateRate) return;
+  settled_s_ += dt;
+  const double time_s =
+      std::min(config_.gravity_time_s, std::max(kFastestCorrection_s, settled_s_));
+  const Eigen::Vector3d error = limited(turnUp(force_), time_s, dt);
+  const Eigen::Quaterniond correction = rotationBy(blend(dt, time_s) * error);
+  world_R_base_ = (correction * world_R_base_).normalized();
+  force_ = correction * force_;
+  if (settled_s_ < config_.gravity_time_s) return;  // still the error of the start, not the gyro's
+  // Slower than gravity's correction, or the two would swing against each other.
+  const double bias_time_s =
+      std::min(config_.bias_time_s, std::max(kFastestBias * config_.gravity_time_s, settled_s_));
+  const double gain = std::min(dt / (config_.gravity_time_s * bias_time_s), 1.0);
+  bias_ -= gain * (world_R_base_.conjugate() * error);
+  bias_ = bias_.cwiseMax(-kMaxBias).cwiseMin(kMaxBias);
+}
+
+Eigen::Vector3d AttitudeEstimator::limited(const Eigen::Vector3d& error, double time_s, double dt) {
+  const double growth = std::min(std::exp(limited_s_ / kLimitGrowth_s), kMaxGrowth);
+  const double limit = kErrorLimit * growth * config_.gravity_time_s / time_s;
+  const double size = error.norm();
+  if (limited_s_ <= 0.0) limited_direction_ = error;
+  if (size > kErrorLimit && limited_direction_.dot(error) > 0.0) {
+    limited_s_ = std::min(limited_s_ + dt, kLimitGrowth_s * std::log(kMaxGrowth));
+  } else {
+    limited_s_ = std::max(limited_s_ - kLimitRelease * dt, 0.0);
+  }
+  return size > limit ? Eigen::Vector3d(error * (limit / size)) : error;
+}
+
+void AttitudeEstimator::learnStandstill(const Reading& reading, double dt) {
+  const std::optional<Eigen::Vector3d> mean = standstill_.add(dt, reading.rate, reading.force);
+  if (!mean) return;
+  ++standstills_;
+  bias_ += std::max(kStandstillGain, 1.0 / standstills_) * (*mean - bias_);
+  settled_s_ = std::max(settled_s_, config_.gravity_time_s);
+}
+
+}  // namespace kestrel_slam

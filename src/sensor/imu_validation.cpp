@@ -1,0 +1,91 @@
+#include "imu_validation.h"
+
+#include <cmath>
+#include <sstream>
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kMaxNormError = 0.05;    // of a quaternion; less is rounding
+constexpr double kMaxRate = 100.0;        // rad/s; three times what any gyro can measure
+constexpr double kMaxAcceleration = 1e3;  // m/s², about 100 g
+constexpr double kMaxStamp = 1e11;        // s, about 3000 years
+
+std::string text(const Eigen::VectorXd& values) {
+  std::ostringstream out;
+  for (Eigen::Index i = 0; i < values.size(); ++i) out << (i > 0 ? ", " : "(") << values[i];
+  out << ")";
+  return out.str();
+}
+
+template <typename Value>
+std::string text(const std::string& before, Value value, const std::string& after) {
+  std::ostringstream out;
+  out << before << value << after;
+  return out.str();
+}
+
+std::optional<ImuFault> faultOf(const Eigen::Vector3d& value, double max, const std::string& what,
+                                const std::string& unit, const std::string& reason) {
+  if (!value.allFinite()) {
+    return ImuFault{"not finite",
+                    "the IMU's " + what + " is not finite: " + text(value) + "; check its driver"};
+  }
+  if (value.cwiseAbs().maxCoeff() <= max) return std::nullopt;
+  return ImuFault{reason, "the IMU's " + what + " " + text(value) + " " + unit +
+                              " is impossible; check its driver"};
+}
+
+bool areSame(const std::optional<Eigen::Vector3d>& a, const std::optional<Eigen::Vector3d>& b) {
+  return a.has_value() == b.has_value() && (!a || *a == *b);
+}
+
+bool areSame(const ImuSample& a, const ImuSample& b) {
+  const auto &q = a.world_R_imu, &p = b.world_R_imu;
+  return q.has_value() == p.has_value() && (!q || q->coeffs() == p->coeffs()) &&
+         areSame(a.angular_velocity, b.angular_velocity) &&
+         areSame(a.linear_acceleration, b.linear_acceleration);
+}
+
+}  // namespace
+
+std::optional<ImuFault> faultOfStamp(double stamp) {
+  if (std::abs(stamp) <= kMaxStamp) return std::nullopt;
+  return ImuFault{"bad stamp", text("a stamp of ", stamp, " s is no time; check the driver")};
+}
+
+std::optional<ImuFault> faultOf(const Eigen::Quaterniond& orientation, const std::string& whose) {
+  const Eigen::Vector4d values = orientation.coeffs();
+  if (!values.allFinite()) {
+    return ImuFault{"not finite", whose + " is not finite: x y z w = " + text(values)};
+  }
+  const double norm = values.stableNorm();
+  if (std::abs(norm - 1.0) <= kMaxNormError) return std::nullopt;
+  return ImuFault{"bad quaternion", whose + " is no rotation: x y z w = " + text(values) +
+                                        text(" has the norm ", norm, " instead of 1")};
+}
+
+std::optional<ImuFault> faultOf(const ImuSample& sample) {
+  std::optional<ImuFault> fault;
+  if (sample.world_R_imu) {
+    fault = faultOf(*sample.world_R_imu, "the IMU's orientation");
+    if (fault) fault->message += "; check its driver, or take the attitude from its raw readings";
+  }
+  if (!fault && sample.angular_velocity) {
+    fault =
+        faultOf(*sample.angular_velocity, kMaxRate, "angular velocity", "rad/s", "impossible rate");
+  }
+  if (!fault && sample.linear_acceleration) {
+    fault = faultOf(*sample.linear_acceleration, kMaxAcceleration, "acceleration", "m/s²",
+                    "impossible acceleration");
+  }
+  return fault;
+}
+
+bool FrozenCheck::add(const ImuSample& sample) {
+  if (!first_ || !areSame(*first_, sample) || sample.stamp < first_->stamp) first_ = sample;
+  duration_s_ = sample.stamp - first_->stamp;
+  return duration_s_ >= frozen_s_;
+}
+
+}  // namespace kestrel_slam

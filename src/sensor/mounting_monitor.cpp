@@ -1,0 +1,110 @@
+#include "mounting_monitor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "attitude_estimator.h"
+#include "kestrel_slam/geometry/angles.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kMaxStep_s = 0.5;  // one reading stands for no longer
+constexpr double kTipped_s = 0.5;   // a moment; a flip takes less
+const double kLyingTilt = degToRad(60.0);
+constexpr double kLying_s = 5.0;    // no vehicle flies like this for so long
+constexpr double kMean_s = 5.0;     // time constant of the means: accelerations cancel out
+constexpr double kMinMean_s = 3.0;  // judged after this long
+const double kMaxAngle = degToRad(30.0);
+const double kReversed = degToRad(150.0);
+constexpr double kMinShare = 0.5;  // of the force must point in one direction to be gravity
+constexpr double kUnitTolerance = 0.2;
+
+const char kAskMounting[] = "is tf from the vehicle's base frame to the IMU's frame right?";
+
+std::string degrees(double angle) {
+  return std::to_string(std::lround(radToDeg(angle))) + " degrees";
+}
+
+bool isNear(double size, double expected) {
+  return std::abs(size - expected) <= kUnitTolerance * expected;
+}
+
+}  // namespace
+
+std::string describeSize(double size) {
+  constexpr double kOneG = 1.0, kMilliG = 1000.0;
+  std::ostringstream text;
+  text.precision(3);
+  text << size << " m/s² instead of " << kGravity;
+  if (isNear(size, kOneG)) {
+    text << ": it seems to be in g; sensor_msgs/Imu is in m/s²";
+  } else if (isNear(size, kMilliG)) {
+    text << ": it seems to be in thousandths of g; sensor_msgs/Imu is in m/s²";
+  } else {
+    text << ": check its scale";
+  }
+  return text.str();
+}
+
+void MountingMonitor::add(double dt, const Eigen::Quaterniond& world_R_base,
+                          const std::optional<Eigen::Vector3d>& force, bool estimated) {
+  const double step = std::clamp(dt, 0.0, kMaxStep_s);
+  estimated_ = estimated;
+  tilt_ = tiltOf(world_R_base);
+  tipped_s_ = tilt_ > 0.5 * kPi ? tipped_s_ + step : 0.0;
+  lying_s_ = tilt_ > kLyingTilt ? lying_s_ + step : 0.0;
+  if (!force) return;
+  const double gain = force_s_ > 0.0 ? step / std::min(force_s_ + step, kMean_s) : 1.0;
+  mean_force_ += gain * (withoutYaw(world_R_base) * *force - mean_force_);
+  mean_size_ += gain * (force->norm() - mean_size_);
+  force_s_ += step;
+}
+
+MountingMonitor::Judgement MountingMonitor::judge() const {
+  Judgement judgement = judgeTilt();
+  if (judgement.message.empty()) judgement = judgeDirection();
+  if (judgement.message.empty()) judgement = judgeSize();
+  return judgement;
+}
+
+MountingMonitor::Judgement MountingMonitor::judgeTilt() const {
+  const bool is_upside_down = tipped_s_ > kTipped_s;
+  if (!is_upside_down && lying_s_ <= kLying_s) return {};
+  std::string message = "by its IMU the vehicle is " +
+                        std::string(is_upside_down ? "upside down" : "lying on its side") +
+                        " (tilted by " + degrees(tilt_) + "): " + kAskMounting;
+  if (estimated_ && is_upside_down) {
+    message += " Or has its accelerometer the wrong sign? At rest it must read +9.8 upwards";
+  }
+  return {is_upside_down ? ImuHealth::kUpsideDown : ImuHealth::kContradiction, message};
+}
+
+MountingMonitor::Judgement MountingMonitor::judgeDirection() const {
+  if (estimated_ || force_s_ < kMinMean_s) return {};
+  if (!isNear(mean_size_, kGravity) && !isNear(mean_size_, 1.0)) return {};
+  if (mean_force_.norm() < kMinShare * mean_size_) return {};
+  const double angle = std::atan2(std::hypot(mean_force_.x(), mean_force_.y()), mean_force_.z());
+  if (angle <= kMaxAngle) return {};
+  std::string message = "the IMU's accelerometer and its orientation disagree by " +
+                        degrees(angle) + " on where down is: ";
+  message += angle >= kReversed ? "the accelerometer has the wrong sign (at rest it must read +9.8 "
+                                  "upwards), or the orientation's z axis points down"
+                                : std::string(kAskMounting) +
+                                      " Are both in that frame, with z of the world upwards?";
+  return {ImuHealth::kContradiction, message};
+}
+
+MountingMonitor::Judgement MountingMonitor::judgeSize() const {
+  if (force_s_ < kMinMean_s) return {};
+  const double size = estimated_ ? mean_force_.norm() : mean_size_;
+  // The driver's own filter knows its accelerometer: there only another unit is worth a word.
+  const double gate = estimated_ ? gravity_gate_ : 1.0 - kMinShare;
+  if (std::abs(size - kGravity) <= gate * kGravity) return {};
+  const std::string message = "the IMU's accelerometer reads " + describeSize(size);
+  if (!estimated_) return {ImuHealth::kOk, message};
+  return {ImuHealth::kContradiction, message + "; gravity does not correct the attitude"};
+}
+
+}  // namespace kestrel_slam

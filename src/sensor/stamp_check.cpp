@@ -1,0 +1,30 @@
+#include "stamp_check.h"
+
+#include <cmath>
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kMaxStep_s = 1.0;  // more is a jump
+constexpr int kConfirming = 3;      // jumped stamps in a row that agree are believed
+
+}  // namespace
+
+StampCheck::Verdict StampCheck::check(double stamp) {
+  const double step = newest_ ? stamp - *newest_ : 0.0;
+  if (std::abs(step) <= kMaxStep_s) {
+    agreeing_ = 0;
+    if (newest_ && step <= 0.0) return Verdict::kLate;
+    newest_ = stamp;
+    return Verdict::kNext;
+  }
+  jump_ = step;
+  agreeing_ = agreeing_ > 0 && std::abs(stamp - pending_) <= kMaxStep_s ? agreeing_ + 1 : 1;
+  pending_ = stamp;
+  if (agreeing_ < kConfirming) return Verdict::kJump;
+  agreeing_ = 0;
+  newest_ = stamp;
+  return step > 0.0 ? Verdict::kNext : Verdict::kSetBack;
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "kestrel_slam/simulation/flight_plan.h"
+
+namespace kestrel_slam {
+
+// The places of places(), each built anew.
+Place laboratory();
+Place cluttered();
+Place glassOffice();
+Place peopleRoom();
+Place fourRooms();
+Place corridorRing();
+Place straightCorridor();
+Place hall();
+
+}  // namespace kestrel_slam

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace kestrel_slam {
+
+/// The item with this `name`. Throws std::invalid_argument that lists the names there are.
+template <typename T>
+const T& findByName(const std::vector<T>& items, const std::string& kind, const std::string& name) {
+  std::string names;
+  for (const T& item : items) {
+    if (item.name == name) return item;
+    names += (names.empty() ? "" : ", ") + item.name;
+  }
+  throw std::invalid_argument("unknown " + kind + " '" + name + "'; there are " + names);
+}
+
+}  // namespace kestrel_slam

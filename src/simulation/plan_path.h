@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "kestrel_slam/simulation/flight_plan.h"
+
+namespace kestrel_slam {
+
+/// Where a vehicle is asked to be at one time.
+struct PathPoint {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in world, m
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
+  double yaw = 0.0;  ///< rad, not wrapped
+  double yaw_rate = 0.0;
+};
+
+/// A flight plan as a function of time: legs flown from rest to rest along a B-spline or a straight
+/// line, as fast as the plan's limits of speed, acceleration and yaw rate allow, with turns on the
+/// spot and hovering between them.
+class PlanPath {
+ public:
+  /// Throws std::invalid_argument on a plan that cannot be flown.
+  PlanPath(const FlightPlan& plan, double yaw_acceleration_rad_s2);
+
+  double duration() const { return knots_.back().time; }
+  PathPoint at(double time) const;
+
+ private:
+  struct Knot {
+    double time;
+    Eigen::Vector3d position, velocity;
+    double yaw, yaw_rate;
+  };
+  struct Sample {
+    Eigen::Vector3d position;
+    double yaw;
+    Eigen::Vector3d tangent = Eigen::Vector3d::Zero();
+  };
+
+  static std::vector<Sample> resample(const std::vector<Eigen::Vector4d>& points, double& spacing);
+  std::vector<Sample> sampleLeg(std::size_t first, std::size_t last, double& spacing) const;
+  std::vector<double> speedsAlong(const std::vector<Sample>& samples, double spacing) const;
+  bool legEndsAt(std::size_t waypoint) const;
+  void fly(std::size_t first, std::size_t last);
+  void turnTo(double yaw);
+  void hover(double seconds);
+
+  FlightPlan plan_;
+  double yaw_acceleration_;
+  std::vector<Knot> knots_;
+};
+
+}  // namespace kestrel_slam

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "kestrel_slam/simulation/motion.h"
+
+namespace kestrel_slam {
+
+/// A motion by its accelerations at equal steps of time: linear between them, integrated exactly,
+/// so that every member of its state really is the derivative that its name says.
+class SampledMotion : public Motion {
+ public:
+  /// x, y, z (m, world), roll, pitch, yaw (rad, not wrapped; R = Rz(yaw) Ry(pitch) Rx(roll)).
+  using Vector6d = Eigen::Matrix<double, 6, 1>;
+  struct Sample {
+    Vector6d position = Vector6d::Zero();
+    Vector6d velocity = Vector6d::Zero();
+    Vector6d acceleration = Vector6d::Zero();
+  };
+
+  /// `step_s` between samples.
+  explicit SampledMotion(double step_s) : step_s_(step_s) {}
+
+  /// The sample `elapsed` (s) after `from`, when the acceleration has become `acceleration`.
+  static Sample advance(const Sample& from, const Vector6d& acceleration, double elapsed);
+
+  void push(const Sample& sample) { samples_.push_back(sample); }
+  /// Takes roll and pitch away and leaves the path.
+  void makeLevel();
+
+  double duration() const override;
+  TrueState at(double time) const override;
+
+ private:
+  double step_s_;
+  std::vector<Sample> samples_;
+};
+
+}  // namespace kestrel_slam

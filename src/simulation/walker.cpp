@@ -1,0 +1,69 @@
+#include "walker.h"
+
+#include <cmath>
+
+#include "kestrel_slam/geometry/angles.h"
+
+namespace kestrel_slam {
+namespace {
+
+// A grown-up, m.
+constexpr double kLegRadius = 0.07;
+constexpr double kLegTop = 0.85;
+constexpr double kLegOffset = 0.1;  // from the middle, to either side
+constexpr double kLegSwing = 0.25;  // to the front and back
+constexpr double kStride = 1.4;     // two steps
+constexpr double kTrunkRadius = 0.2;
+constexpr double kTrunkTop = 1.75;
+constexpr double kReach = 0.4;  // no part is farther from the middle than this
+
+/// Does the ray, seen from above, pass within kReach of `position`?
+bool passesNear(const Ray& ray, const Eigen::Vector2d& position) {
+  const Eigen::Vector2d offset = position - ray.origin.head<2>();
+  const Eigen::Vector2d along = ray.direction.head<2>();
+  const double cross = along.x() * offset.y() - along.y() * offset.x();
+  const double length2 = along.squaredNorm(), reach2 = kReach * kReach;
+  return cross * cross <= reach2 * length2 &&
+         (along.dot(offset) >= 0.0 || offset.squaredNorm() <= reach2);
+}
+
+}  // namespace
+
+Eigen::Vector2d Walker::at(double time) const { return WalkerPath(*this).at(time).position; }
+
+WalkerPath::WalkerPath(const Walker& walker) : walker_(walker), corner_at_{0.0} {
+  const std::vector<Eigen::Vector2d>& corners = walker_.corners;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector2d& next = corners[(i + 1) % corners.size()];
+    corner_at_.push_back(corner_at_.back() + (next - corners[i]).norm());
+  }
+}
+
+WalkerPath::Step WalkerPath::at(double time) const {
+  const std::vector<Eigen::Vector2d>& corners = walker_.corners;
+  const double length = corner_at_.back();
+  const double travelled = walker_.phase_m + time * walker_.speed_m_s;
+  if (corners.empty()) return {Eigen::Vector2d::Zero(), Eigen::Vector2d::UnitX(), travelled};
+  if (length == 0.0) return {corners.front(), Eigen::Vector2d::UnitX(), travelled};
+  const double along = travelled - length * std::floor(travelled / length);
+  std::size_t side = 0;
+  while (side + 1 < corners.size() && corner_at_[side + 1] <= along) ++side;
+  const Eigen::Vector2d& from = corners[side];
+  const Eigen::Vector2d heading = (corners[(side + 1) % corners.size()] - from).normalized();
+  return {from + (along - corner_at_[side]) * heading, heading, travelled};
+}
+
+void WalkerPath::meet(const Ray& ray, double time, RayHit& nearest) const {
+  const Step step = at(time);
+  if (!passesNear(ray, step.position)) return;
+  const Eigen::Vector2d left(-step.heading.y(), step.heading.x());
+  const Eigen::Vector2d swing =
+      kLegSwing * std::sin(2.0 * kPi * step.travelled / kStride) * step.heading;
+  CylinderSolid({step.position + kLegOffset * left + swing, kLegRadius, 0.0, kLegTop})
+      .meet(ray, nearest);
+  CylinderSolid({step.position - kLegOffset * left - swing, kLegRadius, 0.0, kLegTop})
+      .meet(ray, nearest);
+  CylinderSolid({step.position, kTrunkRadius, kLegTop, kTrunkTop}).meet(ray, nearest);
+}
+
+}  // namespace kestrel_slam

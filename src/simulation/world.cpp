@@ -1,0 +1,79 @@
+#include "kestrel_slam/simulation/world.h"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "solid_grid.h"
+#include "walker.h"
+
+namespace kestrel_slam {
+namespace {
+
+void validate(const World::Parts& parts) {
+  for (const Box& box : parts.boxes) {
+    if (!box.centre.allFinite() || !box.size.allFinite() || !std::isfinite(box.yaw) ||
+        !(box.size.array() >= 0.0).all()) {
+      throw std::invalid_argument("a box of a world must be finite, and no size negative");
+    }
+  }
+  for (const Cylinder& cylinder : parts.cylinders) {
+    if (!cylinder.centre.allFinite() || !std::isfinite(cylinder.bottom) ||
+        !std::isfinite(cylinder.top) || !(cylinder.top >= cylinder.bottom) ||
+        !(std::isfinite(cylinder.radius) && cylinder.radius > 0.0)) {
+      throw std::invalid_argument(
+          "a cylinder of a world must be finite, with a positive radius and its top over its "
+          "bottom");
+    }
+  }
+  for (const Walker& walker : parts.walkers) {
+    bool finite = std::isfinite(walker.speed_m_s) && std::isfinite(walker.phase_m);
+    for (const Eigen::Vector2d& corner : walker.corners) finite = finite && corner.allFinite();
+    if (!finite || walker.corners.empty()) {
+      throw std::invalid_argument("a walker of a world needs corners, all of them finite");
+    }
+  }
+  if (!(parts.ceiling_m > 0.0)) {
+    throw std::invalid_argument("the ceiling of a world must be above its floor");
+  }
+}
+
+}  // namespace
+
+struct World::Index {
+  explicit Index(Parts all)
+      : parts(std::move(all)),
+        grid(parts.boxes, parts.cylinders),
+        walkers(parts.walkers.begin(), parts.walkers.end()) {}
+
+  Parts parts;
+  SolidGrid grid;
+  std::vector<WalkerPath> walkers;
+};
+
+World::World(Parts parts) {
+  validate(parts);
+  index_ = std::make_unique<Index>(std::move(parts));
+}
+
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+RayHit World::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double time,
+                   double max_distance) const {
+  const Ray ray = {origin, direction};
+  RayHit nearest;
+  nearest.distance = max_distance;
+  meetPlane(0.0, ray, nearest);
+  if (std::isfinite(index_->parts.ceiling_m)) meetPlane(index_->parts.ceiling_m, ray, nearest);
+  for (const WalkerPath& walker : index_->walkers) walker.meet(ray, time, nearest);
+  index_->grid.meet(ray, nearest);
+  if (!(nearest.distance < max_distance)) return {std::numeric_limits<double>::infinity()};
+  return nearest;
+}
+
+const World::Parts& World::parts() const { return index_->parts; }
+
+}  // namespace kestrel_slam

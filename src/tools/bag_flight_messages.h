@@ -1,0 +1,35 @@
+#pragma once
+
+#include <geometry_msgs/PointStamped.h>
+#include <geometry_msgs/PoseArray.h>
+#include <nav_msgs/Odometry.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/LaserScan.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <sensor_msgs/Range.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "kestrel_slam/simulation/flight_simulator.h"
+
+namespace kestrel_slam {
+
+/// The messages of a simulated flight. `vehicle` is what sends them.
+sensor_msgs::LaserScan toMessage(const LaserScan& scan, const ros::Time& stamp,
+                                 const VehicleModel& vehicle);
+sensor_msgs::PointCloud2 toMessage(const PointCloud& cloud, const ros::Time& stamp,
+                                   const VehicleModel& vehicle);
+sensor_msgs::Imu toMessage(const ImuSample& sample, const ros::Time& stamp,
+                           const VehicleModel& vehicle);
+sensor_msgs::Range toMessage(const HeightSample& sample, const ros::Time& stamp,
+                             const VehicleModel& vehicle);
+geometry_msgs::PointStamped toMessage(const Barometer& barometer, const ros::Time& stamp,
+                                      const VehicleModel& vehicle);
+nav_msgs::Odometry toMessage(const TruePose& pose, const ros::Time& stamp,
+                             const VehicleModel& vehicle);
+geometry_msgs::PoseArray toMessage(const TrueWalkers& walkers, const ros::Time& stamp,
+                                   const VehicleModel& vehicle);
+
+/// The mounting of every sensor on board.
+tf2_msgs::TFMessage mountings(const VehicleModel& vehicle, const ros::Time& stamp);
+
+}  // namespace kestrel_slam

@@ -1,0 +1,116 @@
+#include "kestrel_slam/tools/bag_imu.h"
+
+#include <rosbag/view.h>
+
+#include <optional>
+
+#include "kestrel_slam/tools/bag_odometry.h"
+
+namespace kestrel_slam {
+namespace {
+
+const std::string kImuType = "sensor_msgs/Imu";
+
+/// sensor_msgs/Imu: a covariance that begins with -1 belongs to a value that does not exist.
+template <typename Covariance>
+bool exists(const Covariance& covariance) {
+  constexpr double kAbsent = -1.0;
+  return covariance[0] != kAbsent;
+}
+
+Eigen::Vector3d toVector(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
+
+std::string chooseTopic(const BagTopics& topics, const std::string& wanted, BagImu& result) {
+  if (!wanted.empty()) {
+    const std::string topic = requireTopic(topics, wanted, kImuType);
+    requireVersion<sensor_msgs::Imu>(topics, topic);
+    return topic;
+  }
+  std::string topic = busiestTopic(topics, kImuType);
+  if (topic.empty()) return topic;
+  try {
+    requireVersion<sensor_msgs::Imu>(topics, topic);
+  } catch (const std::runtime_error& error) {
+    result.warnings.push_back("the IMU is not used: " + std::string(error.what()));
+    return "";
+  }
+  if (countOfType(topics, kImuType) > 1) {
+    result.warnings.push_back("several IMU topics, the busiest is used: " + topic + "; there are " +
+                              listTopics(topics, kImuType));
+  }
+  return topic;
+}
+
+/// The mounting at the first message for which tf has it.
+class MountingFinder {
+ public:
+  MountingFinder(const BagTransforms& transforms, std::string base_frame)
+      : transforms_(transforms), base_frame_(std::move(base_frame)) {}
+
+  void look(const sensor_msgs::Imu& message) {
+    if (base_R_imu_) return;
+    frame_ = withoutSlash(message.header.frame_id);
+    if (!transforms_.connected(base_frame_, frame_)) return;  // at no time, so no need to try
+    const auto base_T_imu = transforms_.lookup(base_frame_, frame_, message.header.stamp);
+    if (base_T_imu) base_R_imu_ = Eigen::Quaterniond(base_T_imu->linear());
+  }
+
+  void finish(BagImu& result) const {
+    if (base_R_imu_) {
+      result.imu.base_R_imu = *base_R_imu_;
+    } else if (!result.imu.samples.empty()) {
+      result.warnings.push_back("the bag has no tf " + base_frame_ + " -> " +
+                                (frame_.empty() ? "(no frame)" : frame_) +
+                                ": the IMU's axes are taken to be those of the vehicle");
+    }
+  }
+
+ private:
+  const BagTransforms& transforms_;
+  std::string base_frame_, frame_;
+  std::optional<Eigen::Quaterniond> base_R_imu_;
+};
+
+}  // namespace
+
+ImuSample toImuSample(const sensor_msgs::Imu& message) {
+  ImuSample sample;
+  sample.stamp = toSeconds(message.header.stamp);
+  const auto& q = message.orientation;
+  const bool filled = q.x != 0.0 || q.y != 0.0 || q.z != 0.0 || q.w != 0.0;
+  if (exists(message.orientation_covariance) && filled) {
+    sample.world_R_imu = Eigen::Quaterniond(q.w, q.x, q.y, q.z);
+  }
+  if (exists(message.angular_velocity_covariance)) {
+    sample.angular_velocity = toVector(message.angular_velocity);
+  }
+  if (exists(message.linear_acceleration_covariance)) {
+    sample.linear_acceleration = toVector(message.linear_acceleration);
+  }
+  return sample;
+}
+
+BagImu readBagImu(const rosbag::Bag& bag, const BagTopics& topics, const BagTransforms& transforms,
+                  const std::string& base_frame, const std::string& wanted) {
+  BagImu result;
+  const std::string topic = chooseTopic(topics, wanted, result);
+  if (topic.empty()) return result;
+  result.imu.topic = topic;
+  MountingFinder mounting(transforms, base_frame);
+  rosbag::View view(bag, rosbag::TopicQuery(topic));
+  for (const rosbag::MessageInstance& instance : view) {
+    try {
+      const auto message = instance.instantiate<sensor_msgs::Imu>();
+      if (!message) continue;  // another type under the same name
+      if (message->header.stamp.isZero()) message->header.stamp = instance.getTime();
+      mounting.look(*message);
+      result.imu.samples.push_back(toImuSample(*message));
+    } catch (const std::exception&) {
+      ++result.broken;
+    }
+  }
+  mounting.finish(result);
+  return result;
+}
+
+}  // namespace kestrel_slam

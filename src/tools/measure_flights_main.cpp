@@ -1,0 +1,223 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/map/map_io.h"
+#include "kestrel_slam/tools/flight_measurement.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr int kBadInput = 1, kWrongUsage = 2;
+constexpr double kMillimetre = 1e-3;
+
+struct Options {
+  int random_flights = 100;
+  double random_s = 30.0;
+  std::string only;
+  std::vector<std::string> settings;  ///< name=value
+  std::string output;                 ///< folder; empty: only the table
+};
+
+VehicleModel utmVehicle() {
+  VehicleModel vehicle;
+  vehicle.laser = laserModel("utm30lx");
+  return vehicle;
+}
+
+FlightTrial trialIn(const std::string& name, const std::string& place_name) {
+  FlightTrial trial;
+  trial.name = name;
+  trial.place = place(place_name);
+  trial.vehicle = utmVehicle();
+  return trial;
+}
+
+/// Four turns on the spot at 2 rad/s, and back.
+FlightTrial spin() {
+  constexpr double kRate = 2.0, kTurn = 8.0 * kPi;
+  FlightTrial trial = trialIn("spin at 2 rad/s", "laboratory");
+  FlightPlan& plan = trial.place.plan;
+  const FlightPlan::Waypoint start = plan.waypoints.front();
+  FlightPlan::Waypoint turned = start;
+  turned.yaw += kTurn;
+  plan.waypoints = {start, turned, start};
+  plan.yaw_rate_rad_s = kRate;
+  plan.nose_forward = false;
+  return trial;
+}
+
+/// The laboratory loop with stops at every waypoint and up to 20 degrees of tilt between them.
+FlightTrial agile(const std::string& name) {
+  constexpr double kSpeed = 2.5, kAcceleration = 3.3;  // tan 20 deg is 3.6 m/s²
+  FlightTrial trial = trialIn(name, "laboratory");
+  FlightPlan& plan = trial.place.plan;
+  plan.smooth = false;
+  plan.speed_m_s = kSpeed;
+  plan.acceleration_m_s2 = kAcceleration;
+  return trial;
+}
+
+FlightTrial agileLevel() {
+  FlightTrial trial = agile("the same path, level");
+  trial.place.quadrotor.level = true;
+  return trial;
+}
+
+FlightTrial agileUnprojected() {
+  FlightTrial trial = agile("the same, projector off");
+  trial.options.use_imu = false;
+  return trial;
+}
+
+FlightTrial ring(double resolution_m) {
+  FlightTrial trial =
+      trialIn(resolution_m > 0.05 ? "corridor ring, 10 cm" : "corridor ring, 5 cm", "ring");
+  trial.config.mapper.grid.resolution_m = resolution_m;
+  return trial;
+}
+
+FlightTrial lidar() {
+  FlightTrial trial = trialIn("laboratory loop, VLP-16", "laboratory");
+  trial.vehicle.laser.reset();
+  trial.vehicle.lidar = lidarModels().front();
+  return trial;
+}
+
+FlightTrial rawImu() {
+  FlightTrial trial = trialIn("laboratory loop, gyro and accelerometer only", "laboratory");
+  trial.vehicle.imu->gives_orientation = false;
+  return trial;
+}
+
+std::vector<FlightTrial> trials() {
+  constexpr double kCoarse = 0.1, kFine = 0.05;
+  return {trialIn("laboratory loop, 5 cm", "laboratory"),
+          rawImu(),
+          lidar(),
+          ring(kCoarse),
+          ring(kFine),
+          spin(),
+          agile("tilt up to 20 deg"),
+          agileLevel(),
+          agileUnprojected(),
+          trialIn("climb in the cluttered room", "cluttered"),
+          trialIn("glass walls", "glass"),
+          trialIn("doors", "doors"),
+          trialIn("walking people", "people"),
+          trialIn("hall beyond the laser's range", "hall"),
+          trialIn("straight corridor", "corridor")};
+}
+
+void apply(const std::vector<std::string>& settings, SlamConfig& config) {
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos) {
+      throw std::invalid_argument("--set " + setting + ": write name=value");
+    }
+    setParameter(config, setting.substr(0, equals), setting.substr(equals + 1));
+  }
+  validate(config);
+}
+
+void printHeader() {
+  std::printf(
+      "| flight | scans | lost | ATE rmse | ATE max | yaw rmse | yaw max | tilt max | "
+      "false cells |\n|---|---|---|---|---|---|---|---|---|\n");
+}
+
+void printRow(const std::string& name, const FlightMeasurement& m) {
+  const ErrorStatistics& position = m.error.ate_statistics.translation_m;
+  const ErrorStatistics& yaw = m.error.ate_statistics.rotation_deg;
+  std::printf("| %s | %zu | %zu | %.4f m | %.3f m | %.3f° | %.2f° | %.1f° | %zu of %zu |\n",
+              name.c_str(), m.run.scans.size(), m.lost, position.rmse, position.max, yaw.rmse,
+              yaw.max, m.max_tilt_deg, m.false_cells, m.occupied_cells);
+  for (const std::string& warning : m.run.warnings) {
+    std::fprintf(stderr, "  %s: %s\n", name.c_str(), warning.c_str());
+  }
+  std::fflush(stdout);
+}
+
+/// Keeps map, estimated and true trajectory of a flight, under its name with hyphens.
+void writeFiles(const std::string& folder, const std::string& name, const FlightMeasurement& m) {
+  std::string path = name;
+  std::replace_if(
+      path.begin(), path.end(), [](char c) { return c == ' ' || c == ',' || c == '/'; }, '-');
+  path = (std::filesystem::path(folder) / path).string();
+  std::filesystem::create_directories(folder);
+  writeMap(path, m.run.map);
+  writeTum(path + ".tum", m.error.aligned);
+  writeTum(path + "_truth.tum", m.error.reference);
+}
+
+/// Random flights in every place but the two where the laser cannot see enough.
+void flyAtRandom(const Options& options) {
+  std::vector<std::string> names;
+  for (const Place& candidate : places()) {
+    if (candidate.name != "hall" && candidate.name != "corridor") names.push_back(candidate.name);
+  }
+  std::size_t lost_flights = 0;
+  double worst = 0.0;
+  for (int i = 0; i < options.random_flights; ++i) {
+    const auto number = static_cast<std::size_t>(i);
+    FlightTrial trial = trialIn("random", names[number % names.size()]);
+    trial.seed = number + 1;
+    apply(options.settings, trial.config);
+    trial.place.plan = randomPlan(trial.place, options.random_s, trial.seed);
+    const FlightMeasurement m = measureFlight(trial);
+    const double error = m.error.ate_statistics.translation_m.max;
+    constexpr double kLostError = 0.5;  // m; a pose this wrong is lost, whatever the mapper says
+    if (m.lost > 0 || error > kLostError) {
+      ++lost_flights;
+      printRow("random flight " + std::to_string(i) + " in " + trial.place.name, m);
+    }
+    worst = std::max(worst, error);
+  }
+  std::printf("\n%d random flights of %.0f s: %zu lost; largest error of a pose %.0f mm\n",
+              options.random_flights, options.random_s, lost_flights, worst / kMillimetre);
+}
+
+void run(const Options& options) {
+  printHeader();
+  for (FlightTrial trial : trials()) {
+    if (trial.name.find(options.only) == std::string::npos) continue;
+    apply(options.settings, trial.config);
+    const FlightMeasurement m = measureFlight(trial);
+    printRow(trial.name, m);
+    if (!options.output.empty()) writeFiles(options.output, trial.name, m);
+  }
+  if (options.random_flights > 0) flyAtRandom(options);
+}
+
+}  // namespace
+}  // namespace kestrel_slam
+
+int main(int argc, char** argv) {
+  using namespace kestrel_slam;
+  Options options;
+  CLI::App app("Maps simulated flights and prints their errors against the truth.");
+  app.add_option("--random", options.random_flights, "number of random flights")
+      ->capture_default_str();
+  app.add_option("--random-duration", options.random_s, "of each, s")->capture_default_str();
+  app.add_option("--only", options.only, "only the flights whose name contains this text");
+  app.add_option("--set", options.settings, "name=value: a parameter, see map_recording");
+  app.add_option("--output", options.output, "folder for maps and trajectories");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kWrongUsage;
+  }
+  try {
+    run(options);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "measure_flights: %s\n", error.what());
+    return kBadInput;
+  }
+  return 0;
+}

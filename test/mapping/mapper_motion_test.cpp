@@ -1,0 +1,71 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "kestrel_slam/mapping/mapper.h"
+#include "room.h"
+
+namespace kestrel_slam {
+namespace {
+
+const std::vector<room::Segment> kSquare = {
+    {-3, -3, 3, -3}, {3, -3, 3, 3}, {3, 3, -3, 3}, {-3, 3, -3, -3}};
+
+PlanarScan turnedScan(double theta, double time, const std::optional<double>& heading) {
+  PlanarScan scan = room::scanFrom(Pose2(0, 0, theta), kSquare);
+  scan.stamp = scan.time = time;
+  scan.heading = heading;
+  return scan;
+}
+
+TEST(MapperMotion, theGyroTellsTurnsThatTheScanCannot) {
+  // A square room looks the same after a quarter turn.
+  Mapper with{MapperConfig()}, without{MapperConfig()};
+  for (int i = 0; i < 9; ++i) {
+    const double theta = degToRad(90.0) * i, time = 0.4 * i;
+    with.process(turnedScan(theta, time, 100.0 + theta));
+    without.process(turnedScan(theta, time, std::nullopt));
+    EXPECT_NEAR(normalizeAngle(with.pose().theta - theta), 0.0, 1e-3) << i;
+    EXPECT_NEAR(without.pose().theta, 0.0, 1e-3) << i;
+  }
+}
+
+TEST(MapperMotion, aWrongGyroDoesNotBendTheMap) {
+  Mapper mapper{MapperConfig()};
+  for (int i = 0; i < 40; ++i) {
+    PlanarScan scan = room::scanFrom(Pose2(0.02 * i, 0, 0.01 * i));
+    scan.stamp = scan.time = 0.1 * i;
+    scan.heading = 0.3 * i;  // thirty times too fast
+    const MapperResult result = mapper.process(scan);
+    EXPECT_NEAR(result.pose.theta, 0.01 * i, 0.01) << i;
+    EXPECT_NEAR(result.pose.x, 0.02 * i, 0.03) << i;
+  }
+}
+
+TEST(MapperMotion, aHeadingThatIsNotFiniteIsNotUsed) {
+  Mapper mapper{MapperConfig()};
+  mapper.process(turnedScan(0.0, 0.0, std::numeric_limits<double>::quiet_NaN()));
+  const MapperResult result =
+      mapper.process(turnedScan(0.1, 0.1, std::numeric_limits<double>::infinity()));
+  EXPECT_NEAR(result.pose.theta, 0.1, 1e-3);
+}
+
+TEST(MapperMotion, velocityIsThatOfTheBaseInItsOwnFrame) {
+  Mapper mapper{MapperConfig()};
+  MapperResult result;
+  for (int i = 0; i < 60; ++i) {  // 0.5 m/s along the map's x, looking along its y
+    PlanarScan scan = room::scanFrom(Pose2(-1.2 + 0.0125 * i, 0.3, degToRad(90.0)));
+    scan.stamp = scan.time = 0.025 * i;
+    if (i == 0) mapper.reset(Pose2(-1.2, 0.3, degToRad(90.0)));
+    result = mapper.process(scan);
+  }
+  EXPECT_NEAR(result.velocity.x(), 0.0, 0.06);
+  EXPECT_NEAR(result.velocity.y(), -0.5, 0.06);
+  mapper.setPose(Pose2());
+  PlanarScan scan = room::scanFrom(Pose2());
+  scan.time = 2.0;
+  EXPECT_EQ(mapper.process(scan).velocity, Eigen::Vector2d(0.0, 0.0));
+}
+
+}  // namespace
+}  // namespace kestrel_slam

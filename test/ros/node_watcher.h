@@ -1,0 +1,51 @@
+#pragma once
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <geometry_msgs/TransformStamped.h>
+#include <ros/ros.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace kestrel_slam {
+
+/// Listens to the diagnostics of one node and to tf.
+class NodeWatcher {
+ public:
+  /// `node`: its full name without the leading slash.
+  explicit NodeWatcher(const std::string& node);
+
+  /// Runs callbacks until `condition` holds; false after `timeout_s` of wall time.
+  bool waitFor(const std::function<bool()>& condition, double timeout_s = 5.0);
+
+  /// Runs callbacks for some wall time.
+  void wait(double seconds) {
+    waitFor([] { return false; }, seconds);
+  }
+
+  /// The next report of a diagnostics item by key; "level" and "message" are those of the item.
+  /// Empty if none comes.
+  std::map<std::string, std::string> report(const std::string& item);
+
+  /// One value of the next report; empty where it has none.
+  std::string diagnosis(const std::string& item, const std::string& key) {
+    return report(item)[key];
+  }
+
+  std::map<std::string, std::vector<geometry_msgs::TransformStamped>> transforms;  ///< by child
+  std::map<std::string, std::set<std::string>> parents;                            ///< by child
+
+ private:
+  void onTransforms(const tf2_msgs::TFMessage& message);
+  void onDiagnostics(const diagnostic_msgs::DiagnosticArray& message);
+
+  std::string prefix_;
+  std::vector<ros::Subscriber> subscribers_;
+  std::map<std::string, std::map<std::string, std::string>> diagnostics_;
+};
+
+}  // namespace kestrel_slam

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <nav_msgs/Odometry.h>
+#include <ros/ros.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/LaserScan.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <sensor_msgs/Range.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/sensor/planar_scan.h"
+#include "node_watcher.h"
+#include "tilting_flight.h"
+
+namespace kestrel_slam {
+
+/// Plays the rest of the robot for a scan projector: publishes the sensors of a flight, and listens
+/// to everything of the node. Frames of a namespace `ns`: <ns>_base, <ns>_laser, <ns>_imu.
+class ProjectorClient : public NodeWatcher {
+ public:
+  explicit ProjectorClient(const std::string& ns);
+
+  /// Waits until the projector listens and can be heard.
+  bool connect(bool with_imu = true);
+
+  std::string frame(const std::string& name) const { return ns_ + "_" + name; }
+
+  /// Publishes the mounting of a sensor: <ns>_base -> <ns>_`name`.
+  void mount(const std::string& name, const Eigen::Isometry3d& base_T_sensor);
+
+  /// Publishes IMU messages, 200 a second, from the last one up to `time` (s).
+  void flyImu(double time);
+
+  /// The next scan of the laser, 40 a second, without anything else.
+  sensor_msgs::LaserScan nextScan();
+
+  /// Publishes a scan and waits for what becomes of it.
+  std::optional<PlanarScan> project(const sensor_msgs::LaserScan& scan, double timeout_s = 3.0);
+
+  /// Publishes the IMU up to the end of the next scan and the scan, and expects that its end points
+  /// are right.
+  void flyOn();
+
+  /// Expects that every hit is where a beam of the flight ended, to a millimetre.
+  void expectRight(const std::optional<PlanarScan>& scan, double time,
+                   const Eigen::Isometry3d& base_T_laser) const;
+
+  /// Lets the time of the flight go on without any message.
+  void skip(double seconds) { time += seconds; }
+
+  ros::NodeHandle nh;
+  ros::Publisher scan_publisher, imu_publisher, cloud_publisher, height_publisher;
+  tf2_ros::StaticTransformBroadcaster static_broadcaster;
+
+  TiltingFlight flight;
+  Eigen::Isometry3d base_T_laser = mounting(0.1, -0.05, 0.08, 0.05, -0.03, 0.3);
+  Eigen::Quaterniond base_R_imu = Eigen::Quaterniond::Identity();
+  double time = 1000.1;      ///< of the next scan, s
+  double imu_time = 1000.0;  ///< of the next IMU message, s
+
+  std::map<ros::Time, sensor_msgs::PointCloud2ConstPtr> planar_scans;  ///< by stamp
+  std::vector<sensor_msgs::LaserScan> views;
+  std::vector<sensor_msgs::Range> heights;  ///< of the mirror
+
+ private:
+  std::string ns_;
+  std::vector<ros::Subscriber> subscribers_;
+};
+
+}  // namespace kestrel_slam

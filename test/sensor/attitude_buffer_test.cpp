@@ -1,0 +1,135 @@
+#include "kestrel_slam/sensor/attitude_buffer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "kestrel_slam/geometry/angles.h"
+
+namespace kestrel_slam {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+Quaterniond fromEuler(double roll, double pitch, double yaw) {
+  return AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(pitch, Vector3d::UnitY()) *
+         AngleAxisd(roll, Vector3d::UnitX());
+}
+
+Attitude lookUp(const AttitudeBuffer& buffer, double time) {
+  Attitude attitude;
+  EXPECT_EQ(buffer.lookup(time, attitude), AttitudeError::kNone) << "at " << time;
+  return attitude;
+}
+
+TEST(AttitudeParts, separateYawFromTilt) {
+  const Quaterniond q = fromEuler(0.2, -0.3, 2.0);
+  EXPECT_NEAR(yawOf(q), 2.0, 1e-12);
+  EXPECT_LT(withoutYaw(q).angularDistance(fromEuler(0.2, -0.3, 0.0)), 1e-12);
+  EXPECT_NEAR(tiltOf(q), std::acos(std::cos(0.2) * std::cos(0.3)), 1e-12);
+  EXPECT_NEAR(tiltOf(fromEuler(kPi, 0.0, 0.0)), kPi, 1e-12);
+}
+
+TEST(AttitudeBuffer, interpolatesBetweenTwoAttitudes) {
+  AttitudeBuffer buffer;
+  ASSERT_TRUE(buffer.add(10.0, fromEuler(0.0, 0.0, 1.0), Vector3d::Zero()));
+  ASSERT_TRUE(buffer.add(10.1, fromEuler(0.2, 0.0, 1.0), Vector3d::Zero()));
+  const Attitude attitude = lookUp(buffer, 10.025);
+  EXPECT_LT(attitude.stabilized_R_base.angularDistance(fromEuler(0.05, 0.0, 0.0)), 1e-9);
+}
+
+TEST(AttitudeBuffer, integratesTheGyroAndNotTheMagnetometer) {
+  AttitudeBuffer buffer;
+  // The rate grows from 0 to 2 rad/s in 1 s: 1 rad. The quaternion's yaw jumps about.
+  for (int i = 0; i <= 100; ++i) {
+    const double t = 0.01 * i;
+    buffer.add(t, fromEuler(0.0, 0.0, 0.5 * (i % 3)), Vector3d(0.0, 0.0, 2.0 * t));
+  }
+  EXPECT_NEAR(lookUp(buffer, 1.0).heading - lookUp(buffer, 0.0).heading, 1.0, 1e-9);
+  EXPECT_NEAR(lookUp(buffer, 0.505).heading - lookUp(buffer, 0.0).heading, 0.505 * 0.505, 1e-9);
+}
+
+TEST(AttitudeBuffer, takesTheTurnFromTheOrientationWhereThereIsNoGyro) {
+  AttitudeBuffer buffer;
+  for (int i = 0; i <= 80; ++i) buffer.add(0.1 * i, fromEuler(0.0, 0.0, 0.1 * i), std::nullopt);
+  EXPECT_NEAR(lookUp(buffer, 8.0).heading - lookUp(buffer, 0.05).heading, 7.95, 1e-9);
+}
+
+TEST(AttitudeBuffer, theHeadingOfATiltedBaseIsThatOfItsYaw) {
+  // A base that is tilted and turns about the vertical of the world at 1 rad/s.
+  const Quaterniond tilt = fromEuler(0.3, -0.2, 0.0);
+  AttitudeBuffer buffer;
+  for (int i = 0; i <= 100; ++i) {
+    const Quaterniond orientation = AngleAxisd(0.01 * i, Vector3d::UnitZ()) * tilt;
+    buffer.add(0.01 * i, orientation, orientation.inverse() * Vector3d::UnitZ());
+  }
+  EXPECT_NEAR(lookUp(buffer, 1.0).heading - lookUp(buffer, 0.0).heading, 1.0, 1e-9);
+}
+
+TEST(AttitudeBuffer, aLateStampIsPutIntoItsPlace) {
+  AttitudeBuffer sorted, shuffled;
+  const int order[] = {0, 2, 1, 4, 5, 3, 6};
+  for (int i = 0; i <= 6; ++i) {
+    sorted.add(0.1 * i, fromEuler(0.05 * i, 0.0, 0.0), Vector3d(0.5, 0.0, 0.1 * i));
+    const int j = order[i];
+    shuffled.add(0.1 * j, fromEuler(0.05 * j, 0.0, 0.0), Vector3d(0.5, 0.0, 0.1 * j));
+  }
+  for (double t = 0.0; t <= 0.6; t += 0.037) {
+    const Attitude a = lookUp(sorted, t), b = lookUp(shuffled, t);
+    EXPECT_LT(a.stabilized_R_base.angularDistance(b.stabilized_R_base), 1e-12);
+    EXPECT_NEAR(a.heading, b.heading, 1e-12);
+  }
+}
+
+TEST(AttitudeBuffer, saysWhyThereIsNone) {
+  AttitudeBuffer buffer;
+  Attitude attitude;
+  EXPECT_EQ(buffer.lookup(1.0, attitude), AttitudeError::kEmpty);
+  buffer.add(1.0, Quaterniond::Identity(), std::nullopt);
+  buffer.add(1.1, Quaterniond::Identity(), std::nullopt);
+  buffer.add(2.0, Quaterniond::Identity(), std::nullopt);
+  EXPECT_EQ(buffer.lookup(0.9, attitude), AttitudeError::kTooOld);
+  EXPECT_EQ(buffer.lookup(2.1, attitude), AttitudeError::kNotYet);
+  EXPECT_EQ(buffer.lookup(1.5, attitude), AttitudeError::kGap);
+  EXPECT_EQ(buffer.lookup(std::numeric_limits<double>::quiet_NaN(), attitude),
+            AttitudeError::kTooOld);
+  EXPECT_EQ(buffer.covers(1.0, 1.1), AttitudeError::kNone);
+  EXPECT_EQ(buffer.covers(1.0, 2.0), AttitudeError::kGap);
+  EXPECT_EQ(buffer.covers(1.05, 2.05), AttitudeError::kNotYet);
+}
+
+TEST(AttitudeBuffer, refusesWhatIsNotFiniteTwiceThereOrTooOld) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  AttitudeBuffer buffer;
+  EXPECT_TRUE(buffer.add(100.0, Quaterniond::Identity(), std::nullopt));
+  EXPECT_FALSE(buffer.add(100.0, Quaterniond::Identity(), std::nullopt));
+  EXPECT_FALSE(buffer.add(nan, Quaterniond::Identity(), std::nullopt));
+  EXPECT_FALSE(buffer.add(100.1, Quaterniond(nan, 0, 0, 0), std::nullopt));
+  EXPECT_FALSE(buffer.add(100.1, Quaterniond(0, 0, 0, 0), std::nullopt));
+  EXPECT_FALSE(buffer.add(100.1, Quaterniond::Identity(), Vector3d(nan, 0, 0)));
+  EXPECT_FALSE(buffer.add(80.0, Quaterniond::Identity(), std::nullopt));
+  EXPECT_EQ(buffer.size(), 1U);
+}
+
+TEST(AttitudeBuffer, forgetsTheDistantPast) {
+  AttitudeBuffer buffer;
+  for (int i = 0; i < 10000; ++i) buffer.add(0.01 * i, Quaterniond::Identity(), Vector3d::UnitZ());
+  EXPECT_LE(buffer.size(), 1001U);
+  EXPECT_NEAR(*buffer.latest(), 99.99, 1e-9);
+  // Headings go on over what was forgotten.
+  EXPECT_NEAR(lookUp(buffer, *buffer.latest()).heading, 99.99, 1e-6);
+}
+
+TEST(AttitudeError, everyErrorHasAText) {
+  for (const AttitudeError error :
+       {AttitudeError::kNone, AttitudeError::kEmpty, AttitudeError::kTooOld, AttitudeError::kNotYet,
+        AttitudeError::kGap}) {
+    EXPECT_STRNE(toString(error), "unknown");
+  }
+}
+
+}  // namespace
+}  // namespace kestrel_slam

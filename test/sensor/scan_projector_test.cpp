@@ -1,0 +1,234 @@
+#include "kestrel_slam/sensor/scan_projector.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "kestrel_slam/geometry/angles.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+LaserScan makeScan(std::vector<float> ranges) {
+  LaserScan scan;
+  scan.stamp = 1284000000.25;
+  scan.angle_min = 0.0;
+  scan.angle_increment = kPi / 2.0;
+  scan.range_min = 0.05;
+  scan.range_max = 60.0;
+  scan.ranges = std::move(ranges);
+  return scan;
+}
+
+/// Only the beams are filtered, not the heights.
+ProjectorConfig projectorConfig(const BeamFilterConfig& beams) {
+  ProjectorConfig config;
+  config.beams = beams;
+  config.slice_min_m = -100.0;
+  config.slice_max_m = 100.0;
+  return config;
+}
+
+Projection project(const LaserScan& scan, const BeamFilterConfig& config = BeamFilterConfig(),
+                   const Eigen::Isometry3d& base_T_laser = Eigen::Isometry3d::Identity()) {
+  return ScanProjector(projectorConfig(config)).project(scan, base_T_laser);
+}
+
+void expectPoint(const Eigen::Vector2f& actual, float x, float y) {
+  EXPECT_NEAR(actual.x(), x, 1e-6F);
+  EXPECT_NEAR(actual.y(), y, 1e-6F);
+}
+
+TEST(ScanProjector, projectsBeamsIntoTheBaseFrame) {
+  const Projection result = project(makeScan({1.0F, 2.0F, 3.0F, 4.0F}));
+  ASSERT_EQ(result.error, ScanError::kNone);
+  EXPECT_EQ(result.message, "");
+  EXPECT_EQ(result.scan.stamp, 1284000000.25);
+  EXPECT_EQ(result.scan.time, 1284000000.25);
+  ASSERT_EQ(result.scan.rays.size(), 4U);
+  expectPoint(result.scan.rays[0].end, 1.0F, 0.0F);
+  expectPoint(result.scan.rays[1].end, 0.0F, 2.0F);
+  expectPoint(result.scan.rays[2].end, -3.0F, 0.0F);
+  expectPoint(result.scan.rays[3].end, 0.0F, -4.0F);
+  for (const PlanarRay& ray : result.scan.rays) {
+    EXPECT_TRUE(ray.hit);
+    expectPoint(ray.origin, 0.0F, 0.0F);
+  }
+}
+
+TEST(ScanProjector, usesTheMounting) {
+  Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
+  base_T_laser.translate(Eigen::Vector3d(0.1, -0.2, 0.3));
+  base_T_laser.rotate(Eigen::AngleAxisd(kPi / 2.0, Eigen::Vector3d::UnitZ()));
+  const Projection result = project(makeScan({1.0F, 2.0F}), BeamFilterConfig(), base_T_laser);
+  ASSERT_EQ(result.scan.rays.size(), 2U);
+  expectPoint(result.scan.rays[0].origin, 0.1F, -0.2F);
+  expectPoint(result.scan.rays[0].end, 0.1F, 0.8F);
+  expectPoint(result.scan.rays[1].end, -1.9F, -0.2F);
+}
+
+TEST(ScanProjector, mirrorsALaserThatHangsUpsideDown) {
+  Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
+  base_T_laser.rotate(Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX()));
+  const Projection result = project(makeScan({1.0F, 2.0F}), BeamFilterConfig(), base_T_laser);
+  ASSERT_EQ(result.scan.rays.size(), 2U);
+  expectPoint(result.scan.rays[0].end, 1.0F, 0.0F);
+  expectPoint(result.scan.rays[1].end, 0.0F, -2.0F);
+}
+
+TEST(ScanProjector, shortensATiltedBeamToTheHorizontal) {
+  Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
+  base_T_laser.rotate(Eigen::AngleAxisd(kPi / 3.0, Eigen::Vector3d::UnitY()));
+  const Projection result = project(makeScan({2.0F, 2.0F}), BeamFilterConfig(), base_T_laser);
+  ASSERT_EQ(result.scan.rays.size(), 2U);
+  expectPoint(result.scan.rays[0].end, 1.0F, 0.0F);  // 2 m · cos 60°
+  expectPoint(result.scan.rays[1].end, 0.0F, 2.0F);
+}
+
+TEST(ScanProjector, directionsMatchSineAndCosineToTheLastBeam) {
+  LaserScan scan = makeScan(std::vector<float>(20000, 10.0F));
+  scan.angle_min = -2.5;
+  scan.angle_increment = 2.0 * kPi / 20000.0;
+  const Projection result = project(scan);
+  ASSERT_EQ(result.scan.rays.size(), 20000U);
+  for (std::size_t i = 0; i < result.scan.rays.size(); ++i) {
+    const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    EXPECT_NEAR(result.scan.rays[i].end.x(), 10.0 * std::cos(angle), 2e-6);
+    EXPECT_NEAR(result.scan.rays[i].end.y(), 10.0 * std::sin(angle), 2e-6);
+  }
+}
+
+TEST(ScanProjector, acceptsAFanThatTurnsClockwise) {
+  LaserScan scan = makeScan({1.0F, 2.0F});
+  scan.angle_increment = -kPi / 2.0;
+  expectPoint(project(scan).scan.rays.at(1).end, 0.0F, -2.0F);
+}
+
+TEST(ScanProjector, followsRep117) {
+  BeamFilterConfig config;
+  config.min_range_m = 0.5;
+  config.max_range_m = 20.0;
+  config.clear_range_m = 8.0;
+  LaserScan scan =
+      makeScan({kNan, kInf, -kInf, 0.0F, -1.0F, 0.25F, 0.5F, 25.0F, 20.0F, 19.0F, -0.0F, 1e-40F});
+  scan.angle_increment = 0.1;
+  const Projection result = project(scan, config);
+  EXPECT_EQ(result.counts.invalid, 4U);    // NaN, 0, -1, -0
+  EXPECT_EQ(result.counts.too_close, 3U);  // -inf, 0.25, the denormal number
+  EXPECT_EQ(result.counts.clears, 3U);     // +inf, 25, 20
+  EXPECT_EQ(result.counts.hits, 2U);       // 0.5, 19
+  ASSERT_EQ(result.scan.rays.size(), 5U);
+  EXPECT_EQ(result.scan.hitCount(), 2U);
+  EXPECT_FALSE(result.scan.rays[0].hit);
+  expectPoint(result.scan.rays[0].end, 8.0F * std::cos(0.1F), 8.0F * std::sin(0.1F));
+  expectPoint(result.scan.rays[1].end, 0.5F * std::cos(0.6F), 0.5F * std::sin(0.6F));
+}
+
+TEST(ScanProjector, clearsNoFartherThanTheSensorSees) {
+  LaserScan scan = makeScan({kInf, 5.6F, 5.5F});
+  scan.range_max = 5.6F;
+  const Projection result = project(scan);  // clear_range_m is 10
+  ASSERT_EQ(result.scan.rays.size(), 3U);
+  EXPECT_FALSE(result.scan.rays[0].hit);
+  EXPECT_FALSE(result.scan.rays[1].hit);  // drivers say range_max for no return
+  EXPECT_TRUE(result.scan.rays[2].hit);
+  expectPoint(result.scan.rays[0].end, 5.6F, 0.0F);
+  expectPoint(result.scan.rays[1].end, 0.0F, 5.6F);
+}
+
+TEST(ScanProjector, clearRangeZeroTurnsClearingOff) {
+  BeamFilterConfig config;
+  config.clear_range_m = 0.0;
+  const Projection result = project(makeScan({kInf, 2.0F, 45.0F}), config);
+  EXPECT_EQ(result.counts.clears, 2U);
+  ASSERT_EQ(result.scan.rays.size(), 1U);
+  EXPECT_TRUE(result.scan.rays[0].hit);
+}
+
+TEST(ScanProjector, rangeMaxZeroIsUnset) {
+  LaserScan scan = makeScan({2.0F, 29.0F, 31.0F});
+  scan.range_max = 0.0;
+  const Projection result = project(scan);
+  EXPECT_EQ(result.error, ScanError::kNone);
+  EXPECT_EQ(result.counts.hits, 2U);
+  EXPECT_EQ(result.counts.clears, 1U);
+}
+
+TEST(ScanProjector, aScanOfNoReturnsClears) {
+  const Projection result = project(makeScan({kInf, kInf, kInf}));
+  EXPECT_EQ(result.error, ScanError::kNone);
+  EXPECT_EQ(result.counts.clears, 3U);
+  EXPECT_EQ(result.scan.hitCount(), 0U);
+}
+
+TEST(ScanProjector, refusesAScanWithoutAValidBeam) {
+  const Projection result = project(makeScan({kNan, kNan, -kInf, 0.01F}));
+  EXPECT_EQ(result.error, ScanError::kNoValidBeam);
+  EXPECT_EQ(result.message, "no usable beam: 2 invalid, 2 too close");
+  EXPECT_EQ(project(makeScan({})).error, ScanError::kNoBeams);
+}
+
+TEST(ScanProjector, refusesTooManyBeams) {
+  BeamFilterConfig config;
+  config.max_beams = 3;
+  EXPECT_EQ(project(makeScan({1.0F, 1.0F, 1.0F}), config).error, ScanError::kNone);
+  const Projection result = project(makeScan({1.0F, 1.0F, 1.0F, 1.0F}), config);
+  EXPECT_EQ(result.error, ScanError::kTooManyBeams);
+  EXPECT_EQ(result.message, "the scan has 4 beams, max_beams allows 3");
+  EXPECT_EQ(project(makeScan(std::vector<float>(10000000, 1.0F))).error, ScanError::kTooManyBeams);
+}
+
+TEST(ScanProjector, refusesBadGeometry) {
+  const auto with = [](void (*change)(LaserScan&)) {
+    LaserScan scan = makeScan({1.0F, 1.0F, 1.0F, 1.0F});
+    change(scan);
+    const Projection result = project(scan);
+    EXPECT_EQ(result.message.empty(), result.error == ScanError::kNone);
+    EXPECT_TRUE(result.scan.rays.empty() || result.error == ScanError::kNone);
+    return result.error;
+  };
+  EXPECT_EQ(with([](LaserScan& s) { s.angle_increment = 0.0; }), ScanError::kBadGeometry);
+  EXPECT_EQ(with([](LaserScan& s) { s.angle_increment = kNan; }), ScanError::kBadGeometry);
+  EXPECT_EQ(with([](LaserScan& s) { s.angle_increment = kInf; }), ScanError::kBadGeometry);
+  EXPECT_EQ(with([](LaserScan& s) { s.angle_increment = 4.0; }), ScanError::kBadGeometry);
+  EXPECT_EQ(with([](LaserScan& s) { s.angle_min = kNan; }), ScanError::kBadGeometry);
+  EXPECT_EQ(with([](LaserScan& s) { s.angle_min = -kInf; }), ScanError::kBadGeometry);
+  EXPECT_EQ(with([](LaserScan& s) { s.range_max = kNan; }), ScanError::kBadGeometry);
+  EXPECT_EQ(with([](LaserScan& s) { s.range_min = kNan; }), ScanError::kBadGeometry);
+  EXPECT_EQ(with([](LaserScan& s) { s.range_max = s.range_min; }), ScanError::kBadGeometry);
+  EXPECT_EQ(with([](LaserScan& s) { s.range_max = kInf; }), ScanError::kNone);
+  EXPECT_EQ(with([](LaserScan& s) { s.stamp = kNan; }), ScanError::kBadStamp);
+  EXPECT_EQ(with([](LaserScan& s) { s.stamp = kInf; }), ScanError::kBadStamp);
+}
+
+TEST(ScanProjector, allowsOneBeamMoreThanAFullTurn) {
+  LaserScan scan = makeScan(std::vector<float>(361, 1.0F));
+  scan.angle_increment = degToRad(1.0);
+  EXPECT_EQ(project(scan).error, ScanError::kNone);
+  scan.ranges.resize(363, 1.0F);
+  EXPECT_EQ(project(scan).error, ScanError::kBadGeometry);
+}
+
+TEST(ScanProjector, refusesAMountingThatIsNotFinite) {
+  Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
+  base_T_laser.translation().x() = std::nan("");
+  EXPECT_EQ(project(makeScan({1.0F}), BeamFilterConfig(), base_T_laser).error,
+            ScanError::kBadGeometry);
+}
+
+TEST(ScanProjector, everyErrorHasAWord) {
+  EXPECT_STREQ(toString(ScanError::kNone), "none");
+  EXPECT_STREQ(toString(ScanError::kNoBeams), "no-beams");
+  EXPECT_STREQ(toString(ScanError::kBadGeometry), "bad-geometry");
+  EXPECT_STREQ(toString(ScanError::kTooManyBeams), "too-many-beams");
+  EXPECT_STREQ(toString(ScanError::kNoValidBeam), "no-valid-beam");
+  EXPECT_STREQ(toString(ScanError::kBadStamp), "bad-stamp");
+}
+
+}  // namespace
+}  // namespace kestrel_slam

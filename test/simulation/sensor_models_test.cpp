@@ -1,0 +1,357 @@
+#include "kestrel_slam/simulation/sensor_models.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "kestrel_slam/geometry/angles.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Starts at `start`, flies and spins at constant rates, tilted as it started.
+class SteadyMotion : public Motion {
+ public:
+  Eigen::Isometry3d start = Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 1.0));
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  double yaw_rate = 0.0;
+
+  double duration() const override { return kInfinity; }
+  TrueState at(double time) const override {
+    TrueState state;
+    state.world_T_base.linear() =
+        Eigen::AngleAxisd(yaw_rate * time, Eigen::Vector3d::UnitZ()) * start.linear();
+    state.world_T_base.translation() = start.translation() + velocity * time;
+    return state;
+  }
+};
+
+const Eigen::Isometry3d kNoOffset = Eigen::Isometry3d::Identity();
+
+World worldOf(std::vector<Box> boxes) {
+  World::Parts parts;
+  parts.boxes = std::move(boxes);
+  return World(std::move(parts));
+}
+
+/// One endless wall, its face at x = `distance`.
+World wallAt(double distance, Material material = Material::kMatt) {
+  return worldOf({{{distance + 0.5, 0, 1.5}, {1.0, 500.0, 3.0}, 0.0, material}});
+}
+
+LaserScan scan(const LaserModel& laser, const World& world, const Motion& motion = SteadyMotion(),
+               double time = 0.0, std::uint64_t seed = 1) {
+  Random random(seed);
+  return sweep(laser, world, motion, kNoOffset, time, random);
+}
+
+/// Looks straight ahead only: `beams` times the same.
+LaserModel staring(const LaserModel& model, int beams) {
+  LaserModel laser = model;
+  laser.beams = beams;
+  laser.angle_min = laser.angle_increment = 0.0;
+  return laser;
+}
+
+struct Statistics {
+  double mean = 0.0, sigma = 0.0;
+  int valid = 0, nan = 0, beyond = 0, close = 0;
+};
+
+Statistics statistics(const LaserScan& scan) {
+  Statistics result;
+  double sum = 0.0, squares = 0.0;
+  for (const float range : scan.ranges) {
+    result.nan += std::isnan(range);
+    result.beyond += range == std::numeric_limits<float>::infinity();
+    result.close += range == -std::numeric_limits<float>::infinity();
+    if (!std::isfinite(range)) continue;
+    sum += range;
+    squares += static_cast<double>(range) * range;
+    ++result.valid;
+  }
+  result.mean = sum / result.valid;
+  result.sigma = std::sqrt(squares / result.valid - result.mean * result.mean);
+  return result;
+}
+
+// ---- truth
+// ---------------------------------------------------------------------------------------
+
+TEST(SensorModels, idealBeamsMeetThePlaneWhereTheyShould) {
+  const LaserModel laser = laserModel("ideal");
+  const LaserScan seen = scan(laser, wallAt(5.0));
+  int compared = 0;
+  for (std::size_t i = 0; i < seen.ranges.size(); ++i) {
+    const double angle = seen.angle_min + static_cast<double>(i) * seen.angle_increment;
+    const double expected = 5.0 / std::cos(angle);
+    if (std::cos(angle) <= 0.0 || expected >= laser.range_max) {
+      EXPECT_EQ(seen.ranges[i], std::numeric_limits<float>::infinity());
+      continue;
+    }
+    EXPECT_NEAR(seen.ranges[i], expected, 1e-5);
+    ++compared;
+  }
+  EXPECT_EQ(compared, 643);  // beams within acos(5 / 30) = 80.4 deg
+}
+
+TEST(SensorModels, aScanCarriesTheModelsGeometry) {
+  const LaserModel laser = laserModel("utm30lx");
+  const LaserScan seen = scan(laser, wallAt(5.0), SteadyMotion(), 12.5);
+  EXPECT_EQ(seen.stamp, 12.5);
+  EXPECT_EQ(seen.ranges.size(), 1081u);
+  EXPECT_EQ(seen.angle_min, laser.angle_min);
+  EXPECT_EQ(seen.angle_increment, laser.angle_increment);
+  EXPECT_EQ(seen.time_increment, laser.time_increment);
+  EXPECT_EQ(seen.range_min, 0.1);
+  EXPECT_EQ(seen.range_max, 30.0);
+  // 270 of 360 degrees take three quarters of a turn of 25 ms.
+  EXPECT_NEAR(seen.time_increment * 1080, 0.01875, 1e-12);
+  EXPECT_NEAR(seen.angle_min + 1080 * seen.angle_increment, degToRad(135.0), 1e-12);
+}
+
+TEST(SensorModels, aTiltedLaserMeetsTheFloor) {
+  SteadyMotion motion;
+  const double pitch = degToRad(20.0);  // nose down
+  motion.start.linear() = Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  const LaserScan seen = scan(laserModel("ideal"), worldOf({}), motion);
+  for (std::size_t i = 0; i < seen.ranges.size(); ++i) {
+    const double angle = seen.angle_min + static_cast<double>(i) * seen.angle_increment;
+    const double climb = -std::cos(angle) * std::sin(pitch);  // of a metre along the beam
+    const double expected = climb < 0.0 ? -1.0 / climb : 2.0 / climb;
+    if (!(expected < 29.9)) continue;
+    EXPECT_NEAR(seen.ranges[i], expected, 1e-4) << "at beam " << i;
+  }
+}
+
+TEST(SensorModels, theMountingOfTheLaserCounts) {
+  Random random(1);
+  const Eigen::Isometry3d base_T_laser(Eigen::Translation3d(0.3, 0.0, 0.1) *
+                                       Eigen::AngleAxisd(kPi / 2.0, Eigen::Vector3d::UnitZ()));
+  const LaserScan seen =
+      sweep(laserModel("ideal"), wallAt(5.0), SteadyMotion(), base_T_laser, 0.0, random);
+  EXPECT_NEAR(seen.ranges[180], 4.7, 1e-6);  // -90 deg of a laser that looks to the left
+  EXPECT_EQ(seen.ranges[540], std::numeric_limits<float>::infinity());
+}
+
+TEST(SensorModels, everyBeamIsCastFromWhereTheLaserIsAtItsOwnTime) {
+  SteadyMotion motion;
+  motion.velocity = {2.0, 0.0, 0.0};
+  motion.yaw_rate = 2.0;
+  const double time = 0.1;
+  const LaserScan seen = scan(laserModel("ideal"), wallAt(5.0), motion, time);
+  int compared = 0;
+  for (std::size_t i = 0; i < seen.ranges.size(); ++i) {
+    const double t = time + static_cast<double>(i) * seen.time_increment;
+    const double angle =
+        motion.yaw_rate * t + seen.angle_min + static_cast<double>(i) * seen.angle_increment;
+    const double expected = (5.0 - 2.0 * t) / std::cos(angle);
+    if (std::cos(angle) <= 0.0 || expected > 29.9) continue;
+    EXPECT_NEAR(seen.ranges[i], expected, 1e-6 * expected + 1e-6);
+    ++compared;
+  }
+  EXPECT_GT(compared, 500);
+}
+
+// ---- errors
+// --------------------------------------------------------------------------------------
+
+TEST(SensorModels, rangeNoiseHasTheDataSheetsSize) {
+  const LaserModel laser = staring(laserModel("utm30lx"), 20000);
+  const Statistics near = statistics(scan(laser, wallAt(1.0)));
+  EXPECT_NEAR(near.mean, 1.0, 3e-4);
+  EXPECT_NEAR(near.sigma, 0.01, 3e-4);
+  const Statistics far = statistics(scan(laser, wallAt(20.0)));
+  EXPECT_NEAR(far.mean, 20.0, 1e-3);
+  EXPECT_NEAR(far.sigma, 0.0213, 5e-4);  // sqrt(0.01² + (0.00094 · 20)²)
+  const Statistics urg = statistics(scan(staring(laserModel("urg04lx"), 20000), wallAt(4.0)));
+  EXPECT_NEAR(urg.sigma, 0.0401, 1e-3);  // 1 %
+}
+
+TEST(SensorModels, someBeamsDropOut) {
+  const Statistics seen = statistics(scan(staring(laserModel("urg04lx"), 20000), wallAt(4.0)));
+  EXPECT_NEAR(seen.nan, 400, 80);  // 2 %
+  EXPECT_EQ(statistics(scan(laserModel("ideal"), wallAt(4.0))).nan, 0);
+}
+
+TEST(SensorModels, rangesAreMultiplesOfTheResolution) {
+  for (const char* name : {"utm30lx", "urg04lx", "sick180"}) {
+    const LaserModel& laser = laserModel(name);
+    for (const float range : scan(laser, wallAt(3.0)).ranges) {
+      if (!std::isfinite(range)) continue;
+      const double steps = range / laser.errors.resolution_m;
+      EXPECT_NEAR(steps, std::round(steps), 1e-3) << name;
+    }
+  }
+}
+
+TEST(SensorModels, whatIsTooFarOrTooCloseFollowsRep117) {
+  const LaserModel laser = staring(laserModel("ideal"), 10);
+  EXPECT_EQ(statistics(scan(laser, wallAt(30.1))).beyond, 10);
+  EXPECT_EQ(statistics(scan(laser, wallAt(29.9))).valid, 10);
+  EXPECT_EQ(statistics(scan(laser, wallAt(0.09))).close, 10);
+  EXPECT_EQ(statistics(scan(laser, wallAt(0.11))).valid, 10);
+  // With noise, a wall at the limit is seen about every other time.
+  const Statistics limit = statistics(scan(staring(laserModel("utm30lx"), 1000), wallAt(30.0)));
+  EXPECT_NEAR(limit.valid, 500, 80);
+}
+
+TEST(SensorModels, blackFlatAndGlassSendNothingBack) {
+  LaserModel laser = staring(laserModel("utm30lx"), 100);
+  laser.errors.dropout_probability = 0.0;
+  EXPECT_EQ(statistics(scan(laser, wallAt(5.0, Material::kBlack))).beyond, 100);
+  laser.angle_min = degToRad(30.0);
+  EXPECT_EQ(statistics(scan(laser, wallAt(5.0, Material::kGlass))).beyond, 100);
+  laser.angle_min = degToRad(89.0);
+  EXPECT_EQ(statistics(scan(laser, wallAt(0.3))).beyond, 100);  // 17 m away, at one degree
+  laser.angle_min = degToRad(87.0);
+  EXPECT_EQ(statistics(scan(laser, wallAt(0.3))).valid, 100);
+}
+
+TEST(SensorModels, beamsAtAnEdgeMixBothSurfaces) {
+  // A box 3 m away in front of a wall at 6 m; its left edge is at the bearing of 0.1 deg.
+  LaserModel laser = laserModel("ideal");
+  laser.errors.divergence_rad = degToRad(0.25);
+  const double edge = 3.0 * std::tan(degToRad(0.1));
+  const World world =
+      worldOf({{{3.5, edge - 1.0, 1.5}, {1.0, 2.0, 3.0}}, {{6.5, 0.0, 1.5}, {1.0, 100.0, 3.0}}});
+  double smallest = kInfinity, largest = 0.0;
+  constexpr int kScans = 200;
+  for (std::uint64_t seed = 0; seed < kScans; ++seed) {
+    const LaserScan seen = scan(laser, world, SteadyMotion(), 0.0, seed);
+    EXPECT_NEAR(seen.ranges[539], 3.0, 1e-3);  // the border of this beam is still on the box
+    EXPECT_NEAR(seen.ranges[541], 6.0, 1e-3);  // and of this on the wall
+    smallest = std::min<double>(smallest, seen.ranges[540]);
+    largest = std::max<double>(largest, seen.ranges[540]);
+  }
+  EXPECT_GE(smallest, 3.0 - 1e-4);
+  EXPECT_LT(smallest, 3.1);
+  EXPECT_GT(largest, 5.9);
+  EXPECT_LE(largest, 6.0 + 1e-3);
+}
+
+TEST(SensorModels, anEdgeBeforeNothingIsNotMixed) {
+  LaserModel laser = laserModel("ideal");
+  laser.errors.divergence_rad = degToRad(0.25);
+  const World world = worldOf({{{3.5, 0.0, 1.5}, {1.0, 2.0, 3.0}}});
+  for (const float range : scan(laser, world).ranges) {
+    EXPECT_TRUE(!std::isfinite(range) || range < 3.2) << range;
+  }
+}
+
+// ---- determinism
+// ---------------------------------------------------------------------------------
+
+TEST(SensorModels, theSameSeedGivesTheSameScan) {
+  const LaserModel& laser = laserModel("utm30lx");
+  const auto bits = [&](std::uint64_t seed) {
+    std::vector<float> ranges = scan(laser, wallAt(5.0), SteadyMotion(), 0.0, seed).ranges;
+    for (float& range : ranges) range = std::isnan(range) ? -1.0F : range;
+    return ranges;
+  };
+  EXPECT_EQ(bits(3), bits(3));
+  EXPECT_NE(bits(3), bits(4));
+}
+
+TEST(SensorModels, aFarWallDoesNotChangeTheNextBeam) {
+  const LaserModel& laser = laserModel("utm30lx");
+  const Box wall = {{5.5, 0.0, 1.5}, {1.0, 500.0, 3.0}};
+  const Box post = {{2.0, 0.0, 1.5}, {0.1, 0.1, 3.0}};
+  const LaserScan without = scan(laser, worldOf({wall})), with = scan(laser, worldOf({wall, post}));
+  int different = 0;
+  for (std::size_t i = 0; i < with.ranges.size(); ++i) {
+    if (std::isnan(with.ranges[i])) {
+      EXPECT_TRUE(std::isnan(without.ranges[i]));
+    } else if (with.ranges[i] != without.ranges[i]) {
+      ++different;
+    }
+  }
+  EXPECT_GT(different, 8);  // 0.1 m at 2 m are 2.9 deg: 12 beams
+  EXPECT_LT(different, 16);
+}
+
+// ---- lidar
+// ---------------------------------------------------------------------------------------
+
+TEST(SensorModels, aLidarsPointsLieOnTheWallAndTheFloor) {
+  LidarModel lidar = lidarModels().front();
+  lidar.errors = BeamErrors();
+  Random random(1);
+  const PointCloud cloud = sweep(lidar, wallAt(5.0), SteadyMotion(), kNoOffset, 7.0, random);
+  EXPECT_EQ(cloud.stamp, 7.0);
+  ASSERT_EQ(cloud.points.size(), 16u * 1800u);
+  int wall = 0, floor = 0, ceiling = 0, none = 0;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const PointCloud::Point& point = cloud.points[i];
+    EXPECT_NEAR(point.time, static_cast<double>(i / 16) / 18000.0, 1e-7);
+    if (std::isnan(point.x)) {
+      EXPECT_EQ(i % 16, 8u);  // one degree upwards: the ceiling is 115 m away
+      ++none;
+      continue;
+    }
+    const bool on_wall = std::abs(point.x - 5.0) < 1e-4, on_floor = std::abs(point.z + 1.0) < 1e-4;
+    const bool on_ceiling = std::abs(point.z - 2.0) < 1e-4;
+    EXPECT_TRUE(on_wall || on_floor || on_ceiling);
+    wall += on_wall;
+    floor += on_floor;
+    ceiling += on_ceiling;
+    const double elevation = std::atan2(point.z, std::hypot(point.x, point.y));
+    EXPECT_NEAR(elevation, lidar.elevations[i % 16], 1e-6);
+  }
+  EXPECT_GT(wall, 5000);
+  EXPECT_GT(floor, 5000);
+  EXPECT_GT(ceiling, 5000);
+  EXPECT_GT(none, 800);
+  EXPECT_LT(none, 1000);  // about half a turn
+}
+
+TEST(SensorModels, aLidarTurnsClockwiseFromItsBack) {
+  LidarModel lidar = lidarModels().front();
+  Random random(1);
+  const World world = worldOf({{{-3, 0, 1}, {1, 1, 2}}, {{0, 3, 1}, {1, 1, 2}}});
+  const PointCloud cloud = sweep(lidar, world, SteadyMotion(), kNoOffset, 0.0, random);
+  const auto level_ring = [&](std::size_t column) { return cloud.points[column * 16 + 8]; };
+  EXPECT_NEAR(level_ring(2).x, -2.5, 0.1);
+  EXPECT_NEAR(level_ring(452).y, 2.5, 0.1);  // a quarter of a turn later it looks to the left
+}
+
+TEST(SensorModels, aLidarsColumnsAreCastAtTheirOwnTime) {
+  LidarModel lidar = lidarModels().front();
+  lidar.errors = BeamErrors();
+  SteadyMotion motion;
+  motion.velocity = {3.0, 0.0, 0.0};
+  Random random(1);
+  const PointCloud cloud = sweep(lidar, wallAt(5.0), motion, kNoOffset, 0.0, random);
+  int compared = 0;
+  for (const PointCloud::Point& point : cloud.points) {
+    if (std::isnan(point.x) || point.x < 4.0F || std::abs(point.z) > 0.9F) continue;
+    EXPECT_NEAR(point.x, 5.0 - 3.0 * point.time, 1e-5);
+    ++compared;
+  }
+  EXPECT_GT(compared, 2000);
+}
+
+// ---- the models
+// ----------------------------------------------------------------------------------
+
+TEST(SensorModels, areFoundByName) {
+  for (const char* name : {"utm30lx", "urg04lx", "sick180", "ideal"}) {
+    EXPECT_EQ(laserModel(name).name, name);
+    EXPECT_FALSE(laserModel(name).description.empty());
+  }
+  EXPECT_EQ(lidarModels().front().name, "vlp16");
+  try {
+    laserModel("sonar");
+    FAIL() << "found a sonar";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "unknown sensor 'sonar'; there are utm30lx, urg04lx, sick180, ideal");
+  }
+}
+
+}  // namespace
+}  // namespace kestrel_slam
