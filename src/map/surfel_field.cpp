@@ -78,8 +78,7 @@ bool SurfelField::update(const OccupancyGrid& grid, const OccupancyGrid::Changes
   for (std::size_t i = 0; i < changes.hits.size(); ++i) {
     if (grid.isOccupied(changes.hits[i].cell)) addHit(changes.hits[i], tangentAt(changes.hits, i));
   }
-  std::sort(changed_.begin(), changed_.end());
-  changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
+  for (const std::uint32_t id : changed_) addMean(id);
   for (const std::uint32_t id : changed_) updateShape(id);
   return !full_;
 }
@@ -121,29 +120,49 @@ void SurfelField::forEachOwn(const Cell& center, int radius, Visit visit) const 
 
 void SurfelField::addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Vector2f& tangent2) {
   std::uint32_t id = idAt(hit.cell);
-  if (id == kNone) {
-    // Without its own cell a surfel would be found by nobody, and the next hit would add another.
-    if (tiles_.obtain(hit.cell) == nullptr) {
-      full_ = true;
-      return;
-    }
-    const Surfel surfel{hit.point, 1.0F, 0.0F, 1.0F, hit.cell, 1.0F, tangent2};
-    if (free_.empty()) {
-      id = static_cast<std::uint32_t>(surfels_.size());
-      surfels_.push_back(surfel);
-    } else {
-      id = free_.back();
-      free_.pop_back();
-      surfels_[id] = surfel;
-    }
-    spread(id);
-  } else {
-    Surfel& surfel = surfels_[id];
-    surfel.count = std::min(surfel.count + 1.0F, kMaxCount);
-    surfel.mean += (hit.point - surfel.mean) / surfel.count;
-    surfel.tangent2 += tangent2;
+  if (id == kNone) id = create(hit);
+  if (id == kNone) return;
+  Surfel& surfel = surfels_[id];
+  if (surfel.new_hits == 0.0F) changed_.push_back(id);
+  surfel.new_hits += 1.0F;
+  surfel.new_sum += hit.point - surfel.mean;
+  surfel.tangent2 += tangent2;
+}
+
+/// A surfel without any hits in the cell of `hit`, or kNone.
+std::uint32_t SurfelField::create(const OccupancyGrid::Changes::Hit& hit) {
+  // Without its own cell a surfel would be found by nobody, and the next hit would add another.
+  Tile* tile = tiles_.obtain(hit.cell);
+  if (tile == nullptr) {
+    full_ = true;
+    return kNone;
   }
-  changed_.push_back(id);
+  Surfel surfel{hit.point, 1.0F, 0.0F, 1.0F, hit.cell};
+  std::uint32_t id = static_cast<std::uint32_t>(surfels_.size());
+  if (free_.empty()) {
+    surfels_.push_back(surfel);
+  } else {
+    id = free_.back();
+    free_.pop_back();
+    surfels_[id] = surfel;
+  }
+  tile->nearest[offsetInTile(hit.cell)] = id;
+  tile->distance2[offsetInTile(hit.cell)] = 0;
+  setOwn(hit.cell, true);
+  return id;
+}
+
+/// Adds the hits of one scan to the mean all at once: one after the other, the last of the sweep
+/// would count most, and turn the map a little with every scan.
+void SurfelField::addMean(std::uint32_t id) {
+  Surfel& surfel = surfels_[id];
+  const bool is_new = surfel.count == 0.0F;
+  surfel.count = std::max(std::min(surfel.count + surfel.new_hits, kMaxCount), surfel.new_hits);
+  surfel.mean += surfel.new_sum / surfel.count;
+  surfel.count = std::min(surfel.count, kMaxCount);
+  surfel.new_hits = 0.0F;
+  surfel.new_sum.setZero();
+  if (is_new) spread(id);
 }
 
 void SurfelField::spread(std::uint32_t id) {
@@ -172,11 +191,6 @@ void SurfelField::spread(std::uint32_t id) {
       x = end;
     }
   }
-  Tile* tile = tiles_.find(cell);
-  if (tile == nullptr) return;
-  tile->nearest[offsetInTile(cell)] = id;
-  tile->distance2[offsetInTile(cell)] = 0;
-  setOwn(cell, true);
 }
 
 void SurfelField::remove(const Cell& cell) {

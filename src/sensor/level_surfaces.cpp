@@ -18,10 +18,11 @@ constexpr std::size_t kOutliers = 2;        // stray returns beyond the surface
 constexpr std::size_t kMinReturns = 10;     // of a line
 constexpr float kHalfThickness = 0.04F;     // m
 
-constexpr std::size_t kMinLines = 4;
-constexpr double kMinTiltChange = degToRad(2.0);
-constexpr double kMaxHeightChange = 0.1;  // m; a vehicle climbs a little meanwhile
-constexpr double kMinRatio = 5.0;         // the distance changes that much more
+constexpr std::size_t kMinLines = 5;
+constexpr double kMinTiltRatio = 1.6;      // of the largest to the smallest tilt of the lines
+constexpr double kMaxHeightSpread = 0.15;  // share of the height by which a level surface may vary
+constexpr double kMinHeight = 0.3;         // m; what is closer may be anything
+constexpr std::size_t kCeilings = 15;      // of which the median is the ceiling
 
 }  // namespace
 
@@ -37,20 +38,15 @@ std::optional<LevelLine> outermostLine(std::vector<Eigen::Vector3f> returns,
   std::nth_element(returns.begin(), edge, returns.end(), outer);
   const float level = edge->z() - up * kHalfThickness;
 
-  // The base's z axis leans to where the sweep goes down.
-  const Eigen::Vector3d axis = stabilized_R_base * Eigen::Vector3d::UnitZ();
-  const Eigen::Vector2f outwards = -up * axis.head<2>().normalized().cast<float>();
   std::size_t count = 0;
-  double height = 0.0, distance = 0.0;
+  double height = 0.0;
   for (const Eigen::Vector3f& p : returns) {
     if (std::abs(p.z() - level) > kHalfThickness) continue;
     ++count;
     height += p.z();
-    distance += p.head<2>().dot(outwards);
   }
   if (count < kMinReturns || height * sign <= 0.0) return std::nullopt;
-  const auto n = static_cast<double>(count);
-  return LevelLine{height / n, distance / n, tilt};
+  return LevelLine{height / static_cast<double>(count), tilt};
 }
 
 std::optional<double> LevelSurface::add(double time, const std::optional<LevelLine>& line) {
@@ -60,18 +56,17 @@ std::optional<double> LevelSurface::add(double time, const std::optional<LevelLi
   entries_.push_back({time, *line});
   if (entries_.size() < kMinLines) return std::nullopt;
 
-  const auto extentOf = [this](double LevelLine::*member) {
-    double min = entries_.front().line.*member, max = min;
-    for (const Entry& entry : entries_) {
-      min = std::min(min, entry.line.*member);
-      max = std::max(max, entry.line.*member);
-    }
-    return max - min;
-  };
-  const double height_change = extentOf(&LevelLine::height_m);
-  const bool is_level = extentOf(&LevelLine::tilt_rad) > kMinTiltChange &&
-                        height_change < kMaxHeightChange &&
-                        extentOf(&LevelLine::distance_m) > kMinRatio * height_change;
+  double min_tilt = line->tilt_rad, max_tilt = min_tilt;
+  double min_height = line->height_m, max_height = min_height;
+  for (const Entry& entry : entries_) {
+    min_tilt = std::min(min_tilt, entry.line.tilt_rad);
+    max_tilt = std::max(max_tilt, entry.line.tilt_rad);
+    min_height = std::min(min_height, entry.line.height_m);
+    max_height = std::max(max_height, entry.line.height_m);
+  }
+  const double height = std::abs(line->height_m);
+  const bool is_level = max_tilt > kMinTiltRatio * min_tilt && height > kMinHeight &&
+                        max_height - min_height < kMaxHeightSpread * height;
   return is_level ? std::optional(line->height_m) : std::nullopt;
 }
 
@@ -89,7 +84,9 @@ void LevelSurfaces::observe(double time, const std::vector<Eigen::Vector3f>& ret
   if (!ceiling) return;
   ceiling_over_base_ = Seen{time, *ceiling};
   const std::optional<double> height = height_m ? height_m : floorHeight(time);
-  if (height) ceiling_over_floor_ = *height + *ceiling;
+  if (!height) return;
+  ceilings_.push_back(*height + *ceiling);
+  if (ceilings_.size() > kCeilings) ceilings_.pop_front();
 }
 
 std::optional<double> LevelSurfaces::floorHeight(double time) const {
@@ -99,7 +96,12 @@ std::optional<double> LevelSurfaces::floorHeight(double time) const {
 
 std::optional<double> LevelSurfaces::ceilingHeight(double time,
                                                    const std::optional<double>& height_m) const {
-  if (height_m && ceiling_over_floor_) return *ceiling_over_floor_ - *height_m;
+  if (height_m && !ceilings_.empty()) {
+    std::vector<double> sorted(ceilings_.begin(), ceilings_.end());
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    return *middle - *height_m;
+  }
   if (!ceiling_over_base_ || std::abs(time - ceiling_over_base_->time) > kMoment) {
     return std::nullopt;
   }

@@ -126,23 +126,24 @@ class BeamCaster {
     if (errors_.divergence_rad <= 0.0 || !std::isfinite(seen_[index(step, ring)])) {
       return kInfinity;
     }
-    const double side = fan_.angle_increment > 0.0 ? 1.0 : -1.0;
-    double edge = kInfinity;
-    if (step > 0) edge = borderRange(step, ring, step - 1, -side);
-    if (!std::isfinite(edge) && step + 1 < fan_.steps) {
-      edge = borderRange(step, ring, step + 1, side);
-    }
-    return edge;
+    const double middle = seen_[index(step, ring)];
+    const auto differs = [&](std::size_t neighbour) {
+      return std::abs(seen_[index(neighbour, ring)] - middle) > kMixedJump;
+    };
+    const bool candidate =
+        (step > 0 && differs(step - 1)) || (step + 1 < fan_.steps && differs(step + 1));
+    if (!candidate) return kInfinity;
+    const double before = borderRange(step, ring, -0.5), after = borderRange(step, ring, 0.5);
+    // Along a wall, however flat it is seen, the inverse range changes evenly with the angle.
+    const double bend = middle * middle * std::abs(2.0 / middle - 1.0 / before - 1.0 / after);
+    if (bend <= kMixedJump) return kInfinity;
+    return std::abs(before - middle) > std::abs(after - middle) ? before : after;
   }
 
-  double borderRange(std::size_t step, std::size_t ring, std::size_t neighbour, double side) const {
-    const double middle = seen_[index(step, ring)];
-    const auto other = [&](double range) { return std::abs(range - middle) > kMixedJump; };
-    if (!other(seen_[index(neighbour, ring)])) return kInfinity;
-    const double azimuth = fan_.azimuth(step) + side * errors_.divergence_rad / 2.0;
-    const double border =
-        castBeam(sensorAt(step), beamDirection(azimuth, fan_.elevations[ring]), step);
-    return other(border) ? border : kInfinity;
+  /// `share`: of the divergence, from the middle of the beam.
+  double borderRange(std::size_t step, std::size_t ring, double share) const {
+    const double azimuth = fan_.azimuth(step) + share * errors_.divergence_rad;
+    return castBeam(sensorAt(step), beamDirection(azimuth, fan_.elevations[ring]), step);
   }
 
   const Fan& fan_;

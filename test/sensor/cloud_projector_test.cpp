@@ -86,7 +86,7 @@ TEST(CloudProjector, keepsTheNearestReturnOfEveryDirectionWhereItTrulyIs) {
 TEST(CloudProjector, whatIsOutsideOfTheSliceClearsWhatItPassed) {
   PointCloud cloud;
   cloud.stamp = kStamp;
-  cloud.points = {{4.0F, 0.001F, 2.0F, 0.0F}};  // 1 m high after 2 m
+  cloud.points = {{4.0F, 0.001F, 3.0F, 0.0F}};  // 1.5 m high after 2 m
   const Projection result = projectIt(cloud, nullptr);
   ASSERT_EQ(result.scan.rays.size(), 1U);
   EXPECT_FALSE(result.scan.rays[0].hit);

@@ -245,9 +245,9 @@ std::vector<double> floorHeights(double height, double x) {
 }
 
 TEST(TiltedProjection, findsTheHeightOverTheFloorByItsReturns) {
-  const std::vector<double> heights = floorHeights(0.2, -3.5);
+  const std::vector<double> heights = floorHeights(0.4, -3.8);
   ASSERT_GT(heights.size(), 5U);
-  for (const double height : heights) EXPECT_NEAR(height, 0.2, 0.02);
+  for (const double height : heights) EXPECT_NEAR(height, 0.4, 0.02);
 }
 
 TEST(TiltedProjection, aWallAheadIsNoFloor) {

@@ -19,6 +19,9 @@ struct Surfel {
   /// Direction of the wall as the scans saw it, summed as (cos, sin) of twice its angle, so that
   /// opposite directions agree; zero where no scan saw neighbouring points of a wall.
   Eigen::Vector2f tangent2 = Eigen::Vector2f::Zero();
+  /// Of the scan that is being added: its hits, and the sum of their differences to the mean.
+  float new_hits = 0.0F;
+  Eigen::Vector2f new_sum = Eigen::Vector2f::Zero();
 };
 
 /// Smooth matching surface derived from an OccupancyGrid: which surfel is nearest to any cell.
@@ -75,6 +78,8 @@ class SurfelField {
   std::uint32_t idAt(const Cell& cell) const;
   void setOwn(const Cell& cell, bool own);
   void addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Vector2f& tangent2);
+  std::uint32_t create(const OccupancyGrid::Changes::Hit& hit);
+  void addMean(std::uint32_t id);
   void spread(std::uint32_t id);
   void remove(const Cell& cell);
   void orphan(std::uint32_t id);

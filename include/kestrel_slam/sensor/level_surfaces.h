@@ -9,14 +9,13 @@ namespace kestrel_slam {
 
 /// Returns at one height: where a tilted sweep meets floor or ceiling, or a wall straight across.
 struct LevelLine {
-  double height_m = 0.0;    ///< over the base; the floor's is negative
-  double distance_m = 0.0;  ///< from the base, horizontally
-  double tilt_rad = 0.0;    ///< of the base
+  double height_m = 0.0;  ///< over the base; the floor's is negative
+  double tilt_rad = 0.0;  ///< of the base
 };
 
 /// Tells level surfaces from walls. In one tilted sweep both may be a line of the same height; but
-/// when the tilt changes, the height of a level surface stays and its distance changes, and a
-/// wall's distance stays and its height changes.
+/// when the tilt grows, the height of a level surface stays and it comes nearer, while a wall stays
+/// where it is and its height grows as the tilt does.
 class LevelSurface {
  public:
   /// Adds the outermost line of the sweep at `time` (s), if it has one. Returns the height where
@@ -57,7 +56,7 @@ class LevelSurfaces {
   std::optional<double> last_look_;
   LevelSurface floor_, ceiling_;
   std::optional<Seen> floor_over_base_, ceiling_over_base_;
-  std::optional<double> ceiling_over_floor_;
+  std::deque<double> ceilings_;  ///< heights of the ceiling over the floor, as seen lately, m
 };
 
 /// The lowest (`sign` -1) or highest (+1) level line among the returns of a sweep, if there is one.
