@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kestrel_slam/map/submap.h"
 
@@ -16,6 +17,11 @@ constexpr double kMaxStepM = 1.0;
 constexpr double kMaxSearchScale = 4.0;
 /// Standard deviations of a pose that is only predicted.
 constexpr double kLostM = 1.0, kLostRad = 0.5;
+
+/// A scan that seems to be farther from the prediction than this speed explains has to fit much
+/// better there: a room that looks different from another height is no reason to jump.
+constexpr double kMaxSpeed = 3.0;  // m/s
+constexpr double kMinPlausibleM = 0.05;
 
 /// Time constant of the velocity, s.
 constexpr double kVelocityTime = 0.15;
@@ -41,6 +47,7 @@ PlanarScan repaired(const PlanarScan& scan) {
   result.rays.erase(std::remove_if(result.rays.begin(), result.rays.end(), broken),
                     result.rays.end());
   if (result.heading && !std::isfinite(*result.heading)) result.heading.reset();
+  if (result.speed && !result.speed->allFinite()) result.speed.reset();
   return result;
 }
 
@@ -78,22 +85,25 @@ struct Mapper::State {
   Submap map;
   std::unique_ptr<Matcher> matcher;
 
-  Pose2 pose;                     ///< map_T_base of the last scan
-  Pose2 motion;                   ///< from the scan before the last one to the last one
-  Pose2 inserted_pose;            ///< of the last scan that entered the map
-  std::optional<Pose2> odom;      ///< odom_T_base of the last scan
-  std::optional<double> heading;  ///< of the gyro, at the last scan, rad
+  Pose2 pose;                            ///< map_T_base of the last scan
+  Pose2 motion;                          ///< from the scan before the last one to the last one
+  Pose2 inserted_pose;                   ///< of the last scan that entered the map
+  std::optional<Pose2> odom;             ///< odom_T_base of the last scan
+  std::optional<double> heading;         ///< of the gyro, at the last scan, rad
+  std::optional<Eigen::Vector2d> speed;  ///< of the accelerometer, at the last scan
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< in map, smoothed, m/s
   double time = 0.0;                                   ///< of the last scan
+  double found_time = 0.0;                             ///< of the last scan that was not lost
   int lost_scans = 0;                                  ///< in a row
   bool placed = false;  ///< somebody said where the vehicle is: search around there
 
   MatchRequest request(const Points& points, const PlanarScan& scan,
                        const std::optional<Pose2>& odom_now) const;
+  Eigen::Vector2d gainedSpeed(const PlanarScan& scan) const;
   MatchState judge(const MatchResult& match) const;
   void move(const MatchResult& match, const Pose2& prediction, MatchState match_state,
-            double seconds);
-  void updateVelocity(const Pose2& next, double seconds, bool unknown);
+            const PlanarScan& scan);
+  void updateVelocity(const Pose2& next, const PlanarScan& scan, bool unknown);
   bool movedEnough() const;
 };
 
@@ -106,10 +116,15 @@ MatchRequest Mapper::State::request(const Points& points, const PlanarScan& scan
   result.starts = {continued, pose, halfway(pose, continued)};
   const bool has_turn = heading && scan.heading;
   if (has_turn) {
-    // The gyro knows the rotation better than any motion model; without it only in the last place.
+    // The gyro knows the rotation better than any motion model, and at the rate of such lasers the
+    // smoothed velocity the motion better than two noisy poses. Without both in the last place.
     const double theta = pose.theta + *scan.heading - *heading;
-    for (Pose2& start : result.starts) start = Pose2(start.x, start.y, theta);
-    result.starts.push_back(continued);
+    const double seconds = std::clamp(scan.time - time, 0.0, config.gap_s);
+    const Eigen::Vector2d moved =
+        pose.translation() + seconds * (velocity + 0.5 * gainedSpeed(scan));
+    const Pose2 predicted(moved.x(), moved.y(), theta), turned(pose.x, pose.y, theta);
+    result.starts = {predicted, turned, halfway(turned, predicted), continued};
+    result.trusted = speed && scan.speed && lost_scans == 0 && !placed;
   }
   if (odom && odom_now) {
     const auto place = lost_scans > 0 ? result.starts.begin() : result.starts.end();
@@ -117,7 +132,16 @@ MatchRequest Mapper::State::request(const Points& points, const PlanarScan& scan
   }
   result.search_all_round = !has_turn && (lost_scans > 0 || scan.time - time > config.gap_s);
   result.search_scale = std::min(1.0 + 0.1 * lost_scans, kMaxSearchScale);
+  result.plausible_m = std::max(kMinPlausibleM, kMaxSpeed * (scan.time - found_time));
+  if (placed) result.plausible_m = std::numeric_limits<double>::infinity();
   return result;
+}
+
+/// What the accelerometer says of the velocity since the last scan, in map, m/s.
+Eigen::Vector2d Mapper::State::gainedSpeed(const PlanarScan& scan) const {
+  const bool known = heading && speed && scan.speed && scan.time - time <= config.gap_s;
+  if (!known) return Eigen::Vector2d::Zero();
+  return Eigen::Rotation2Dd(pose.theta - *heading) * (*scan.speed - *speed);
 }
 
 MatchState Mapper::State::judge(const MatchResult& match) const {
@@ -129,25 +153,33 @@ MatchState Mapper::State::judge(const MatchResult& match) const {
 }
 
 void Mapper::State::move(const MatchResult& match, const Pose2& prediction, MatchState match_state,
-                         double seconds) {
+                         const PlanarScan& scan) {
   const bool lost = match_state == MatchState::kLost;
   const Pose2 next = !lost ? match.pose : isUsable(prediction) ? prediction : pose;
   motion = lost || placed ? Pose2() : pose.inverse() * next;
   if (motion.distance() > kMaxStepM) motion = Pose2();
-  updateVelocity(next, seconds, lost || placed);
+  updateVelocity(next, scan, lost || placed);
   pose = next;
   lost_scans = lost ? lost_scans + 1 : 0;
   placed = false;
 }
 
-/// Smoothed: over one period of a 40 Hz laser the noise of the poses is as large as the motion.
-void Mapper::State::updateVelocity(const Pose2& next, double seconds, bool unknown) {
-  if (unknown || !(seconds > 0.0) || seconds > config.gap_s) {
+/// Smoothed: over one period of a 40 Hz laser the noise of the poses is as large as the motion. The
+/// accelerometer, where there is one, tells the changes without delay; a lost vehicle flies on.
+void Mapper::State::updateVelocity(const Pose2& next, const PlanarScan& scan, bool unknown) {
+  const double seconds = scan.time - time;
+  const Eigen::Vector2d gained = gainedSpeed(scan);
+  if (placed || !(seconds > 0.0) || seconds > config.gap_s) {
     velocity.setZero();
     return;
   }
+  if (unknown) {
+    velocity = scan.speed ? Eigen::Vector2d(velocity + gained) : Eigen::Vector2d::Zero();
+    return;
+  }
   const Eigen::Vector2d measured = (next.translation() - pose.translation()) / seconds;
-  velocity += seconds / (seconds + kVelocityTime) * (measured - velocity);
+  const Eigen::Vector2d correction = measured - (velocity + 0.5 * gained);
+  velocity += gained + seconds / (seconds + kVelocityTime) * correction;
 }
 
 bool Mapper::State::movedEnough() const {
@@ -168,6 +200,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   }
   if (odom_T_base && !isUsable(*odom_T_base)) return process(scan);
   if (scan.heading && !std::isfinite(*scan.heading)) return process(repaired(scan), odom_T_base);
+  if (scan.speed && !scan.speed->allFinite()) return process(repaired(scan), odom_T_base);
   State& s = *state_;
   MapperResult result;
   const Points points = hitsOf(scan);
@@ -177,7 +210,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
     result.match = s.matcher->match(s.map, request);
     result.evaluation = evaluationFunction(result.match, s.config.evaluation);
     result.state = s.judge(result.match);
-    s.move(result.match, request.starts.front(), result.state, scan.time - s.time);
+    s.move(result.match, request.starts.front(), result.state, scan);
   } else if (first && !points.empty()) {
     result.match.pose = s.pose;
     result.match.covariance.setZero();  // the first scan defines the map
@@ -194,7 +227,9 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   }
   s.odom = odom_T_base;
   s.heading = scan.heading;
+  s.speed = scan.speed;
   s.time = scan.time;
+  if (result.state != MatchState::kLost) s.found_time = scan.time;
   result.pose = s.pose;
   result.velocity = Eigen::Rotation2Dd(-s.pose.theta) * s.velocity;
   result.covariance = result.match.covariance;

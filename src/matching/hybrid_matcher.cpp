@@ -15,6 +15,7 @@ constexpr std::array<float, kMatchStages> kStageScales = {0.3F, 0.12F, 0.05F};
 constexpr double kCoarseStepM = 0.01, kCoarseStepRad = 0.005;
 /// Points that are enough for them.
 constexpr std::size_t kCoarsePoints = 150;
+constexpr std::size_t kLastStage = kMatchStages - 1;
 /// Pull towards the start, in shares of what the points say across a wall they stand on: it
 /// decides only where they say nothing.
 constexpr float kStartPull = 1e-3F;
@@ -38,17 +39,30 @@ Points thinned(const Points& points, std::size_t count) {
 
 MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request) const {
   MatchResult result;
-  Candidate best = refine(map, request, request.starts.front());
+  // From an exact start the coarse stages could only lead away, to where more of what has no place
+  // in the map seems to fit.
+  Candidate best = refine(map, request, request.starts.front(), request.trusted ? kLastStage : 0);
   result.iterations = best.descent.iterations;
-  for (std::size_t i = 1; i < request.starts.size() && best.fit.score < config_.good_score; ++i) {
+  const std::size_t first = request.trusted ? 0 : 1;
+  for (std::size_t i = first; i < request.starts.size() && best.fit.score < config_.good_score;
+       ++i) {
     Candidate other = refine(map, request, request.starts[i]);
     result.iterations += other.descent.iterations;
-    if (other.preferred > best.preferred) best = other;
+    const double margin = request.trusted ? marginOf(request, other) : 0.0;
+    if (other.preferred > best.preferred + margin) best = other;
   }
   if (best.fit.score < config_.search_score) search(map, request, result, best);
   result.pose = best.descent.pose;
   result.converged = best.descent.converged;
   fillUncertainty(best.descent.at_pose, best.fit, config_.degenerate_share, result);
+  if (request.trusted && result.degenerate) {
+    // The scan says nothing of this direction: what the walls' cells say of it is their own raster.
+    const Eigen::Vector2d& along = result.degenerate_direction;
+    const Pose2& start = request.starts.front();
+    const double moved = along.dot(start.translation() - result.pose.translation());
+    const Eigen::Vector2d place = result.pose.translation() + moved * along;
+    result.pose = Pose2(place.x(), place.y(), result.pose.theta);
+  }
   fillStages(map, request.points, best.stages, config_.score_scale_m, result);
   return result;
 }
@@ -65,12 +79,18 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
         searchWindow(map.surface(), request.points, request.last, windows[i], config_.correlative);
     Candidate other = refine(map, request, found.pose);
     result.iterations += other.descent.iterations;
-    if (other.preferred > best.preferred + config_.jump_margin) best = other;
+    if (other.preferred > best.preferred + marginOf(request, other)) best = other;
   }
 }
 
+/// By how much a candidate has to be better than the local one.
+double HybridMatcher::marginOf(const MatchRequest& request, const Candidate& candidate) const {
+  const Pose2 jump = request.starts.front().inverse() * candidate.descent.pose;
+  return config_.jump_margin * std::max(1.0, jump.distance() / request.plausible_m);
+}
+
 HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchRequest& request,
-                                               const Pose2& start) const {
+                                               const Pose2& start, std::size_t first_stage) const {
   Candidate result;
   const Points few = thinned(request.points, kCoarsePoints);
   GaussNewtonConfig coarse = config_.gauss_newton;
@@ -78,8 +98,8 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   coarse.min_step_rad = std::max(coarse.min_step_rad, kCoarseStepRad);
   int iterations = 0;
   Pose2 pose = start;
-  for (std::size_t stage = 0; stage < kMatchStages; ++stage) {
-    const bool last = stage + 1 == kMatchStages;
+  for (std::size_t stage = first_stage; stage < kMatchStages; ++stage) {
+    const bool last = stage == kLastStage;
     const float scale = kStageScales[stage];
     const Points& points = last ? request.points : few;
     const Eigen::Vector3f pull =
@@ -91,6 +111,7 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
     iterations += result.descent.iterations;
     result.stages[stage] = pose;
   }
+  for (std::size_t stage = 0; stage < first_stage; ++stage) result.stages[stage] = pose;
   result.descent.iterations = iterations;
   result.fit = fitOf(map, request.points, pose, config_.score_scale_m);
   const Pose2 motion = request.last.inverse() * pose;

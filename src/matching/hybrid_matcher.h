@@ -21,7 +21,10 @@ class HybridMatcher : public Matcher {
     double preferred = -1.0;  ///< the score less what the motion costs
   };
 
-  Candidate refine(const Submap& map, const MatchRequest& request, const Pose2& start) const;
+  /// The local optimum near `start`, by the stages from `first_stage` on.
+  Candidate refine(const Submap& map, const MatchRequest& request, const Pose2& start,
+                   std::size_t first_stage = 0) const;
+  double marginOf(const MatchRequest& request, const Candidate& candidate) const;
   void search(const Submap& map, const MatchRequest& request, MatchResult& result,
               Candidate& best) const;
 

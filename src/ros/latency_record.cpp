@@ -1,4 +1,4 @@
-#include "latency_record.h"
+#include "kestrel_slam/ros/latency_record.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,8 @@ void LatencyRecord::sent(const LiveMessage& message) {
   const ros::WallTime now = ros::WallTime::now();
   if (const auto* scan = std::get_if<sensor_msgs::LaserScanPtr>(&message)) {
     const ros::Time end = endOf(**scan);
-    const ros::WallTime complete = end <= imu_until_ ? now : ros::WallTime();
+    const bool is_complete = !needs_imu_ || end <= imu_until_;
+    const ros::WallTime complete = is_complete ? now : ros::WallTime();
     scans_[(*scan)->header.stamp] = {end, now, complete, ros::WallTime()};
   } else if (const auto* imu = std::get_if<sensor_msgs::ImuPtr>(&message)) {
     imu_until_ = std::max(imu_until_, (*imu)->header.stamp);
@@ -49,13 +50,19 @@ std::size_t LatencyRecord::sentScans() const {
 
 std::size_t LatencyRecord::poses() const { return fromScan().size(); }
 
-std::vector<ros::Time> LatencyRecord::missing() const {
+std::size_t LatencyRecord::dropped() const {
   const Lock lock(mutex_);
-  std::vector<ros::Time> stamps;
-  for (const auto& [stamp, scan] : scans_) {
-    if (scan.posed.isZero()) stamps.push_back(stamp);
-  }
-  return stamps;
+  return static_cast<std::size_t>(
+      std::count_if(scans_.begin(), scans_.end(), [](const auto& entry) {
+        return entry.second.posed.isZero() && !entry.second.complete.isZero();
+      }));
+}
+
+std::size_t LatencyRecord::incomplete() const {
+  const Lock lock(mutex_);
+  return static_cast<std::size_t>(
+      std::count_if(scans_.begin(), scans_.end(),
+                    [](const auto& entry) { return entry.second.complete.isZero(); }));
 }
 
 std::vector<double> LatencyRecord::fromScan() const { return latencies(&Scan::sent); }

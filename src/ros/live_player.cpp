@@ -1,4 +1,4 @@
-#include "live_player.h"
+#include "kestrel_slam/ros/live_player.h"
 
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
@@ -34,6 +34,7 @@ LivePlayer::LivePlayer(ros::NodeHandle nh, const std::string& bag_path) : nh_(nh
       ++scan_count_;
     } else if (const auto imu = instance.instantiate<sensor_msgs::Imu>()) {
       add(arrival, topic, imu);
+      ++imu_count_;
     } else if (const auto range = instance.instantiate<sensor_msgs::Range>()) {
       add(arrival, topic, range);
     } else if (topic == "/tf_static") {
@@ -67,8 +68,7 @@ void LivePlayer::play(const std::function<void(const LiveMessage&)>& before) {
   const ros::Duration shift = ros::Time(start.sec, start.nsec) - first;
   for (const Event& event : events_) {
     if (!ros::ok()) return;
-    const ros::WallTime due = start + ros::WallDuration((event.arrival - first).toSec());
-    (due - ros::WallTime::now()).sleep();
+    ros::WallTime::sleepUntil(start + ros::WallDuration((event.arrival - first).toSec()));
     std::visit(
         [&](const auto& message) {
           message->header.stamp += shift;

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "latency_record.h"
-#include "live_player.h"
+#include "kestrel_slam/ros/latency_record.h"
+#include "kestrel_slam/ros/live_player.h"
 
 namespace {
 
@@ -63,18 +63,23 @@ void waitForNodes(const LivePlayer& player, const ros::Subscriber& poses) {
 
 void print(const LatencyRecord& record) {
   const std::vector<double> from_scan = record.fromScan(), from_last = record.fromLastInput();
-  std::printf("scans %zu, dropped %zu\n", record.sentScans(), record.missing().size());
-  std::printf("latency from the scan to its pose: median %.2f ms, p99 %.2f ms, max %.2f ms\n",
+  std::printf("scans %zu, dropped %zu", record.sentScans(), record.dropped());
+  if (record.incomplete() > 0) {
+    std::printf(" (and %zu at the end, newer than the last IMU message)", record.incomplete());
+  }
+  std::printf("\nlatency from the scan to its pose: median %.2f ms, p99 %.2f ms, max %.2f ms\n",
               quantile(from_scan, kMedian), quantile(from_scan, kHigh), quantile(from_scan, 1.0));
-  std::printf("of it, after the IMU's message: median %.2f ms, p99 %.2f ms, max %.2f ms\n",
-              quantile(from_last, kMedian), quantile(from_last, kHigh), quantile(from_last, 1.0));
+  std::printf(
+      "of it, after the IMU's message that covers its last beam: median %.2f ms, p99 %.2f ms, max "
+      "%.2f ms\n",
+      quantile(from_last, kMedian), quantile(from_last, kHigh), quantile(from_last, 1.0));
 }
 
 int run(const std::string& bag) {
   ros::NodeHandle nh;
-  LatencyRecord record;
   DropWatcher drops;
   LivePlayer player(nh, bag);
+  LatencyRecord record(player.hasImu());
   const boost::function<void(const geometry_msgs::PoseWithCovarianceStamped&)> on_pose =
       [&](const geometry_msgs::PoseWithCovarianceStamped& message) {
         record.poseReceived(message.header.stamp);

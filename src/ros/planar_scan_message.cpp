@@ -1,6 +1,7 @@
 #include "kestrel_slam/ros/planar_scan_message.h"
 
 #include <boost/make_shared.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -17,9 +18,10 @@ using sensor_msgs::PointField;
 
 /// One point of the message as it lies in memory.
 struct Point {
-  float x, y, z, hit, origin_x, origin_y, heading;
+  float x, y, z, hit, origin_x, origin_y, heading, speed_x, speed_y;
 };
-constexpr const char* kFields[] = {"x", "y", "z", "hit", "origin_x", "origin_y", "heading"};
+constexpr const char* kFields[] = {"x",        "y",       "z",       "hit",    "origin_x",
+                                   "origin_y", "heading", "speed_x", "speed_y"};
 constexpr std::size_t kFieldCount = sizeof kFields / sizeof kFields[0];
 static_assert(sizeof(Point) == kFieldCount * sizeof(float));
 
@@ -106,6 +108,20 @@ void describeFields(PointCloud2& message) {
   }
 }
 
+/// Nothing where the message has none: other programs may not know it.
+std::optional<Eigen::Vector2d> speedOf(const PointCloud2& message) {
+  const auto named = [&](const std::string& name) {
+    return std::any_of(message.fields.begin(), message.fields.end(),
+                       [&](const PointField& field) { return field.name == name; });
+  };
+  if (message.width == 0 || message.height == 0 || !named("speed_x") || !named("speed_y")) {
+    return std::nullopt;
+  }
+  const Eigen::Vector2d speed(floatAt(message.data.data() + offsetOf(message, "speed_x")),
+                              floatAt(message.data.data() + offsetOf(message, "speed_y")));
+  return speed.allFinite() ? std::optional(speed) : std::nullopt;
+}
+
 /// A nearer return hides a farther one, and any return what only clears.
 float nearer(float before, float range) {
   return std::isnan(before) ? range : std::min(before, range);
@@ -126,10 +142,12 @@ sensor_msgs::PointCloud2Ptr toPlanarScanMessage(const PlanarScan& scan, const st
   message->is_dense = true;
   message->data.resize(scan.rays.size() * sizeof(Point));
   const float heading = scan.heading ? static_cast<float>(*scan.heading) : kNan;
+  const Eigen::Vector2f speed = scan.speed.value_or(Eigen::Vector2d(kNan, kNan)).cast<float>();
   std::uint8_t* place = message->data.data();
   for (const PlanarRay& ray : scan.rays) {
-    const Point point{ray.end.x(),    ray.end.y(),    0.0F,   ray.hit ? 1.0F : 0.0F,
-                      ray.origin.x(), ray.origin.y(), heading};
+    const Point point{ray.end.x(),    ray.end.y(),    0.0F,    ray.hit ? 1.0F : 0.0F,
+                      ray.origin.x(), ray.origin.y(), heading, speed.x(),
+                      speed.y()};
     std::memcpy(place, &point, sizeof point);
     place += sizeof point;
   }
@@ -142,6 +160,7 @@ PlanarScan fromPlanarScanMessage(const sensor_msgs::PointCloud2& message) {
   requirePayload(message);
   PlanarScan scan;
   scan.stamp = scan.time = message.header.stamp.toSec();
+  scan.speed = speedOf(message);
   scan.rays.reserve(static_cast<std::size_t>(message.width) * message.height);
   for (std::size_t row = 0; row < message.height; ++row) {
     const std::uint8_t* point = message.data.data() + row * message.row_step;

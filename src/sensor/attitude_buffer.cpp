@@ -18,6 +18,13 @@ double yawRate(const Eigen::Quaterniond& stabilized_R_base, const Eigen::Vector3
   return (r(2, 1) * rate.y() + r(2, 2) * rate.z()) / (cosine * cosine);
 }
 
+/// The size of what an accelerometer feels on a vehicle that flies, m/s². NaN is not.
+bool isPlausible(const Eigen::Vector3d& specific_force) {
+  constexpr double kSmallest = 3.0, kLargest = 30.0;
+  const double size = specific_force.norm();
+  return size > kSmallest && size < kLargest;
+}
+
 }  // namespace
 
 const char* toString(AttitudeError error) {
@@ -59,7 +66,8 @@ AttitudeBuffer::Iterator AttitudeBuffer::firstNotBefore(double time) const {
 }
 
 bool AttitudeBuffer::add(double stamp, const Eigen::Quaterniond& world_R_base,
-                         const std::optional<Eigen::Vector3d>& angular_velocity) {
+                         const std::optional<Eigen::Vector3d>& angular_velocity,
+                         const std::optional<Eigen::Vector3d>& specific_force) {
   const double norm = world_R_base.norm();
   const bool finite = std::isfinite(stamp) && std::isfinite(norm) && norm > 0.0 &&
                       (!angular_velocity || angular_velocity->allFinite());
@@ -69,8 +77,11 @@ bool AttitudeBuffer::add(double stamp, const Eigen::Quaterniond& world_R_base,
   if (place != entries_.end() && place->stamp == stamp) return false;
 
   const Eigen::Quaterniond orientation = world_R_base.normalized();
-  Entry entry{stamp, withoutYaw(orientation), yawOf(orientation), std::nullopt, 0.0};
+  Entry entry{stamp, withoutYaw(orientation), yawOf(orientation), {}, 0.0, {}, {0.0, 0.0}};
   if (angular_velocity) entry.yaw_rate = yawRate(entry.stabilized_R_base, *angular_velocity);
+  if (specific_force && isPlausible(*specific_force)) {
+    entry.acceleration = (entry.stabilized_R_base * *specific_force).head<2>();
+  }
   const auto index = static_cast<std::size_t>(place - entries_.begin());
   entries_.insert(place, entry);
   integrateFrom(index);
@@ -82,10 +93,12 @@ void AttitudeBuffer::integrateFrom(std::size_t index) {
   if (index == 0 && entries_.size() > 1) {
     // Headings that were handed out stay as they are: a new first one is fitted to the second.
     entries_[0].heading = entries_[1].heading - turnBetween(entries_[0], entries_[1]);
+    entries_[0].speed = entries_[1].speed - gainBetween(entries_[0], entries_[1]);
     return;
   }
   for (std::size_t i = std::max<std::size_t>(index, 1); i < entries_.size(); ++i) {
     entries_[i].heading = entries_[i - 1].heading + turnBetween(entries_[i - 1], entries_[i]);
+    entries_[i].speed = entries_[i - 1].speed + gainBetween(entries_[i - 1], entries_[i]);
   }
 }
 
@@ -94,13 +107,21 @@ double AttitudeBuffer::turnBetween(const Entry& a, const Entry& b) {
   return 0.5 * (*a.yaw_rate + *b.yaw_rate) * (b.stamp - a.stamp);
 }
 
+Eigen::Vector2d AttitudeBuffer::gainBetween(const Entry& a, const Entry& b) {
+  if (!a.acceleration || !b.acceleration) return Eigen::Vector2d::Zero();
+  const Eigen::Vector2d before = Eigen::Rotation2Dd(a.heading) * *a.acceleration;
+  const Eigen::Vector2d after = Eigen::Rotation2Dd(b.heading) * *b.acceleration;
+  return 0.5 * (before + after) * (b.stamp - a.stamp);
+}
+
 AttitudeError AttitudeBuffer::lookup(double time, Attitude& attitude) const {
   if (entries_.empty()) return AttitudeError::kEmpty;
   if (!(time >= entries_.front().stamp)) return AttitudeError::kTooOld;
   if (time > entries_.back().stamp) return AttitudeError::kNotYet;
   const Iterator after = firstNotBefore(time);
   if (after->stamp == time) {
-    attitude = {after->stabilized_R_base, after->heading};
+    attitude = {after->stabilized_R_base, after->heading, std::nullopt};
+    if (after->acceleration) attitude.speed = after->speed;
     return AttitudeError::kNone;
   }
   const Entry& b = *after;
@@ -108,6 +129,10 @@ AttitudeError AttitudeBuffer::lookup(double time, Attitude& attitude) const {
   const double span = b.stamp - a.stamp, elapsed = time - a.stamp;
   if (span > config_.max_gap_s) return AttitudeError::kGap;
   attitude.stabilized_R_base = a.stabilized_R_base.slerp(elapsed / span, b.stabilized_R_base);
+  attitude.speed.reset();
+  if (a.acceleration && b.acceleration) {
+    attitude.speed = a.speed + elapsed / span * (b.speed - a.speed);
+  }
   if (a.yaw_rate && b.yaw_rate) {  // the rate changes evenly between two readings
     const double change = (*b.yaw_rate - *a.yaw_rate) / span;
     attitude.heading = a.heading + elapsed * (*a.yaw_rate + 0.5 * change * elapsed);

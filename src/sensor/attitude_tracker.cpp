@@ -200,7 +200,7 @@ std::optional<ImuFault> AttitudeTracker::State::put(double stamp,
                                                     const std::optional<Eigen::Vector3d>& rate,
                                                     const std::optional<Eigen::Vector3d>& force) {
   const std::optional<double> before = buffer.latest();
-  if (!buffer.add(stamp, world_R_base, rate)) {
+  if (!buffer.add(stamp, world_R_base, rate, force)) {
     return ImuFault{"duplicate", "two readings have the same stamp"};
   }
   if (!is_late) monitor.add(before ? stamp - *before : 0.0, world_R_base, force, status.estimated);

@@ -173,6 +173,7 @@ Projection ScanProjector::project(const PointCloud& cloud, const Eigen::Isometry
   result.scan.stamp = cloud.stamp;
   result.scan.time = cloud.stamp;
   result.scan.heading = frames.heading();
+  result.scan.speed = frames.speed();
   result.tilt_rad = frames.maxTilt();
   const Slice slice = sliceOf(config_, vehicle.height_m, std::nullopt, frames.frame(0).origin.z());
   CloudSlicer(cloud, config_, frames, times, slice, result).run();

@@ -9,19 +9,19 @@
 namespace kestrel_slam {
 namespace {
 
-constexpr double kLookEvery = 0.09;  // s
-constexpr double kMemory = 1.0;      // s, of lines
-constexpr double kMoment = 0.3;      // s, for which a height over the base is remembered
+constexpr double kLookEvery = 0.045;  // s
+constexpr double kMemory = 1.0;       // s, of lines
+constexpr double kMoment = 0.3;       // s, for which a height over the base is remembered
 
 constexpr double kMinTilt = degToRad(2.0);  // flatter, and floor and ceiling are too far away
 constexpr std::size_t kOutliers = 2;        // stray returns beyond the surface
 constexpr std::size_t kMinReturns = 10;     // of a line
-constexpr float kHalfThickness = 0.04F;     // m
+constexpr float kThickness = 0.04F;         // m
 
-constexpr std::size_t kMinLines = 5;
-constexpr double kMinTiltRatio = 1.6;      // of the largest to the smallest tilt of the lines
-constexpr double kMaxHeightSpread = 0.15;  // share of the height by which a level surface may vary
-constexpr double kMinHeight = 0.3;         // m; what is closer may be anything
+constexpr std::size_t kMinLines = 4;
+constexpr double kMinTiltRatio = 1.25;     // of the largest to the smallest tilt of the lines
+constexpr double kMaxHeightSpread = 0.05;  // share of the height by which a level surface may vary
+constexpr double kMinHeight = 0.4;         // m; what is closer may be anything
 constexpr std::size_t kCeilings = 15;      // of which the median is the ceiling
 
 }  // namespace
@@ -36,12 +36,11 @@ std::optional<LevelLine> outermostLine(std::vector<Eigen::Vector3f> returns,
   };
   const auto edge = returns.begin() + kOutliers;
   std::nth_element(returns.begin(), edge, returns.end(), outer);
-  const float level = edge->z() - up * kHalfThickness;
-
+  const float inner = up * edge->z() - kThickness;
   std::size_t count = 0;
   double height = 0.0;
   for (const Eigen::Vector3f& p : returns) {
-    if (std::abs(p.z() - level) > kHalfThickness) continue;
+    if (up * p.z() < inner) continue;
     ++count;
     height += p.z();
   }

@@ -229,6 +229,7 @@ Projection ScanProjector::project(const LaserScan& scan, const Eigen::Isometry3d
   result.scan.stamp = scan.stamp;
   result.scan.time = scan.stamp;
   result.scan.heading = frames.heading();
+  result.scan.speed = frames.speed();
   result.tilt_rad = frames.maxTilt();
   result.mirror_height_m = mirrorHeight(scan, base_T_laser, frames.attitude(), mirror_, config_);
   std::optional<double> height = vehicle.height_m ? vehicle.height_m : result.mirror_height_m;

@@ -26,6 +26,7 @@ SweepFrames::SweepFrames(const SweepTimes& times, double stamp,
     if (error_ == AttitudeError::kNone) error_ = vehicle.attitude->covers(times.first, times.last);
     if (error_ != AttitudeError::kNone) return;
     heading_ = reference.heading;
+    speed_ = reference.speed;
     attitude_ = reference.stabilized_R_base;
   }
   const bool moves = vehicle.attitude != nullptr || !vehicle.velocity.isZero();

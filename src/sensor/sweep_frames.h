@@ -33,6 +33,7 @@ class SweepFrames {
   AttitudeError error() const { return error_; }
   double maxTilt() const { return max_tilt_; }
   std::optional<double> heading() const { return heading_; }
+  std::optional<Eigen::Vector2d> speed() const { return speed_; }
   /// stabilized_R_base at the reference time.
   const Eigen::Quaterniond& attitude() const { return attitude_; }
 
@@ -42,8 +43,9 @@ class SweepFrames {
 
   std::vector<SensorFrame> frames_;
   AttitudeError error_ = AttitudeError::kNone;
-  double max_tilt_ = 0.0;          ///< rad
-  std::optional<double> heading_;  ///< at the reference time
+  double max_tilt_ = 0.0;                 ///< rad
+  std::optional<double> heading_;         ///< at the reference time
+  std::optional<Eigen::Vector2d> speed_;  ///< the same; see Attitude
   Eigen::Quaterniond attitude_ = Eigen::Quaterniond::Identity();
 };
 

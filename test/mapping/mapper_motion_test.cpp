@@ -67,5 +67,30 @@ TEST(MapperMotion, velocityIsThatOfTheBaseInItsOwnFrame) {
   EXPECT_EQ(mapper.process(scan).velocity, Eigen::Vector2d(0.0, 0.0));
 }
 
+TEST(MapperMotion, theAccelerometerCarriesTheVehicleWhereTheScanDoesNotHold) {
+  // In a corridor without ends only the prediction knows how far the vehicle has come. It speeds up
+  // with 2 m/s² for 1 s and slows down again: 2 m.
+  Mapper with{MapperConfig()}, without{MapperConfig()};
+  MapperResult carried, blind;
+  double x = 0.0, speed = 0.0;
+  constexpr double kStep = 0.025, kAcceleration = 2.0;
+  for (int i = 0; i <= 80; ++i) {
+    PlanarScan scan = room::scanFrom(Pose2(x, 0, 0), room::corridor(), 720);
+    scan.stamp = scan.time = kStep * i;
+    scan.heading = 0.0;
+    blind = without.process(scan);
+    scan.speed = Eigen::Vector2d(speed, 0.0);
+    carried = with.process(scan);
+    if (i == 80) break;
+    const double acceleration = i < 40 ? kAcceleration : -kAcceleration;
+    x += kStep * (speed + 0.5 * kStep * acceleration);
+    speed += kStep * acceleration;
+  }
+  ASSERT_NEAR(x, 2.0, 1e-9);
+  EXPECT_NEAR(carried.pose.x, 2.0, 0.25);
+  EXPECT_LT(blind.pose.x, 1.0);
+  EXPECT_NEAR(carried.pose.y, 0.0, 0.02);
+}
+
 }  // namespace
 }  // namespace kestrel_slam

@@ -25,6 +25,7 @@ PlanarScan threeRays() {
   PlanarScan scan;
   scan.stamp = kStamp.toSec();
   scan.heading = 7.25;
+  scan.speed = Eigen::Vector2d(1.5, -0.5);
   scan.rays = {{{0.125F, -0.25F}, {3.0F, 4.0F}, true},
                {{0.0F, 0.0F}, {0.0F, 10.0F}, false},
                {{0.5F, 0.5F}, {-2.0F, 0.5F}, true}};
@@ -35,6 +36,7 @@ PointCloud2 message() { return *toPlanarScanMessage(threeRays(), "base_stabilize
 
 void expectEqual(const PlanarScan& a, const PlanarScan& b) {
   EXPECT_EQ(a.heading, b.heading);
+  EXPECT_EQ(a.speed, b.speed);
   ASSERT_EQ(a.rays.size(), b.rays.size());
   for (std::size_t i = 0; i < a.rays.size(); ++i) {
     EXPECT_EQ(a.rays[i].origin, b.rays[i].origin) << i;
@@ -78,9 +80,10 @@ TEST(PlanarScanMessage, HasTheDocumentedFields) {
   EXPECT_EQ(cloud.width * cloud.height, 3U);
   EXPECT_EQ(cloud.data.size(), 3U * cloud.point_step);
   const std::pair<const char*, float> expected[] = {
-      {"x", 3.0F},          {"y", 4.0F},          {"z", 0.0F},       {"hit", 1.0F},
-      {"origin_x", 0.125F}, {"origin_y", -0.25F}, {"heading", 7.25F}};
-  EXPECT_EQ(cloud.fields.size(), 7U);
+      {"x", 3.0F},        {"y", 4.0F},          {"z", 0.0F},
+      {"hit", 1.0F},      {"origin_x", 0.125F}, {"origin_y", -0.25F},
+      {"heading", 7.25F}, {"speed_x", 1.5F},    {"speed_y", -0.5F}};
+  EXPECT_EQ(cloud.fields.size(), 9U);
   for (const auto& [name, value] : expected) {
     EXPECT_EQ(*sensor_msgs::PointCloud2ConstIterator<float>(cloud, name), value) << name;
   }

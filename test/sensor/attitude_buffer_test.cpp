@@ -123,6 +123,32 @@ TEST(AttitudeBuffer, forgetsTheDistantPast) {
   EXPECT_NEAR(lookUp(buffer, *buffer.latest()).heading, 99.99, 1e-6);
 }
 
+TEST(AttitudeBuffer, integratesTheHorizontalAcceleration) {
+  // Tilted by 0.1 rad, it accelerates with 1.5 m/s² along its nose and turns at 1 rad/s.
+  const Quaterniond tilt = fromEuler(0.0, 0.1, 0.0);
+  const Vector3d force = tilt.inverse() * Vector3d(1.5, 0.0, 9.81);
+  AttitudeBuffer buffer;
+  for (int i = 0; i <= 200; ++i) {
+    const double t = 0.005 * i;
+    const Quaterniond orientation = AngleAxisd(t, Vector3d::UnitZ()) * tilt;
+    buffer.add(t, orientation, orientation.inverse() * Vector3d::UnitZ(), force);
+  }
+  const Attitude a = lookUp(buffer, 0.0), b = lookUp(buffer, 1.0);
+  ASSERT_TRUE(a.speed && b.speed);
+  const Eigen::Vector2d gained = Eigen::Rotation2Dd(-a.heading) * (*b.speed - *a.speed);
+  EXPECT_NEAR(gained.x(), 1.5 * std::sin(1.0), 1e-4);  // the integral of 1.5 (cos t, sin t)
+  EXPECT_NEAR(gained.y(), 1.5 * (1.0 - std::cos(1.0)), 1e-4);
+}
+
+TEST(AttitudeBuffer, doesNotTakeEverythingForAnAcceleration) {
+  AttitudeBuffer buffer;
+  for (const Vector3d& force : {Vector3d(0, 0, 1), Vector3d(0, 0, 1000)}) {  // in g; broken
+    buffer.add(static_cast<double>(buffer.size()), Quaterniond::Identity(), Vector3d::Zero(),
+               force);
+    EXPECT_FALSE(lookUp(buffer, *buffer.latest()).speed);
+  }
+}
+
 TEST(AttitudeError, everyErrorHasAText) {
   for (const AttitudeError error :
        {AttitudeError::kNone, AttitudeError::kEmpty, AttitudeError::kTooOld, AttitudeError::kNotYet,

@@ -245,14 +245,12 @@ std::vector<double> floorHeights(double height, double x) {
 }
 
 TEST(TiltedProjection, findsTheHeightOverTheFloorByItsReturns) {
-  const std::vector<double> heights = floorHeights(0.4, -3.8);
-  ASSERT_GT(heights.size(), 5U);
-  for (const double height : heights) EXPECT_NEAR(height, 0.4, 0.02);
+  const std::vector<double> heights = floorHeights(0.5, -3.8);
+  ASSERT_GT(heights.size(), 3U);
+  for (const double height : heights) EXPECT_NEAR(height, 0.5, 0.02);
 }
 
-TEST(TiltedProjection, aWallAheadIsNoFloor) {
-  EXPECT_TRUE(floorHeights(50.0, 1.0).empty());
-}
+TEST(TiltedProjection, aWallAheadIsNoFloor) { EXPECT_TRUE(floorHeights(50.0, 1.0).empty()); }
 
 TEST(TiltedProjection, leavesOutMixedPixelsButNotWallsSeenAtAFlatAngle) {
   LaserScan scan;

@@ -1,3 +1,4 @@
+#include "kestrel_slam/sensor/projection.h"
 #include "kestrel_slam/tools/offline_run.h"
 
 #include <gtest/gtest.h>

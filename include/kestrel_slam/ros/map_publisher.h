@@ -57,6 +57,7 @@ class MapPublisher {
   ros::WallTimer timer_;
 
   std::atomic<bool> new_subscriber_{false};
+  bool stands_behind_ = false;           ///< the thread has its low priority
   std::uint64_t published_version_ = 0;  ///< 0: none yet
   std::uint64_t published_trajectory_ = 0;
   ros::WallTime next_map_, next_trajectory_;

@@ -12,6 +12,9 @@ struct Attitude {
   Eigen::Quaterniond stabilized_R_base = Eigen::Quaterniond::Identity();  ///< roll and pitch only
   double heading = 0.0;  ///< integrated turn rate about the vertical, rad, not wrapped; only
                          ///< differences have a meaning
+  /// Integrated horizontal acceleration, m/s, in the frame in which `heading` counts: only
+  /// differences have a meaning. Absent without an accelerometer.
+  std::optional<Eigen::Vector2d> speed;
 };
 
 /// Why a buffer has no attitude for a time. kNotYet: it may still come.
@@ -36,8 +39,10 @@ class AttitudeBuffer {
   /// `world_R_base`: unit quaternion, z of world up. `angular_velocity`: of the base, in its own
   /// frame, rad/s; without it the heading follows the quaternion's yaw. False (and nothing is
   /// changed) where something is not finite, the stamp is already there, or older than the history.
+  /// `specific_force`: of the accelerometer, in the base, m/s²; not used where it is no such thing.
   bool add(double stamp, const Eigen::Quaterniond& world_R_base,
-           const std::optional<Eigen::Vector3d>& angular_velocity);
+           const std::optional<Eigen::Vector3d>& angular_velocity,
+           const std::optional<Eigen::Vector3d>& specific_force = std::nullopt);
 
   /// The attitude at `time`; `attitude` is meaningful only where the result is kNone.
   AttitudeError lookup(double time, Attitude& attitude) const;
@@ -53,14 +58,17 @@ class AttitudeBuffer {
   struct Entry {
     double stamp;
     Eigen::Quaterniond stabilized_R_base;
-    double yaw;                      ///< of the quaternion, rad
-    std::optional<double> yaw_rate;  ///< about the vertical, rad/s
-    double heading;                  ///< integrated
+    double yaw;                                   ///< of the quaternion, rad
+    std::optional<double> yaw_rate;               ///< about the vertical, rad/s
+    double heading;                               ///< integrated
+    std::optional<Eigen::Vector2d> acceleration;  ///< horizontal, in base_stabilized, m/s²
+    Eigen::Vector2d speed;                        ///< integrated
   };
   using Iterator = std::deque<Entry>::const_iterator;
 
   Iterator firstNotBefore(double time) const;
   static double turnBetween(const Entry& a, const Entry& b);
+  static Eigen::Vector2d gainBetween(const Entry& a, const Entry& b);
   void integrateFrom(std::size_t index);
 
   AttitudeBufferConfig config_;

@@ -24,7 +24,9 @@ struct ProjectorConfig {
   BeamFilterConfig beams;
   double slice_min_m = -1.5;  ///< end points lower than this, relative to the laser, are left out
   double slice_max_m = 1.5;   ///< end points higher than this are left out
-  double max_tilt_rad = 0.6;  ///< scans of a vehicle tilted farther are dropped
+  double unknown_m =
+      0.6;  ///< as long as floor (ceiling) is unknown, no farther below (above) than this
+  double max_tilt_rad = 0.6;     ///< scans of a vehicle tilted farther are dropped
   double floor_margin_m = 0.15;  ///< end points closer to the floor than this are floor
   double height_m = 0.0;   ///< of the base over the floor where nothing measures it; 0: unknown
   double ceiling_m = 0.0;  ///< height of the ceiling over the floor; 0: unknown

@@ -20,6 +20,9 @@ struct PlanarScan {
   double time = 0.0;              ///< reference time on a monotone time base, s
   std::optional<double> heading;  ///< integrated turn rate of the gyro at `stamp`, rad, not
                                   ///< wrapped: only the difference between two scans has a meaning
+  /// Integrated horizontal acceleration at `stamp`, m/s, in the frame in which `heading` counts:
+  /// only the difference between two scans has a meaning.
+  std::optional<Eigen::Vector2d> speed;
   std::vector<PlanarRay> rays;
 
   std::size_t hitCount() const {

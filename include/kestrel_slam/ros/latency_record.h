@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "live_player.h"
+#include "kestrel_slam/ros/live_player.h"
 
 namespace kestrel_slam {
 
@@ -16,13 +16,18 @@ namespace kestrel_slam {
 /// may be called from any thread.
 class LatencyRecord {
  public:
+  /// `needs_imu`: the recording has one.
+  explicit LatencyRecord(bool needs_imu) : needs_imu_(needs_imu) {}
+
   void sent(const LiveMessage& message);
   void poseReceived(const ros::Time& stamp);
 
   std::size_t sentScans() const;
   std::size_t poses() const;
-  /// Stamps of the scans that got no pose.
-  std::vector<ros::Time> missing() const;
+  /// Scans that got no pose although everything that it needs was sent.
+  std::size_t dropped() const;
+  /// Scans at the end of the recording, with beams newer than its last IMU message.
+  std::size_t incomplete() const;
   /// From the publication of a scan to its pose, ms, ascending.
   std::vector<double> fromScan() const;
   /// From the publication of all that a pose needs, which is the scan and an IMU message that is
@@ -39,6 +44,7 @@ class LatencyRecord {
 
   std::vector<double> latencies(ros::WallTime Scan::*from) const;
 
+  const bool needs_imu_;
   mutable std::mutex mutex_;
   std::map<ros::Time, Scan> scans_;  ///< by stamp
   ros::Time imu_until_;

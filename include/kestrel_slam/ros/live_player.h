@@ -27,7 +27,7 @@ class LivePlayer {
   /// is wrong with it.
   LivePlayer(ros::NodeHandle nh, const std::string& bag);
 
-  std::size_t scanCount() const { return scan_count_; }
+  bool hasImu() const { return imu_count_ > 0; }
 
   /// Whether somebody listens to every laser and every IMU.
   bool isHeard() const;
@@ -52,7 +52,7 @@ class LivePlayer {
   std::map<std::string, ros::Publisher> publishers_;
   ros::Publisher mounting_publisher_;
   std::vector<Event> events_;
-  std::size_t scan_count_ = 0;
+  std::size_t scan_count_ = 0, imu_count_ = 0;
 };
 
 }  // namespace kestrel_slam
