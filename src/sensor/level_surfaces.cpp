@@ -19,10 +19,10 @@ constexpr std::size_t kMinReturns = 10;     // of a line
 constexpr float kThickness = 0.04F;         // m
 
 constexpr std::size_t kMinLines = 4;
-constexpr double kMinTiltRatio = 1.25;     // of the largest to the smallest tilt of the lines
-constexpr double kMaxHeightSpread = 0.05;  // share of the height by which a level surface may vary
-constexpr double kMinHeight = 0.4;         // m; what is closer may be anything
-constexpr std::size_t kCeilings = 15;      // of which the median is the ceiling
+constexpr double kMinTiltRatio = 1.25;         // of the largest to the smallest tilt of the lines
+constexpr double kMaxHeightDifference = 0.04;  // share of the height
+constexpr double kMinHeight = 0.4;             // m; what is closer may be anything
+constexpr std::size_t kCeilings = 15;          // of which the median is the ceiling
 
 }  // namespace
 
@@ -53,19 +53,18 @@ std::optional<double> LevelSurface::add(double time, const std::optional<LevelLi
   entries_.erase(std::remove_if(entries_.begin(), entries_.end(), stale), entries_.end());
   if (!line) return std::nullopt;
   entries_.push_back({time, *line});
-  if (entries_.size() < kMinLines) return std::nullopt;
-
-  double min_tilt = line->tilt_rad, max_tilt = min_tilt;
-  double min_height = line->height_m, max_height = min_height;
-  for (const Entry& entry : entries_) {
-    min_tilt = std::min(min_tilt, entry.line.tilt_rad);
-    max_tilt = std::max(max_tilt, entry.line.tilt_rad);
-    min_height = std::min(min_height, entry.line.height_m);
-    max_height = std::max(max_height, entry.line.height_m);
-  }
+  // How far back do the lines agree in height, and what tilts did they span?
   const double height = std::abs(line->height_m);
-  const bool is_level = max_tilt > kMinTiltRatio * min_tilt && height > kMinHeight &&
-                        max_height - min_height < kMaxHeightSpread * height;
+  double min_tilt = line->tilt_rad, max_tilt = min_tilt;
+  std::size_t agreeing = 0;
+  for (auto entry = entries_.rbegin(); entry != entries_.rend(); ++entry, ++agreeing) {
+    const double difference = std::abs(entry->line.height_m - line->height_m);
+    if (difference > kMaxHeightDifference * height) break;
+    min_tilt = std::min(min_tilt, entry->line.tilt_rad);
+    max_tilt = std::max(max_tilt, entry->line.tilt_rad);
+  }
+  const bool is_level =
+      agreeing >= kMinLines && max_tilt > kMinTiltRatio * min_tilt && height > kMinHeight;
   return is_level ? std::optional(line->height_m) : std::nullopt;
 }
 
