@@ -1,9 +1,9 @@
 #include <nodelet/nodelet.h>
-#include <pluginlib/class_list_macros.hpp>
 #include <ros/console.h>
 
 #include <exception>
 #include <memory>
+#include <pluginlib/class_list_macros.hpp>
 
 #include "kestrel_slam/ros/mapper_node.h"
 #include "kestrel_slam/ros/scan_projector_node.h"

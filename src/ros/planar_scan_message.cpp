@@ -1,7 +1,7 @@
 #include "kestrel_slam/ros/planar_scan_message.h"
 
-#include <boost/make_shared.hpp>
 #include <algorithm>
+#include <boost/make_shared.hpp>
 #include <cmath>
 #include <cstring>
 #include <limits>

@@ -15,7 +15,7 @@ constexpr double kMoment = 0.3;       // s, for which a height over the base is 
 
 constexpr double kMinTilt = degToRad(2.0);  // flatter, and floor and ceiling are too far away
 constexpr std::size_t kOutliers = 2;        // stray returns beyond the surface
-constexpr std::size_t kMinReturns = 10;     // of a line
+constexpr std::size_t kMinReturns = 6;      // of a line
 constexpr float kThickness = 0.04F;         // m
 
 constexpr std::size_t kMinLines = 4;

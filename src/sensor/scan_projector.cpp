@@ -98,10 +98,9 @@ class BeamProjector {
     for (std::size_t first = 0; first < n; first += BeamBlock::kSize) {
       const std::size_t count = std::min(BeamBlock::kSize, n - first);
       block.fill(frames_.at(shareOf(first)), frames_.at(shareOf(first + count)), count, beam);
-      for (std::size_t i = 0; i < count; ++i) {
-        const auto k = static_cast<float>(static_cast<int>(i));
-        addBeam(first + i, {block.x[i], block.y[i], block.z[i]},
-                block.origin + k * block.origin_step);
+      Eigen::Vector3f origin = block.origin;
+      for (std::size_t i = 0; i < count; ++i, origin += block.origin_step) {
+        addBeam(first + i, {block.x[i], block.y[i], block.z[i]}, origin);
       }
     }
     result_.counts = counts_;
@@ -118,7 +117,7 @@ class BeamProjector {
     const float range = scan_.ranges[i];
     if (!mask_.empty() && mask_[i]) {
       ++counts_.masked;
-    } else if (range >= limits_.min && range < limits_.max && range > 0.0F) {
+    } else if (range >= limits_.min && range < limits_.max) {
       addReturn(i, range, d, origin);
     } else if (range >= limits_.max && range > 0.0F) {  // REP-117: +inf is no return
       ++counts_.clears;
@@ -140,7 +139,8 @@ class BeamProjector {
          : end.z() > slice_.ceiling ? counts_.ceiling
                                     : counts_.outside);
       addClear(d, origin, std::min(range, lengthInSlice(slice_, origin.z(), d.z())));
-    } else if (end.head<2>().squaredNorm() < vehicle_radius_ * vehicle_radius_) {
+    } else if (vehicle_radius_ > 0.0F &&
+               end.head<2>().squaredNorm() < vehicle_radius_ * vehicle_radius_) {
       ++counts_.masked;
     } else {
       ++counts_.hits;
@@ -187,7 +187,7 @@ class BeamProjector {
 /// of the sweep is exact enough to find floor and ceiling.
 std::vector<Eigen::Vector3f> someReturns(const LaserScan& scan, const SweepFrames& frames,
                                          const ProjectorConfig& config) {
-  constexpr std::size_t kBeams = 270;
+  constexpr std::size_t kBeams = 135;
   const RangeLimits limits = limitsOf(scan, config.beams);
   const std::size_t stride = std::max<std::size_t>(scan.ranges.size() / kBeams, 1);
   const SensorFrame frame = frames.at(0.5F);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -77,7 +78,10 @@ RangeLimits limitsOf(const LaserScan& scan, const BeamFilterConfig& config) {
   // Some drivers leave range_max at 0.
   const double sensor_max = scan.range_max == 0.0 ? config.max_range_m : scan.range_max;
   const double max = std::min(config.max_range_m, sensor_max);
-  return {static_cast<float>(std::max(config.min_range_m, scan.range_min)), static_cast<float>(max),
+  const double min = std::max(config.min_range_m, scan.range_min);
+  // Some lasers send 0 where they have no reading, whatever their range_min is.
+  return {std::max(static_cast<float>(min), std::numeric_limits<float>::min()),
+          static_cast<float>(max),
           static_cast<float>(std::max(0.0, std::min(config.clear_range_m, max)))};
 }
 

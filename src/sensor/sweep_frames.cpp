@@ -11,7 +11,7 @@
 namespace kestrel_slam {
 namespace {
 
-constexpr double kInterval = 2e-3;       // s
+constexpr double kInterval = 4e-3;       // s
 constexpr double kMaxIntervals = 200.0;  // of a sweep
 constexpr float kClearance = 0.05F;      // m; the laser is always that much above the floor
 constexpr float kInfinity = std::numeric_limits<float>::infinity();

@@ -162,7 +162,7 @@ void flyAtRandom(const Options& options) {
   for (const Place& candidate : places()) {
     if (candidate.name != "hall" && candidate.name != "corridor") names.push_back(candidate.name);
   }
-  std::size_t lost_flights = 0;
+  std::size_t lost_flights = 0, scans = 0;
   double worst = 0.0;
   for (int i = 0; i < options.random_flights; ++i) {
     const auto number = static_cast<std::size_t>(i);
@@ -178,9 +178,11 @@ void flyAtRandom(const Options& options) {
       printRow("random flight " + std::to_string(i) + " in " + trial.place.name, m);
     }
     worst = std::max(worst, error);
+    scans += m.run.scans.size();
   }
-  std::printf("\n%d random flights of %.0f s: %zu lost; largest error of a pose %.0f mm\n",
-              options.random_flights, options.random_s, lost_flights, worst / kMillimetre);
+  std::printf(
+      "\n%d random flights of %.0f s, %zu scans: %zu lost; largest error of a pose %.0f mm\n",
+      options.random_flights, options.random_s, scans, lost_flights, worst / kMillimetre);
 }
 
 void run(const Options& options) {

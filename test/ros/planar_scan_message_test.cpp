@@ -73,6 +73,14 @@ TEST(PlanarScanMessage, WithoutAGyroThereIsNoHeading) {
   EXPECT_FALSE(fromPlanarScanMessage(*cloud).heading);
 }
 
+TEST(PlanarScanMessage, WithoutAnAccelerometerThereIsNoSpeed) {
+  PlanarScan scan = threeRays();
+  scan.speed.reset();
+  const auto cloud = toPlanarScanMessage(scan, "base_stabilized", kStamp);
+  EXPECT_FALSE(fromPlanarScanMessage(*cloud).speed);
+  EXPECT_EQ(fromPlanarScanMessage(*cloud).heading, scan.heading);
+}
+
 TEST(PlanarScanMessage, HasTheDocumentedFields) {
   PointCloud2 cloud = message();
   EXPECT_EQ(cloud.header.frame_id, "base_stabilized");
@@ -112,7 +120,8 @@ TEST(PlanarScanMessage, ReadsAnyLayout) {
   cloud.height = 3;
   cloud.row_step = cloud.point_step + 5;
   cloud.data.assign(3 * cloud.row_step, 0xff);
-  const PlanarScan scan = threeRays();
+  PlanarScan scan = threeRays();
+  scan.speed.reset();  // has no field
   for (std::size_t i = 0; i < 3; ++i) {
     const PlanarRay& ray = scan.rays[i];
     const float values[] = {
@@ -137,16 +146,16 @@ TEST(PlanarScanMessage, RefusesWhatItCannotRead) {
       {"another type", [](PointCloud2& c) { c.fields[3].datatype = PointField::UINT8; },
        "field 'hit' is not a single float32"},
       {"an array", [](PointCloud2& c) { c.fields[1].count = 2; }, "field 'y' is not a single"},
-      {"a field outside", [](PointCloud2& c) { c.fields[0].offset = 25; },
-       "field 'x' lies beyond point_step 28"},
+      {"a field outside", [](PointCloud2& c) { c.fields[0].offset = 33; },
+       "field 'x' lies beyond point_step 36"},
       {"a huge offset", [](PointCloud2& c) { c.fields[0].offset = 0xffffffffU; },
        "field 'x' lies beyond"},
       {"a short payload", [](PointCloud2& c) { c.data.pop_back(); },
-       "it has 83 bytes of data, its sizes promise 84"},
+       "it has 107 bytes of data, its sizes promise 108"},
       {"a huge size", [](PointCloud2& c) { c.width = c.height = c.row_step = 0xffffffffU; },
        "is less than"},
       {"rows that overlap", [](PointCloud2& c) { c.height = 2, c.row_step = 0; },
-       "row_step 0 is less than the 84 bytes"},
+       "row_step 0 is less than the 108 bytes"},
       {"NaN in x", [](PointCloud2& c) { setFloat(c, 1, "x", kNan); }, "not finite"},
       {"infinity in y", [](PointCloud2& c) { setFloat(c, 2, "y", kInfinity); }, "not finite"},
       {"NaN in hit", [](PointCloud2& c) { setFloat(c, 0, "hit", kNan); }, "not finite"},

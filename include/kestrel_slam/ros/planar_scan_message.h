@@ -10,8 +10,8 @@
 
 namespace kestrel_slam {
 
-/// A planar scan as a message, one point a ray, all float32: `x`, `y`, `z` (0) of the end, `hit` (1:
-/// something was hit there, 0: the ray only clears), `origin_x`, `origin_y` of the ray, and
+/// A planar scan as a message, one point a ray, all float32: `x`, `y`, `z` (0) of the end, `hit`
+/// (1: something was hit there, 0: the ray only clears), `origin_x`, `origin_y` of the ray, and
 /// `heading`, the gyro's integrated heading, the same for all rays; NaN where there is no gyro;
 /// `speed_x`, `speed_y`, the integrated acceleration (PlanarScan::speed), NaN where there is none.
 /// `stamp` is the recorded stamp of the scan, its name and reference time.
