@@ -23,6 +23,7 @@ PosePublisher::PosePublisher(ros::NodeHandle nh, const NodeConfig& config) : con
   pose_update_publisher_ =
       nh.advertise<PoseWithCovarianceStamped>(config.pose_update_topic, kQueueSize);
   cloud_publisher_ = nh.advertise<sensor_msgs::PointCloud2>("slam_cloud", kQueueSize);
+  slam_odometry_publisher_ = nh.advertise<nav_msgs::Odometry>("odom/slam", kQueueSize);
   if (config.pub_odometry) {
     odometry_publisher_ = nh.advertise<nav_msgs::Odometry>("scanmatch_odom", kQueueSize);
   }
@@ -89,12 +90,14 @@ void PosePublisher::publishPose(const ros::Time& stamp, const MapperResult& resu
   pose.pose = update.pose.pose;
   pose_publisher_.publish(pose);
 
-  if (!config_.pub_odometry) return;
   nav_msgs::Odometry odometry;
   odometry.header = update.header;
   odometry.child_frame_id = config_.base_frame;
   odometry.pose = update.pose;
-  odometry_publisher_.publish(odometry);
+  odometry.twist.twist.linear.x = result.velocity.x();
+  odometry.twist.twist.linear.y = result.velocity.y();
+  slam_odometry_publisher_.publish(odometry);
+  if (config_.pub_odometry) odometry_publisher_.publish(odometry);
 }
 
 void PosePublisher::publishCloud(const ros::Time& stamp, const MapperResult& result,
