@@ -23,6 +23,12 @@ constexpr double kLostM = 1.0, kLostRad = 0.5;
 constexpr double kMaxSpeed = 3.0;  // m/s
 constexpr double kMinPlausibleM = 0.05;
 
+/// No vehicle turns faster, and the heading is no more noisy than this.
+constexpr double kMaxTurnRate = 12.0;  // rad/s
+constexpr double kTurnNoise = 0.1;     // rad
+/// Lost for longer than this in a row, the vehicle may have been turned by hand.
+constexpr int kTrustedLostScans = 40;
+
 /// Time constant of the velocity, s.
 constexpr double kVelocityTime = 0.15;
 
@@ -99,6 +105,7 @@ struct Mapper::State {
 
   MatchRequest request(const Points& points, const PlanarScan& scan,
                        const std::optional<Pose2>& odom_now) const;
+  std::optional<double> turnSince(const PlanarScan& scan) const;
   Eigen::Vector2d gainedSpeed(const PlanarScan& scan) const;
   MatchState judge(const MatchResult& match) const;
   void move(const MatchResult& match, const Pose2& prediction, MatchState match_state,
@@ -114,11 +121,12 @@ MatchRequest Mapper::State::request(const Points& points, const PlanarScan& scan
   MatchRequest result{points, pose, {}, false, 1.0};
   const Pose2 continued = pose * motion;
   result.starts = {continued, pose, halfway(pose, continued)};
-  const bool has_turn = heading && scan.heading;
+  const std::optional<double> turn = turnSince(scan);
+  const bool has_turn = turn.has_value();
   if (has_turn) {
     // The gyro knows the rotation better than any motion model, and at the rate of such lasers the
     // smoothed velocity the motion better than two noisy poses. Without both in the last place.
-    const double theta = pose.theta + *scan.heading - *heading;
+    const double theta = pose.theta + *turn;
     const double seconds = std::clamp(scan.time - time, 0.0, config.gap_s);
     const Eigen::Vector2d moved =
         pose.translation() + seconds * (velocity + 0.5 * gainedSpeed(scan));
@@ -130,17 +138,27 @@ MatchRequest Mapper::State::request(const Points& points, const PlanarScan& scan
     const auto place = lost_scans > 0 ? result.starts.begin() : result.starts.end();
     result.starts.insert(place, pose * (odom->inverse() * *odom_now));
   }
-  result.search_all_round = !has_turn && (lost_scans > 0 || scan.time - time > config.gap_s);
+  result.turn_known = has_turn && lost_scans < kTrustedLostScans;
+  result.search_all_round =
+      !result.turn_known && (lost_scans > 0 || scan.time - time > config.gap_s);
   result.search_scale = std::min(1.0 + 0.1 * lost_scans, kMaxSearchScale);
   result.plausible_m = std::max(kMinPlausibleM, kMaxSpeed * (scan.time - found_time));
   if (placed) result.plausible_m = std::numeric_limits<double>::infinity();
   return result;
 }
 
+/// What the gyro says of the turn since the last scan, rad; nothing after a gap, or where the
+/// heading began anew.
+std::optional<double> Mapper::State::turnSince(const PlanarScan& scan) const {
+  const double seconds = scan.time - time;
+  if (!heading || !scan.heading || !(seconds <= config.gap_s)) return std::nullopt;
+  const double turn = *scan.heading - *heading;
+  return std::abs(turn) <= kMaxTurnRate * seconds + kTurnNoise ? std::optional(turn) : std::nullopt;
+}
+
 /// What the accelerometer says of the velocity since the last scan, in map, m/s.
 Eigen::Vector2d Mapper::State::gainedSpeed(const PlanarScan& scan) const {
-  const bool known = heading && speed && scan.speed && scan.time - time <= config.gap_s;
-  if (!known) return Eigen::Vector2d::Zero();
+  if (!turnSince(scan) || !speed || !scan.speed) return Eigen::Vector2d::Zero();
   return Eigen::Rotation2Dd(pose.theta - *heading) * (*scan.speed - *speed);
 }
 

@@ -15,6 +15,8 @@ constexpr std::array<float, kMatchStages> kStageScales = {0.3F, 0.12F, 0.05F};
 constexpr double kCoarseStepM = 0.01, kCoarseStepRad = 0.005;
 /// Points that are enough for them.
 constexpr std::size_t kCoarsePoints = 150;
+/// How far the search turns where the gyro knows the heading, rad.
+constexpr double kKnownTurn = 0.1;
 constexpr std::size_t kLastStage = kMatchStages - 1;
 /// Pull towards the start, in shares of what the points say across a wall they stand on: it
 /// decides only where they say nothing.
@@ -75,8 +77,13 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
   const std::size_t count = request.search_all_round ? windows.size() : windows.size() - 1;
   for (std::size_t i = 0; i < count && best.fit.score < config_.search_score; ++i) {
     windows[i].linear_m *= request.search_scale;
+    Pose2 center = request.last;
+    if (request.turn_known) {
+      center = Pose2(center.x, center.y, request.starts.front().theta);
+      windows[i].angular_rad = std::min(windows[i].angular_rad, kKnownTurn);
+    }
     const SearchResult found =
-        searchWindow(map.surface(), request.points, request.last, windows[i], config_.correlative);
+        searchWindow(map.surface(), request.points, center, windows[i], config_.correlative);
     Candidate other = refine(map, request, found.pose);
     result.iterations += other.descent.iterations;
     if (other.preferred > best.preferred + marginOf(request, other)) best = other;
