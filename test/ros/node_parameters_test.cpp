@@ -41,8 +41,7 @@ struct Outcome {
 /// Runs the node with an argument to its end, or for `seconds`.
 Outcome runNode(const std::string& argument, int seconds) {
   const std::string command = "timeout -s INT " + std::to_string(seconds) +
-                              " " KESTREL_MAPPER_NODE " __name:=parameters " + argument +
-                              " 2>&1";
+                              " " KESTREL_MAPPER_NODE " __name:=parameters " + argument + " 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
   Outcome outcome{-1, ""};
   if (pipe == nullptr) return outcome;

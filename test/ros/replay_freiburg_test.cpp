@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <string>
 
+#include "../tools/temporary_folder.h"
 #include "kestrel_slam/tools/bag_writer.h"
 #include "kestrel_slam/tools/evaluation.h"
 #include "kestrel_slam/tools/recording.h"
-#include "../tools/temporary_folder.h"
 #include "mapper_client.h"
 
 namespace kestrel_slam {

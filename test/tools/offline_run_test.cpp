@@ -1,4 +1,3 @@
-#include "kestrel_slam/sensor/projection.h"
 #include "kestrel_slam/tools/offline_run.h"
 
 #include <gtest/gtest.h>
@@ -6,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "kestrel_slam/sensor/projection.h"
 #include "tools/room_log.h"
 #include "tools/temporary_folder.h"
 
