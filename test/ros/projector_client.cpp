@@ -15,7 +15,7 @@ constexpr std::uint32_t kQueue = 1000;
 constexpr double kImuPeriod = 0.005;   // s
 constexpr double kScanPeriod = 0.025;  // s
 constexpr float kTolerance_m = 1e-3F;
-constexpr double kSlice_m = 1.0;         // the default: above and below the laser
+constexpr double kSlice_m = 1.5;         // the default: above and below the laser
 constexpr double kLimit_m = 0.005;       // so close to the slice's limits a beam may be in or out
 constexpr std::size_t kAtTheLimits = 8;  // beams that may end there
 
