@@ -1,6 +1,7 @@
 #include "projector_client.h"
 
 #include <gtest/gtest.h>
+#include <ros/master.h>
 
 #include <algorithm>
 #include <cmath>
@@ -25,6 +26,19 @@ float distanceToNearest(const Eigen::Vector2f& point, const std::vector<Eigen::V
   return nearest;
 }
 
+/// How many nodes subscribe to a topic, as the ROS master knows.
+std::size_t subscribingNodes(const std::string& topic) {
+  XmlRpc::XmlRpcValue request(ros::this_node::getName()), response, state;
+  if (!ros::master::execute("getSystemState", request, response, state, false)) return 0;
+  XmlRpc::XmlRpcValue& subscribed = state[1];  // [publishers, subscribers, services]
+  for (int i = 0; i < subscribed.size(); ++i) {
+    if (std::string(subscribed[i][0]) == topic) {
+      return static_cast<std::size_t>(subscribed[i][1].size());
+    }
+  }
+  return 0;
+}
+
 }  // namespace
 
 ProjectorClient::ProjectorClient(const std::string& ns)
@@ -32,6 +46,8 @@ ProjectorClient::ProjectorClient(const std::string& ns)
   scan_publisher = nh.advertise<sensor_msgs::LaserScan>("scan", kQueue);
   imu_publisher = nh.advertise<sensor_msgs::Imu>("imu/data", kQueue);
   cloud_publisher = nh.advertise<sensor_msgs::PointCloud2>("points", kQueue);
+  constexpr bool kLatch = true;
+  mounting_publisher_ = nh.advertise<tf2_msgs::TFMessage>("/tf_static", 1, kLatch);
   const boost::function<void(const sensor_msgs::PointCloud2ConstPtr&)> on_planar_scan =
       [this](const sensor_msgs::PointCloud2ConstPtr& message) {
         planar_scans[message->header.stamp] = message;
@@ -41,20 +57,22 @@ ProjectorClient::ProjectorClient(const std::string& ns)
 }
 
 bool ProjectorClient::connect(bool with_imu) {
-  constexpr double kSettle = 0.3;  // s, until the mountings have arrived as well
+  constexpr double kSettle = 0.3;  // s, from a connection to the mountings that come by it
   const auto listens = [this, with_imu] {
     return scan_publisher.getNumSubscribers() > 0 && cloud_publisher.getNumSubscribers() > 0 &&
            (!with_imu || imu_publisher.getNumSubscribers() > 0) &&
-           subscribers_[0].getNumPublishers() > 0;
+           subscribers_[0].getNumPublishers() > 0 &&
+           mounting_publisher_.getNumSubscribers() >= subscribingNodes("/tf_static");
   };
-  const bool connected = waitFor(listens, 10.0);
+  const bool connected = waitFor(listens, 20.0);
   wait(kSettle);
   return connected;
 }
 
 void ProjectorClient::mount(const std::string& name, const Eigen::Isometry3d& base_T_sensor) {
-  static_broadcaster.sendTransform(
+  mountings_.transforms.push_back(
       transformMessage(frame("base"), frame(name), base_T_sensor, time));
+  mounting_publisher_.publish(mountings_);
 }
 
 void ProjectorClient::flyImu(double end) {

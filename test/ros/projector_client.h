@@ -6,7 +6,6 @@
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <sensor_msgs/Range.h>
-#include <tf2_ros/static_transform_broadcaster.h>
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <map>
@@ -41,7 +40,7 @@ class ProjectorClient : public NodeWatcher {
   sensor_msgs::LaserScan nextScan();
 
   /// Publishes a scan and waits for what becomes of it.
-  std::optional<PlanarScan> project(const sensor_msgs::LaserScan& scan, double timeout_s = 3.0);
+  std::optional<PlanarScan> project(const sensor_msgs::LaserScan& scan, double timeout_s = 10.0);
 
   /// Publishes the IMU up to the end of the next scan and the scan, and expects that its end points
   /// are right.
@@ -56,7 +55,6 @@ class ProjectorClient : public NodeWatcher {
 
   ros::NodeHandle nh;
   ros::Publisher scan_publisher, imu_publisher, cloud_publisher, height_publisher;
-  tf2_ros::StaticTransformBroadcaster static_broadcaster;
 
   TiltingFlight flight;
   Eigen::Isometry3d base_T_laser = mounting(0.1, -0.05, 0.08, 0.05, -0.03, 0.3);
@@ -70,6 +68,8 @@ class ProjectorClient : public NodeWatcher {
 
  private:
   std::string ns_;
+  ros::Publisher mounting_publisher_;
+  tf2_msgs::TFMessage mountings_;
   std::vector<ros::Subscriber> subscribers_;
 };
 

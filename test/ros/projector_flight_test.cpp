@@ -236,6 +236,8 @@ TEST(ProjectorFlight, WithoutImuScansCanBeTakenToBeLevel) {
   client.expectRight(client.project(client.nextScan()), time, client.base_T_laser);
   EXPECT_EQ(client.diagnosis("Scans", "projected without attitude"), "1");
   client.flight = TiltingFlight();
+  client.flyImu(client.time);  // the IMU is known from now on: scans wait for it
+  ASSERT_TRUE(client.waitFor([&] { return client.transforms["fallback_base"].size() > 1; }));
   for (int i = 0; i < 3; ++i) client.flyOn();
   EXPECT_EQ(client.diagnosis("Scans", "projected without attitude"), "1");
 }
