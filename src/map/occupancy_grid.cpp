@@ -38,6 +38,24 @@ const std::array<Lanes, 256>& laneMasks() {
   return masks;
 }
 
+/// Lowers the 32 values of a row where a bit is set. All values are copies: the compiler may not
+/// keep members in lanes, as any of the writes could change them.
+void addMisses(std::uint32_t bits, std::int16_t miss, std::int16_t min, std::int16_t* values) {
+  const std::array<Lanes, 256>& masks = laneMasks();
+  for (; bits != 0U; bits >>= 8U, values += 8) {
+    const Lanes mask = masks[bits & 0xFFU];
+    Lanes sums;
+    for (std::size_t lane = 0; lane < 8; ++lane) {
+      const auto value = static_cast<std::int16_t>(values[lane] + (mask[lane] & miss));
+      const std::int16_t clamped = std::max(value, min);
+      // A sum of exactly 0 would mean unknown: all bits set is -1, the least evidence for free.
+      const auto zero = static_cast<std::int16_t>(clamped == 0 ? -1 : 0);
+      sums[lane] = static_cast<std::int16_t>(clamped | (zero & mask[lane]));
+    }
+    std::copy(sums.begin(), sums.end(), values);
+  }
+}
+
 /// Lanes of the bit of a cell within its row.
 std::uint32_t bitOf(const Cell& cell) {
   return 1U << (static_cast<unsigned>(cell.x) & (kTileSide - 1U));
@@ -189,21 +207,10 @@ void OccupancyGrid::apply(Tile& tile) {
 }
 
 void OccupancyGrid::applyMisses(Tile& tile) {
-  const std::array<Lanes, 256>& masks = laneMasks();
   for (std::size_t row = 0; row < kTileSide; ++row) {
     const Row missed = tile.missed[row] & ~tile.hit[row];
     if (missed == 0U) continue;
-    std::int16_t* values = tile.log_odds.data() + row * kTileSide;
-    for (std::size_t byte = 0; byte < sizeof(Row); ++byte, values += 8) {
-      const Lanes& mask = masks[missed >> (8U * byte) & 0xFFU];
-      for (std::size_t lane = 0; lane < 8; ++lane) {
-        auto value = static_cast<std::int16_t>(values[lane] + (mask[lane] & miss_));
-        value = std::max(value, min_);
-        // A sum of exactly 0 would mean unknown: all bits set is -1, the least evidence for free.
-        const auto zero = static_cast<std::int16_t>(value == 0 ? -1 : 0);
-        values[lane] = static_cast<std::int16_t>(value | (zero & mask[lane]));
-      }
-    }
+    addMisses(missed, miss_, min_, tile.log_odds.data() + row * kTileSide);
     for (Row bits = missed & tile.occupied[row]; bits != 0U; bits &= bits - 1U) {
       const int column = __builtin_ctz(bits);
       if (tile.log_odds[row * kTileSide + static_cast<std::size_t>(column)] > 0) continue;

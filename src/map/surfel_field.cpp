@@ -11,6 +11,8 @@ namespace {
 constexpr float kMaxCount = 15.0F;
 /// Neighbours that make the line of a wall: cells up to this far, so 0.25 m at 5 cm.
 constexpr int kShapeRadius = 2;
+/// A mean of many hits that moves by less than this, in cells, keeps its line.
+constexpr float kMinShift = 0.05F;
 /// A line needs this many cells, and this ratio of length to thickness (of standard deviations).
 constexpr int kMinShapeCells = 3;
 constexpr float kMinElongation = 2.0F;
@@ -79,8 +81,11 @@ bool SurfelField::update(const OccupancyGrid& grid, const OccupancyGrid::Changes
   for (std::size_t i = 0; i < changes.hits.size(); ++i) {
     if (grid.isOccupied(changes.hits[i].cell)) addHit(changes.hits[i], tangentAt(changes.hits, i));
   }
-  for (const std::uint32_t id : changed_) addMean(id);
-  for (const std::uint32_t id : changed_) updateShape(id);
+  moved_.clear();
+  for (const std::uint32_t id : changed_) {
+    if (addMean(id)) moved_.push_back(id);
+  }
+  for (const std::uint32_t id : moved_) updateShape(id);
   return !full_;
 }
 
@@ -154,16 +159,19 @@ std::uint32_t SurfelField::create(const OccupancyGrid::Changes::Hit& hit) {
 }
 
 /// Adds the hits of one scan to the mean all at once: one after the other, the last of the sweep
-/// would count most, and turn the map a little with every scan.
-void SurfelField::addMean(std::uint32_t id) {
+/// would count most, and turn the map a little with every scan. True where the surfel's line has to
+/// follow.
+bool SurfelField::addMean(std::uint32_t id) {
   Surfel& surfel = surfels_[id];
-  const bool is_new = surfel.count == 0.0F;
+  const bool is_new = surfel.count == 0.0F, is_settled = surfel.count >= kMaxCount;
   surfel.count = std::max(std::min(surfel.count + surfel.new_hits, kMaxCount), surfel.new_hits);
-  surfel.mean += surfel.new_sum / surfel.count;
+  const Eigen::Vector2f shift = surfel.new_sum / surfel.count;
+  surfel.mean += shift;
   surfel.count = std::min(surfel.count, kMaxCount);
   surfel.new_hits = 0.0F;
   surfel.new_sum.setZero();
   if (is_new) spread(id);
+  return !is_settled || shift.norm() > kMinShift * resolution_;
 }
 
 void SurfelField::spread(std::uint32_t id) {

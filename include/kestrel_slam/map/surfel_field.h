@@ -31,8 +31,8 @@ struct Surfel {
 /// the wall through it has sub-cell accuracy and an exact gradient.
 class SurfelField {
  public:
-  /// How far from a surfel cells still know it: 0.5 m at 5 cm.
-  static constexpr int kReachCells = 10;
+  /// How far from a surfel cells still know it: 0.45 m at 5 cm.
+  static constexpr int kReachCells = 9;
   /// What of a distance along a wall counts: keeps points from sliding past its end.
   static constexpr float kAlongWeight = 0.05F;
 
@@ -79,7 +79,7 @@ class SurfelField {
   void setOwn(const Cell& cell, bool own);
   void addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Vector2f& tangent2);
   std::uint32_t create(const OccupancyGrid::Changes::Hit& hit);
-  void addMean(std::uint32_t id);
+  bool addMean(std::uint32_t id);
   void spread(std::uint32_t id);
   void remove(const Cell& cell);
   void orphan(std::uint32_t id);
@@ -99,6 +99,7 @@ class SurfelField {
   std::vector<Surfel> surfels_;
   std::vector<std::uint32_t> free_;     ///< places in surfels_ that can be used again
   std::vector<std::uint32_t> changed_;  ///< surfels hit by the scan being inserted
+  std::vector<std::uint32_t> moved_;    ///< those whose line has to follow
   std::vector<Cell> orphans_;           ///< of a removal: cells whose nearest surfel it was,
   struct Adopter {
     Eigen::Vector2f mean;  ///< in cells
