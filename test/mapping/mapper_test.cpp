@@ -55,6 +55,20 @@ TEST(Mapper, FollowsADriveWithoutOdometry) {
   }
 }
 
+TEST(Mapper, FollowsADriveProgressively) {
+  MapperConfig config;
+  config.matcher.method = "progressive";
+  Mapper mapper{config};
+  mapper.reset(drive(0));
+  for (int i = 0; i < 60; ++i) {
+    const MapperResult result = mapper.process(scanAt(i));
+    ASSERT_EQ(result.state, MatchState::kOk) << i;
+    ASSERT_LT((drive(i).inverse() * result.pose).distance(), 0.05) << i;
+    ASSERT_LT(std::abs(normalizeAngle(drive(i).theta - result.pose.theta)), 0.015) << i;
+    expectFinite(result);
+  }
+}
+
 TEST(Mapper, InsertsOnMotionOnly) {
   Mapper mapper{MapperConfig()};
   EXPECT_TRUE(mapper.process(room::scanFrom(Pose2())).inserted);
