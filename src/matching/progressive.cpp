@@ -12,9 +12,9 @@ namespace {
 
 static_assert(OccupancyGrid::kLevels == kMatchStages, "one stage a level");
 constexpr int kCoarsestLevel = OccupancyGrid::kLevels - 1;
-/// Points that vote on a level, 5 cm first: large cells need few of them, and beyond a beam a
-/// degree neighbours hit the same cells.
-constexpr std::array<std::size_t, OccupancyGrid::kLevels> kPoints = {360, 180, 90};
+/// Points that vote on a level, 5 cm first: large cells need few of them, as neighbours hit the
+/// same ones.
+constexpr std::array<std::size_t, OccupancyGrid::kLevels> kPoints = {180, 120, 90};
 /// Points between two looks at whether a candidate can still matter.
 constexpr std::size_t kChunk = 32;
 /// Candidates less likely than the best one by e to the power of minus this do not matter.
@@ -40,7 +40,16 @@ class Ballot {
 
   /// The voting likelihood; 0 as soon as it is clear that it stays below `enough`.
   double vote(const Pose2& pose, double enough) const {
+    static_assert(kCoarsestLevel == 2, "one case a level");
     if (cells_.empty()) return 0.0;
+    if (level_ == 0) return count<0>(pose, enough);
+    return level_ == 1 ? count<1>(pose, enough) : count<2>(pose, enough);
+  }
+
+ private:
+  /// For a level that the compiler knows: the look-up of a cell is most of the matcher's work.
+  template <int kLevel>
+  double count(const Pose2& pose, double enough) const {
     const auto c = static_cast<float>(std::cos(pose.theta));
     const auto s = static_cast<float>(std::sin(pose.theta));
     const float x = static_cast<float>(pose.x) * inverse_cell_;
@@ -54,14 +63,13 @@ class Ballot {
         const Eigen::Vector2f& p = cells_[i];
         const Cell hit{floorToInt(x + c * p.x() - s * p.y()),
                        floorToInt(y + s * p.x() + c * p.y())};
-        const auto probability = static_cast<float>(grid_.levelProbability(level_, hit));
+        const auto probability = static_cast<float>(grid_.levelProbability(kLevel, hit));
         sum += probability > kOccupied ? probability : 0.0F;
       }
     }
     return static_cast<double>(sum) / static_cast<double>(cells_.size());
   }
 
- private:
   const OccupancyGrid& grid_;
   int level_;
   float inverse_cell_;

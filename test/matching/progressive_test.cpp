@@ -2,9 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
-
-#include "kestrel_slam/matching/matcher.h"
 #include "kestrel_slam/simulation/random.h"
 #include "room.h"
 
@@ -23,18 +20,6 @@ OccupancyGrid wall() {
   OccupancyGrid grid{OccupancyGridConfig()};
   grid.insert(scan, Pose2());
   return grid;
-}
-
-/// The room, turned so that its walls cross the cells in all ways: along the borders of cells all
-/// points would err by half a cell the same way, as no voting can see.
-const Pose2 kTurned(0.013, 0.021, 0.3);
-
-Submap turnedRoom() {
-  Submap map{OccupancyGridConfig()};
-  for (const Pose2& pose : {Pose2(0, 0, 0), Pose2(0.5, 0.3, 1), Pose2(-0.6, -0.4, 2)}) {
-    map.insert(room::scanFrom(pose), kTurned * pose);
-  }
-  return map;
 }
 
 /// End points on a line at `y`, away from the ends of the wall.
@@ -170,9 +155,12 @@ TEST(BestCandidate, WhereNothingVotesIsTheCentre) {
 }
 
 TEST(ProgressiveRefiner, FindsADisplacementWithinTheFinestCell) {
-  const Submap map = turnedRoom();
+  // Turned, so that the walls cross the cells in all ways: along the borders of cells all points
+  // err by half a cell the same way, and no vote can see it.
+  const Pose2 map_T_room(0.013, 0.021, 0.3);
+  const Submap map = room::map(map_T_room);
   const ProgressiveRefiner refiner{ProgressiveConfig()};
-  const Pose2 in_room(0.2, 0.1, 0.3), truth = kTurned * in_room;
+  const Pose2 in_room(0.2, 0.1, 0.3), truth = map_T_room * in_room;
   const Points points = room::hitsOf(room::scanFrom(in_room));
   for (const Pose2& offset : {Pose2(0.12, 0.0, 0.0), Pose2(-0.08, 0.1, 0.04), Pose2(0, 0, -0.08)}) {
     const Refinement result = refiner.refine(map.grid(), points, truth * offset, {0.1, 0.05});
@@ -230,90 +218,6 @@ TEST(ProgressiveRefiner, GoesOnWhereTheCoarserCellCouldNotSeeIt) {
   EXPECT_LE(result.poses[1].y, -0.07 + 1e-6);
   EXPECT_GE(result.poses[2].y, -0.17 - 1e-6);
   EXPECT_LE(result.poses[2].y, -0.12 + 1e-6) << "within the wall's cell of 5 cm";
-}
-
-TEST(ProgressiveMatcher, SaysThatItStopped) {
-  Submap map{OccupancyGridConfig()};
-  PlanarScan scan;
-  for (int i = -40; i < 40; ++i) {
-    scan.rays.push_back({Eigen::Vector2f::Zero(),
-                         Eigen::Vector2f(0.05F * static_cast<float>(i) + 0.025F, 2.02F), true});
-  }
-  map.insert(scan, Pose2());
-  MatcherConfig config;
-  config.method = "progressive";
-  config.search_score = 0.0;
-  config.progressive.slack_cells = 0.0;
-  config.progressive.min_sigma_rad = 0.001;
-  const MatchResult result =
-      makeMatcher(config)->match(map, {lineAt(2.17F), Pose2(), {Pose2()}, false, 1.0});
-  EXPECT_FALSE(result.converged);
-  EXPECT_EQ(result.pose, Pose2());
-  EXPECT_EQ(result.iterations, 1);
-  EXPECT_FALSE(result.searched);
-  for (const StageEstimate& stage : result.stages) EXPECT_EQ(stage.pose, Pose2());
-}
-
-TEST(ProgressiveMatcher, TheSeedAloneDecides) {
-  const Submap map = room::map();
-  const Pose2 truth(0.2, 0.1, 0.3), start = truth * Pose2(0.06, -0.04, 0.04);
-  const Points points = room::hitsOf(room::scanFrom(truth));
-  const auto poseWith = [&](const Matcher& matcher) {
-    return matcher.match(map, {points, start, {start}, false, 1.0});
-  };
-  MatcherConfig config;
-  config.method = "progressive";
-  const std::unique_ptr<Matcher> matcher = makeMatcher(config);
-  const MatchResult first = poseWith(*matcher), again = poseWith(*matcher),
-                    other_matcher = poseWith(*makeMatcher(config));
-  for (const MatchResult& same : {again, other_matcher}) {
-    EXPECT_EQ(same.pose, first.pose);
-    EXPECT_EQ(same.covariance, first.covariance);
-    EXPECT_EQ(same.score, first.score);
-  }
-  config.progressive.seed = 2;
-  EXPECT_FALSE(poseWith(*makeMatcher(config)).pose == first.pose);
-}
-
-TEST(ProgressiveMatcher, SearchesWhereTheStartIsFarOff) {
-  const Submap map = turnedRoom();
-  const Pose2 in_room(0.3, 0.2, 0.4), truth = kTurned * in_room;
-  const Pose2 start = truth * Pose2(0.5, -0.4, 0.7);
-  const Points points = room::hitsOf(room::scanFrom(in_room));
-  MatcherConfig config;
-  config.method = "progressive";
-  const MatchResult result = makeMatcher(config)->match(map, {points, start, {start}, false, 1.0});
-  EXPECT_TRUE(result.searched);
-  EXPECT_LT((truth.inverse() * result.pose).distance(), 0.01);
-  EXPECT_NEAR(normalizeAngle(result.pose.theta - truth.theta), 0.0, 0.01);
-}
-
-/// Mean of e' P^-1 e over many matches with 1 cm of range noise; 3 where the covariance is true.
-TEST(ProgressiveMatcher, CovarianceIsThatOfTheError) {
-  MatcherConfig config;
-  config.method = "progressive";
-  const std::unique_ptr<Matcher> matcher = makeMatcher(config);
-  const Submap map = turnedRoom();
-  Random random(5);
-  constexpr int kRuns = 200;
-  double sum = 0.0;
-  for (int i = 0; i < kRuns; ++i) {
-    const Pose2 in_room(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5),
-                        random.uniform(-kPi, kPi));
-    const Pose2 truth = kTurned * in_room;
-    Points points = room::hitsOf(room::scanFrom(in_room));
-    for (Eigen::Vector2f& p : points) {
-      p += 0.01F * static_cast<float>(random.gaussian()) * p.normalized();
-    }
-    const Pose2 start =
-        truth * Pose2(0.05 * random.gaussian(), 0.05 * random.gaussian(), 0.02 * random.gaussian());
-    const MatchResult result = matcher->match(map, {points, start, {start}, false, 1.0});
-    const Eigen::Vector3d error(result.pose.x - truth.x, result.pose.y - truth.y,
-                                normalizeAngle(result.pose.theta - truth.theta));
-    sum += error.dot(result.covariance.inverse() * error);
-  }
-  EXPECT_GT(sum / kRuns, 1.0);
-  EXPECT_LT(sum / kRuns, 4.0);
 }
 
 }  // namespace
