@@ -16,11 +16,11 @@ struct ProgressiveConfig {
   int seed = 1;  ///< of the candidates: the same seed, the same poses to the last bit
   int coarse_candidates = 400;  ///< n1, on the 20 cm level, which has the largest space
   int fine_candidates = 400;    ///< n2 = n3, on the 10 and the 5 cm level
-  int wide_candidates = 3000;   ///< where nothing near the prediction fits: some every 20 cm
+  int wide_candidates = 3000;   ///< where nothing near the prediction fits: a larger space
   double motion_share = 0.3;    ///< λ1 = λ2 of eq. 8-9: sigma of x and y per metre moved
   double turn_share = 0.3;      ///< λ3 of eq. 10: sigma of the heading per radian turned
   double min_sigma_m = 0.1;     ///< a standing vehicle has to be able to start: half a coarse cell,
-  double min_sigma_rad = 0.05;  ///< and the same for end points 2 m away
+  double min_sigma_rad = 0.05;  ///< and the same 2 m away; 400 candidates fill no more
   double shrink = 0.5;          ///< of the candidate space from level to level, as the cells shrink
   double slack_cells = 0.5;     ///< a correction of up to so many cells of the coarser level never
                                 ///< stops the refinement: it could not be seen there; 0: eq. as is
