@@ -66,10 +66,10 @@ inline Points hitsOf(const PlanarScan& scan) {
 }
 
 /// The map of the room, as three scans see it.
-inline Submap map() {
+inline Submap map(const Pose2& map_T_room = Pose2()) {
   Submap map{OccupancyGridConfig()};
   for (const Pose2& pose : {Pose2(0, 0, 0), Pose2(0.5, 0.3, 1), Pose2(-0.6, -0.4, 2)}) {
-    map.insert(scanFrom(pose), pose);
+    map.insert(scanFrom(pose), map_T_room * pose);
   }
   return map;
 }

@@ -18,8 +18,20 @@ std::int16_t logOddsOf(double probability) {
       std::lround(kLogOddsScale * std::log(probability / (1.0 - probability))));
 }
 
-double probabilityOf(std::int16_t log_odds) {
-  return 1.0 / (1.0 + std::exp(-static_cast<double>(log_odds) / kLogOddsScale));
+/// The probability of every fixed-point log odds: matchers read millions of cells, and an
+/// exponential costs more than all the rest of it. Points at that of zero.
+const double* probabilityTable() {
+  constexpr int kMin = std::numeric_limits<std::int16_t>::min();
+  constexpr int kMax = std::numeric_limits<std::int16_t>::max();
+  static const std::vector<double> table = [] {
+    std::vector<double> values;
+    values.reserve(kMax - kMin + 1);
+    for (int log_odds = kMin; log_odds <= kMax; ++log_odds) {
+      values.push_back(1.0 / (1.0 + std::exp(-static_cast<double>(log_odds) / kLogOddsScale)));
+    }
+    return values;
+  }();
+  return table.data() - kMin;
 }
 
 /// For every byte the eight 16-bit masks of its bits: turns a row of bits into lanes that the
@@ -97,6 +109,7 @@ OccupancyGrid::OccupancyGrid(const OccupancyGridConfig& config)
       miss_(logOddsOf(config.miss_probability)),
       min_(logOddsOf(config.min_probability)),
       max_(logOddsOf(config.max_probability)),
+      probabilities_(probabilityTable()),
       tiles_(static_cast<std::size_t>(config.memory_limit_mb * kBytesPerMegabyte)) {}
 
 void OccupancyGrid::clear() {
@@ -227,20 +240,6 @@ void OccupancyGrid::pool(Tile& tile) {
 }
 
 double OccupancyGrid::probability(const Cell& cell) const { return levelProbability(0, cell); }
-
-double OccupancyGrid::levelProbability(int level, const Cell& cell) const {
-  return probabilityOf(levelLogOdds(level, cell));
-}
-
-std::int16_t OccupancyGrid::levelLogOdds(int level, const Cell& cell) const {
-  const Tile* tile = tiles_.find({cell.x * (1 << level), cell.y * (1 << level)});
-  if (tile == nullptr) return 0;
-  const unsigned side = static_cast<unsigned>(kTileSide) >> level;
-  const std::size_t offset = (static_cast<unsigned>(cell.y) & (side - 1U)) * side +
-                             (static_cast<unsigned>(cell.x) & (side - 1U));
-  if (level == 0) return tile->log_odds[offset];
-  return level == 1 ? tile->level1[offset] : tile->level2[offset];
-}
 
 InterpolatedValue OccupancyGrid::interpolate(int level, const Eigen::Vector2f& point) const {
   const float scale = inverse_resolution_ / static_cast<float>(1 << level);

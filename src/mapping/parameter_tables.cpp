@@ -10,6 +10,7 @@ using namespace parameter_table;
 
 std::vector<Parameter> mapperParametersOf(MapperConfig& mapper) {
   OccupancyGridConfig& grid = mapper.grid;
+  ProgressiveConfig& progressive = mapper.matcher.progressive;
   return {
       number("map_resolution", "m", &grid.resolution_m, 0.005, 1.0, "edge length of a map cell"),
       number("update_factor_free", "", &grid.miss_probability, 0.01, 0.49,
@@ -42,13 +43,36 @@ std::vector<Parameter> mapperParametersOf(MapperConfig& mapper) {
              "where that finds nothing good: this far in heading"),
       number("match_iterations", "", &mapper.matcher.gauss_newton.max_iterations, 1.0, 1000.0,
              "Gauss-Newton iterations of each resolution at most"),
+      number("progressive_seed", "", &progressive.seed, 0.0, 1e9,
+             "of the candidates of matcher progressive: the same seed, the same result"),
+      number("progressive_coarse_candidates", "", &progressive.coarse_candidates, 1.0, 1e6,
+             "poses it tries on the coarsest level"),
+      number("progressive_fine_candidates", "", &progressive.fine_candidates, 1.0, 1e6,
+             "poses it tries on each finer level"),
+      number("progressive_wide_candidates", "", &progressive.wide_candidates, 1.0, 1e6,
+             "poses it tries where nothing near the prediction fits"),
+      number("progressive_motion_share", "", &progressive.motion_share, 0.0, 10.0,
+             "its sigma of the position, in shares of the motion since the last scan"),
+      number("progressive_turn_share", "", &progressive.turn_share, 0.0, 10.0,
+             "its sigma of the heading, in shares of the turn since the last scan"),
+      number("progressive_min_sigma", "m", &progressive.min_sigma_m, 0.001, 10.0,
+             "its smallest sigma of the position"),
+      number("progressive_min_sigma_angle", "rad", &progressive.min_sigma_rad, 0.001, 3.15,
+             "its smallest sigma of the heading"),
+      number("progressive_shrink", "", &progressive.shrink, 0.01, 1.0,
+             "sigmas of a level, in shares of those of the coarser level"),
+      number("progressive_slack", "cells", &progressive.slack_cells, 0.0, 100.0,
+             "a correction up to so many cells of the coarser level never stops it; 0: paper 002"),
+      number("progressive_beams", "", &progressive.beams, 1.0, 1e6,
+             "what a scan that fits is worth against the motion model, in units of log likelihood"),
       flag("use_evaluation_function", &mapper.evaluation.enabled,
            "judge by the penalised evaluation function whether a scan may enter the map"),
       number("evaluation_threshold", "", &mapper.evaluation.threshold, 1.0, 1000.0,
              "scans whose evaluation is above this stay out of the map"),
       number("evaluation_penalty", "", &mapper.evaluation.penalty, 0.0, 1000.0,
              "weight of the disagreement between the resolutions in the evaluation"),
-      choice("matcher", &mapper.matcher.method, {"gauss_newton", "correlative", "hybrid"},
+      choice("matcher", &mapper.matcher.method,
+             {"gauss_newton", "correlative", "progressive", "hybrid"},
              "how the pose of a scan is found"),
   };
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thinned.h"
+
 namespace kestrel_slam {
 namespace {
 
@@ -15,8 +17,6 @@ constexpr std::array<float, kMatchStages> kStageScales = {0.3F, 0.12F, 0.05F};
 constexpr double kCoarseStepM = 0.01, kCoarseStepRad = 0.005;
 /// Points that are enough for them.
 constexpr std::size_t kCoarsePoints = 150;
-/// How far the search turns where the gyro knows the heading, rad.
-constexpr double kKnownTurn = 0.1;
 constexpr std::size_t kLastStage = kMatchStages - 1;
 /// Pull towards the start, in shares of what the points say across a wall they stand on: it
 /// decides only where they say nothing.
@@ -27,15 +27,6 @@ constexpr double kMinResidualM = 0.01;
 constexpr double kBeamCorrelation = 4.0;
 /// Standard deviation along a direction that the scan does not constrain.
 constexpr double kUnconstrainedM = 0.5;
-
-/// Every k-th point, so that about `count` remain.
-Points thinned(const Points& points, std::size_t count) {
-  const std::size_t step = std::max<std::size_t>(1, points.size() / count);
-  Points result;
-  result.reserve(points.size() / step + 1);
-  for (std::size_t i = 0; i < points.size(); i += step) result.push_back(points[i]);
-  return result;
-}
 
 }  // namespace
 
@@ -50,7 +41,7 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
        ++i) {
     Candidate other = refine(map, request, request.starts[i]);
     result.iterations += other.descent.iterations;
-    const double margin = request.trusted ? marginOf(request, other) : 0.0;
+    const double margin = request.trusted ? jumpMargin(config_, request, other.descent.pose) : 0.0;
     if (other.preferred > best.preferred + margin) best = other;
   }
   if (best.fit.score < config_.search_score) search(map, request, result, best);
@@ -86,14 +77,9 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
         searchWindow(map.surface(), request.points, center, windows[i], config_.correlative);
     Candidate other = refine(map, request, found.pose);
     result.iterations += other.descent.iterations;
-    if (other.preferred > best.preferred + marginOf(request, other)) best = other;
+    if (other.preferred > best.preferred + jumpMargin(config_, request, other.descent.pose))
+      best = other;
   }
-}
-
-/// By how much a candidate has to be better than the local one.
-double HybridMatcher::marginOf(const MatchRequest& request, const Candidate& candidate) const {
-  const Pose2 jump = request.starts.front().inverse() * candidate.descent.pose;
-  return config_.jump_margin * std::max(1.0, jump.distance() / request.plausible_m);
 }
 
 HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchRequest& request,
@@ -125,6 +111,11 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   result.preferred = result.fit.score - config_.correlative.linear_preference * motion.distance() -
                      config_.correlative.angular_preference * std::abs(motion.theta);
   return result;
+}
+
+double jumpMargin(const MatcherConfig& config, const MatchRequest& request, const Pose2& pose) {
+  const Pose2 jump = request.starts.front().inverse() * pose;
+  return config.jump_margin * std::max(1.0, jump.distance() / request.plausible_m);
 }
 
 void fillStages(const Submap& map, const Points& points,

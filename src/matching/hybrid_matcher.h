@@ -24,12 +24,17 @@ class HybridMatcher : public Matcher {
   /// The local optimum near `start`, by the stages from `first_stage` on.
   Candidate refine(const Submap& map, const MatchRequest& request, const Pose2& start,
                    std::size_t first_stage = 0) const;
-  double marginOf(const MatchRequest& request, const Candidate& candidate) const;
   void search(const Submap& map, const MatchRequest& request, MatchResult& result,
               Candidate& best) const;
 
   MatcherConfig config_;
 };
+
+/// How far a search turns where the gyro knows the heading, rad.
+constexpr double kKnownTurn = 0.1;
+
+/// By how much `pose` has to be better than the local one to be taken.
+double jumpMargin(const MatcherConfig& config, const MatchRequest& request, const Pose2& pose);
 
 /// Fills the stages of a result: the poses and how well each fits at its own resolution, the last
 /// at `scale_m` (that is `result.score`) and each coarser one at twice the scale of the next.

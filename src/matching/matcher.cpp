@@ -4,6 +4,7 @@
 
 #include "hybrid_matcher.h"
 #include "kestrel_slam/matching/fit.h"
+#include "progressive_matcher.h"
 
 namespace kestrel_slam {
 namespace {
@@ -82,8 +83,9 @@ std::unique_ptr<Matcher> makeMatcher(const MatcherConfig& config) {
   if (config.method == "hybrid") return std::make_unique<HybridMatcher>(config);
   if (config.method == "gauss_newton") return std::make_unique<GaussNewtonMatcher>(config);
   if (config.method == "correlative") return std::make_unique<CorrelativeMatcher>(config);
+  if (config.method == "progressive") return std::make_unique<ProgressiveMatcher>(config);
   throw std::invalid_argument("matcher = " + config.method +
-                              ": must be one of gauss_newton, correlative, hybrid");
+                              ": must be one of gauss_newton, correlative, progressive, hybrid");
 }
 
 }  // namespace kestrel_slam

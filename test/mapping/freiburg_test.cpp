@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <string>
 
 #include "kestrel_slam/mapping/mapper.h"
@@ -31,13 +32,14 @@ struct LogRun {
   std::size_t memory_bytes = 0;
 };
 
-LogRun mapLog(const std::string& name, bool use_odometry, const SlamConfig& config = SlamConfig()) {
+LogRun mapLog(const std::string& name, bool use_odometry, const SlamConfig& config = SlamConfig(),
+              std::size_t max_scans = std::numeric_limits<std::size_t>::max()) {
   const std::unique_ptr<Recording> recording = openRecording(dataFile(name + ".clf.bz2"));
   ScanProjector projector(config.projector);
   Mapper mapper(config.mapper);
   LogRun run;
   RecordedScan scan;
-  while (recording->next(scan)) {
+  while (run.scans < max_scans && recording->next(scan)) {
     Projection projection = projector.project(scan.scan, scan.base_T_laser);
     projection.scan.time = scan.time;
     const MapperResult result =
@@ -101,6 +103,15 @@ TEST_F(Freiburg, IntelLaserOnly) {
   EXPECT_EQ(run.scans, 13631U);
   EXPECT_EQ(run.lost, 0U);
   EXPECT_LT(meanError(run, "intel"), 0.020);
+}
+
+TEST_F(Freiburg, Building79ProgressivelyLaserOnly) {
+  SlamConfig config;
+  config.mapper.matcher.method = "progressive";
+  const LogRun run = mapLog("fr079", false, config, 1000);
+  EXPECT_EQ(run.scans, 1000U);
+  EXPECT_EQ(run.lost, 0U);
+  EXPECT_LT(meanError(run, "fr079"), 0.026);
 }
 
 TEST_F(Freiburg, MitCsailLaserOnlyIsNeverLost) {

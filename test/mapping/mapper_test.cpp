@@ -55,6 +55,24 @@ TEST(Mapper, FollowsADriveWithoutOdometry) {
   }
 }
 
+TEST(Mapper, FollowsADriveProgressively) {
+  MapperConfig config;
+  config.matcher.method = "progressive";
+  Mapper mapper{config};
+  // Turned, so that the walls cross the cells in all ways. Votes cannot tell where in its cells a
+  // wall lies, and along the axes all points of a wall without noise err alike: up to 0.09 m here.
+  const Pose2 map_T_room(0.013, 0.021, 0.3);
+  mapper.reset(map_T_room * drive(0));
+  for (int i = 0; i < 60; ++i) {
+    const MapperResult result = mapper.process(scanAt(i));
+    const Pose2 error = (map_T_room * drive(i)).inverse() * result.pose;
+    ASSERT_EQ(result.state, MatchState::kOk) << i;
+    ASSERT_LT(error.distance(), 0.02) << i;
+    ASSERT_LT(std::abs(error.theta), 0.005) << i;
+    expectFinite(result);
+  }
+}
+
 TEST(Mapper, InsertsOnMotionOnly) {
   Mapper mapper{MapperConfig()};
   EXPECT_TRUE(mapper.process(room::scanFrom(Pose2())).inserted);

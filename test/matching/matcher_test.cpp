@@ -30,8 +30,10 @@ TEST_P(EveryMatcher, FindsAKnownPose) {
   for (const Pose2& truth : {Pose2(0.2, 0.1, 0.3), Pose2(-0.8, 0.6, -2.0), Pose2(0.9, -0.7, 3.1)}) {
     const Points points = room::hitsOf(room::scanFrom(truth));
     const MatchResult result = match(GetParam(), map, points, truth * Pose2(0.06, -0.04, 0.04));
-    EXPECT_NEAR(result.pose.x, truth.x, 0.03);
-    EXPECT_NEAR(result.pose.y, truth.y, 0.03);
+    // Votes cannot tell where in its cells a wall is, and those of the room lie along cells.
+    const double tolerance = GetParam() == "progressive" ? 0.05 : 0.03;
+    EXPECT_NEAR(result.pose.x, truth.x, tolerance);
+    EXPECT_NEAR(result.pose.y, truth.y, tolerance);
     EXPECT_NEAR(normalizeAngle(result.pose.theta - truth.theta), 0.0, 0.012);
     EXPECT_TRUE(result.converged);
     EXPECT_GT(result.score, 0.8);
@@ -66,7 +68,7 @@ TEST_P(EveryMatcher, SurvivesAnEmptyMapAndOnePoint) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMatcher,
-                         ::testing::Values("gauss_newton", "correlative", "hybrid"));
+                         ::testing::Values("gauss_newton", "correlative", "progressive", "hybrid"));
 
 TEST(HybridMatcher, SearchesWhereTheStartIsFarOff) {
   const Submap map = room::map();

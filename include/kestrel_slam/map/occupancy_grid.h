@@ -68,7 +68,9 @@ class OccupancyGrid {
   /// Occupancy probability of a cell; 0.5 where nothing is known.
   double probability(const Cell& cell) const;
   /// Maximum occupancy probability of a cell of level `level` (cell coordinates of that level).
-  double levelProbability(int level, const Cell& cell) const;
+  double levelProbability(int level, const Cell& cell) const {
+    return probabilities_[levelLogOdds(level, cell)];
+  }
 
   /// Bilinear occupancy and its gradient at a point of the map (paper 001 eq. 4-6), on a level.
   InterpolatedValue interpolate(int level, const Eigen::Vector2f& point) const;
@@ -98,12 +100,21 @@ class OccupancyGrid {
   void apply(Tile& tile);
   void applyMisses(Tile& tile);
   static void pool(Tile& tile);
-  std::int16_t levelLogOdds(int level, const Cell& cell) const;
+  std::int16_t levelLogOdds(int level, const Cell& cell) const {
+    const Tile* tile = tiles_.find({cell.x * (1 << level), cell.y * (1 << level)});
+    if (tile == nullptr) return 0;
+    const unsigned side = static_cast<unsigned>(kTileSide) >> level;
+    const std::size_t offset = (static_cast<unsigned>(cell.y) & (side - 1U)) * side +
+                               (static_cast<unsigned>(cell.x) & (side - 1U));
+    if (level == 0) return tile->log_odds[offset];
+    return level == 1 ? tile->level1[offset] : tile->level2[offset];
+  }
 
   double resolution_m_;
   float resolution_;
   float inverse_resolution_;
   std::int16_t hit_, miss_, min_, max_;  ///< fixed-point log odds
+  const double* probabilities_;          ///< by fixed-point log odds, negative ones before it
   TileMap<Tile> tiles_;
   std::vector<Tile*> touched_;
   Changes changes_;

@@ -9,14 +9,17 @@
 #include "kestrel_slam/matching/correlative.h"
 #include "kestrel_slam/matching/gauss_newton.h"
 #include "kestrel_slam/matching/match_result.h"
+#include "kestrel_slam/matching/progressive.h"
 
 namespace kestrel_slam {
 
 /// Parameters of all matchers.
 struct MatcherConfig {
-  std::string method = "hybrid";  ///< gauss_newton (paper 001), correlative (paper 000) or hybrid
+  /// gauss_newton (paper 001), correlative (paper 000), progressive (paper 002) or hybrid
+  std::string method = "hybrid";
   GaussNewtonConfig gauss_newton;
   CorrelativeConfig correlative;
+  ProgressiveConfig progressive;
 
   double score_scale_m = 0.1;  ///< a point this far from its wall fits by half
   double good_score = 0.9;     ///< below: the other starts are tried as well

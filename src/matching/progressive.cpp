@@ -1,0 +1,199 @@
+#include "kestrel_slam/matching/progressive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kestrel_slam/simulation/random.h"
+#include "thinned.h"
+
+namespace kestrel_slam {
+namespace {
+
+static_assert(OccupancyGrid::kLevels == kMatchStages, "one stage a level");
+constexpr int kCoarsestLevel = OccupancyGrid::kLevels - 1;
+/// Points that vote on a level, 5 cm first: large cells need few of them, as neighbours hit the
+/// same ones.
+constexpr std::array<std::size_t, OccupancyGrid::kLevels> kPoints = {180, 120, 90};
+/// Points between two looks at whether a candidate can still matter.
+constexpr std::size_t kChunk = 32;
+/// Candidates less likely than the best one by e to the power of minus this do not matter.
+constexpr double kNegligible = 6.0;
+constexpr float kOccupied = 0.5F;
+
+/// The points of a scan, ready to be counted on one level for any pose.
+class Ballot {
+ public:
+  Ballot(const OccupancyGrid& grid, int level, const Points& points)
+      : grid_(grid),
+        level_(level),
+        inverse_cell_(1.0F / (grid.resolution() * static_cast<float>(1 << level))) {
+    // Strewn over the scan, so that each chunk of them is worth the whole.
+    const std::size_t stride = points.size() / kChunk + 1;
+    cells_.reserve(points.size());
+    for (std::size_t first = 0; first < stride; ++first) {
+      for (std::size_t i = first; i < points.size(); i += stride) {
+        cells_.push_back(points[i] * inverse_cell_);
+      }
+    }
+  }
+
+  /// The voting likelihood; 0 as soon as it is clear that it stays below `enough`.
+  double vote(const Pose2& pose, double enough) const {
+    static_assert(kCoarsestLevel == 2, "one case a level");
+    if (cells_.empty()) return 0.0;
+    if (level_ == 0) return count<0>(pose, enough);
+    return level_ == 1 ? count<1>(pose, enough) : count<2>(pose, enough);
+  }
+
+ private:
+  /// For a level that the compiler knows: the look-up of a cell is most of the matcher's work.
+  template <int kLevel>
+  double count(const Pose2& pose, double enough) const {
+    const auto c = static_cast<float>(std::cos(pose.theta));
+    const auto s = static_cast<float>(std::sin(pose.theta));
+    const float x = static_cast<float>(pose.x) * inverse_cell_;
+    const float y = static_cast<float>(pose.y) * inverse_cell_;
+    const auto needed = static_cast<float>(enough * static_cast<double>(cells_.size()));
+    float sum = 0.0F;
+    for (std::size_t begin = 0; begin < cells_.size(); begin += kChunk) {
+      if (sum + static_cast<float>(cells_.size() - begin) < needed) return 0.0;
+      const std::size_t end = std::min(cells_.size(), begin + kChunk);
+      for (std::size_t i = begin; i < end; ++i) {
+        const Eigen::Vector2f& p = cells_[i];
+        const Cell hit{floorToInt(x + c * p.x() - s * p.y()),
+                       floorToInt(y + s * p.x() + c * p.y())};
+        const auto probability = static_cast<float>(grid_.levelProbability(kLevel, hit));
+        sum += probability > kOccupied ? probability : 0.0F;
+      }
+    }
+    return static_cast<double>(sum) / static_cast<double>(cells_.size());
+  }
+
+  const OccupancyGrid& grid_;
+  int level_;
+  float inverse_cell_;
+  Points cells_;  ///< in cells of the level, in base
+};
+
+double meanRange(const Points& points) {
+  double sum = 0.0;
+  for (const Eigen::Vector2f& p : points) sum += static_cast<double>(p.norm());
+  return points.empty() ? 0.0 : sum / static_cast<double>(points.size());
+}
+
+Pose2 moved(const Pose2& center, const Eigen::Vector3d& offset) {
+  return {center.x + offset.x(), center.y + offset.y(), center.theta + offset.z()};
+}
+
+}  // namespace
+
+StandardCandidates standardCandidates(int count, int seed) {
+  Random random(static_cast<std::uint64_t>(seed));
+  StandardCandidates result = {Eigen::Vector3f::Zero()};
+  for (int i = 1; i < count; ++i) {
+    Eigen::Vector3f& candidate = result.emplace_back();
+    for (float& value : candidate) value = static_cast<float>(random.gaussian());
+  }
+  // The likely ones first: the sooner a good one is found, the sooner poor ones are given up.
+  std::stable_sort(result.begin(), result.end(),
+                   [](const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+                     return a.squaredNorm() < b.squaredNorm();
+                   });
+  return result;
+}
+
+CandidateSpread motionSpread(const Pose2& last, const Pose2& start,
+                             const ProgressiveConfig& config) {
+  const Pose2 motion = last.inverse() * start;
+  return {std::max(config.min_sigma_m, config.motion_share * motion.distance()),
+          std::max(config.min_sigma_rad, config.turn_share * std::abs(motion.theta))};
+}
+
+double votingLikelihood(const OccupancyGrid& grid, int level, const Points& points,
+                        const Pose2& map_T_base) {
+  return Ballot(grid, level, points).vote(map_T_base, 0.0);
+}
+
+LevelEstimate bestCandidate(const OccupancyGrid& grid, int level, const Points& points,
+                            const Pose2& center, const CandidateSpread& spread,
+                            const StandardCandidates& candidates, double beams) {
+  const Ballot ballot(grid, level, points);
+  const Eigen::Vector3d sigma(spread.linear_m, spread.linear_m, spread.angular_rad);
+  std::vector<double> votes;
+  votes.reserve(candidates.size());
+  double most_votes = 0.0, best = -std::numeric_limits<double>::infinity();
+  LevelEstimate result;
+  for (const Eigen::Vector3f& candidate : candidates) {
+    const Pose2 pose = moved(center, sigma.cwiseProduct(candidate.cast<double>()));
+    votes.push_back(ballot.vote(pose, most_votes - kNegligible / beams));
+    most_votes = std::max(most_votes, votes.back());
+    const double log_posterior =
+        beams * votes.back() - 0.5 * static_cast<double>(candidate.squaredNorm());  // eq. 7-10, 19
+    if (log_posterior <= best) continue;
+    best = log_posterior;
+    result.pose = pose;
+    result.vote = votes.back();
+  }
+  // The candidates are drawn from the motion model, so their likelihood alone is their weight.
+  double total = 0.0;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const double weight = std::exp(beams * (votes[i] - most_votes));
+    const Eigen::Vector3d offset = sigma.cwiseProduct(candidates[i].cast<double>());
+    total += weight;
+    first += weight * offset;
+    second += weight * offset * offset.transpose();
+  }
+  first /= total;
+  result.mean = most_votes > 0.0 ? moved(center, first) : center;
+  result.covariance = second / total - first * first.transpose();
+  return result;
+}
+
+ProgressiveRefiner::ProgressiveRefiner(const ProgressiveConfig& config)
+    : config_(config),
+      coarse_(standardCandidates(config.coarse_candidates, config.seed)),
+      fine_(standardCandidates(config.fine_candidates, config.seed)),
+      wide_(standardCandidates(config.wide_candidates, config.seed)) {}
+
+Refinement ProgressiveRefiner::refine(const OccupancyGrid& grid, const Points& points,
+                                      const Pose2& start, const CandidateSpread& spread) const {
+  const double lever_m = meanRange(points);
+  Refinement result;
+  Pose2 pose = start;
+  CandidateSpread space = spread;
+  for (std::size_t stage = 0; stage < kMatchStages; ++stage) {
+    const int level = kCoarsestLevel - static_cast<int>(stage);
+    const LevelEstimate estimate =
+        bestCandidate(grid, level, thinned(points, kPoints[static_cast<std::size_t>(level)]), pose,
+                      space, stage == 0 ? coarse_ : fine_, config_.beams);
+    // The distance between candidates limits the last level, which nothing refines further.
+    const Pose2 next = level == 0 ? estimate.mean : estimate.pose;
+    const Pose2 correction = pose.inverse() * next;
+    result.spreads[stage] = space;
+    result.corrections_m[stage] = std::hypot(correction.distance(), lever_m * correction.theta);
+    const double coarser_cell_m = static_cast<double>(grid.resolution()) * (2 << level);
+    const double limit_m = stage == 0 ? std::numeric_limits<double>::infinity()
+                                      : std::max(result.corrections_m[stage - 1],
+                                                 config_.slack_cells * coarser_cell_m);
+    result.stopped = result.corrections_m[stage] > limit_m;
+    if (result.stopped) break;
+    pose = next;
+    result.finest = estimate;
+    std::fill(result.poses.begin() + static_cast<std::ptrdiff_t>(stage), result.poses.end(), pose);
+    result.levels = static_cast<int>(stage) + 1;
+    space = {config_.shrink * space.linear_m, config_.shrink * space.angular_rad};
+  }
+  return result;
+}
+
+Pose2 ProgressiveRefiner::findCoarsely(const OccupancyGrid& grid, const Points& points,
+                                       const Pose2& center, const CandidateSpread& spread) const {
+  return bestCandidate(grid, kCoarsestLevel, thinned(points, kPoints[kCoarsestLevel]), center,
+                       spread, wide_, config_.beams)
+      .pose;
+}
+
+}  // namespace kestrel_slam

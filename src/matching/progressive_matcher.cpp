@@ -1,0 +1,67 @@
+#include "progressive_matcher.h"
+
+#include <algorithm>
+#include <array>
+
+#include "hybrid_matcher.h"
+
+namespace kestrel_slam {
+namespace {
+
+/// A window of the other matchers' searches ends at so many sigmas of the candidates.
+constexpr double kWindowSigmas = 2.0;
+
+}  // namespace
+
+MatchResult ProgressiveMatcher::match(const Submap& map, const MatchRequest& request) const {
+  MatchResult result;
+  Candidate best = refine(map, request, request.starts.front());
+  result.iterations = best.refinement.levels;
+  for (std::size_t i = 1; i < request.starts.size() && best.fit.score < config_.search_score; ++i) {
+    const Candidate other = refine(map, request, request.starts[i]);
+    result.iterations += other.refinement.levels;
+    if (other.fit.score > best.fit.score) best = other;
+  }
+  if (best.fit.score < config_.search_score) search(map, request, result, best);
+  result.pose = best.pose;
+  result.converged = !best.refinement.stopped && best.refinement.finest.vote > 0.0;
+  // Two independent errors: that of the candidates' maximum, and that of the scan itself, with what
+  // it does not constrain: the spread of the candidates cannot exceed the space they come from.
+  const NormalEquations distances = lineariseDistance(map.surface(), request.points, result.pose,
+                                                      static_cast<float>(config_.score_scale_m));
+  fillUncertainty(distances, best.fit, config_.degenerate_share, result);
+  result.covariance += best.refinement.finest.covariance;
+  fillStages(map, request.points, best.refinement.poses, config_.score_scale_m, result);
+  return result;
+}
+
+ProgressiveMatcher::Candidate ProgressiveMatcher::refine(const Submap& map,
+                                                         const MatchRequest& request,
+                                                         const Pose2& start) const {
+  Candidate result;
+  result.refinement = refiner_.refine(map.grid(), request.points, start,
+                                      motionSpread(request.last, start, config_.progressive));
+  result.pose = result.refinement.poses.back();
+  result.fit = fitOf(map, request.points, result.pose, config_.score_scale_m);
+  return result;
+}
+
+void ProgressiveMatcher::search(const Submap& map, const MatchRequest& request, MatchResult& result,
+                                Candidate& best) const {
+  result.searched = true;
+  std::array<SearchWindow, 3> windows = {config_.near_window, config_.wide_window,
+                                         SearchWindow{config_.wide_window.linear_m, kPi}};
+  const std::size_t count = request.search_all_round ? windows.size() : windows.size() - 1;
+  for (std::size_t i = 0; i < count && best.fit.score < config_.search_score; ++i) {
+    CandidateSpread spread{windows[i].linear_m * request.search_scale / kWindowSigmas,
+                           windows[i].angular_rad / kWindowSigmas};
+    if (request.turn_known) spread.angular_rad = std::min(spread.angular_rad, kKnownTurn);
+    const Candidate other =
+        refine(map, request,
+               refiner_.findCoarsely(map.grid(), request.points, request.starts.front(), spread));
+    result.iterations += other.refinement.levels;
+    if (other.fit.score > best.fit.score + jumpMargin(config_, request, other.pose)) best = other;
+  }
+}
+
+}  // namespace kestrel_slam

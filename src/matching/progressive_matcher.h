@@ -1,0 +1,32 @@
+#pragma once
+
+#include "kestrel_slam/matching/fit.h"
+#include "kestrel_slam/matching/matcher.h"
+#include "kestrel_slam/matching/progressive.h"
+
+namespace kestrel_slam {
+
+/// Paper 002: sampled candidates of the motion model vote on 20, 10 and 5 cm; from the other starts
+/// and from wide samples where that fits poorly, which the paper does not need on the road.
+class ProgressiveMatcher : public Matcher {
+ public:
+  explicit ProgressiveMatcher(const MatcherConfig& config)
+      : config_(config), refiner_(config.progressive) {}
+  MatchResult match(const Submap& map, const MatchRequest& request) const override;
+
+ private:
+  struct Candidate {
+    Refinement refinement;
+    Pose2 pose;
+    Fit fit;
+  };
+
+  Candidate refine(const Submap& map, const MatchRequest& request, const Pose2& start) const;
+  void search(const Submap& map, const MatchRequest& request, MatchResult& result,
+              Candidate& best) const;
+
+  MatcherConfig config_;
+  ProgressiveRefiner refiner_;
+};
+
+}  // namespace kestrel_slam

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <algorithm>
+
+#include "kestrel_slam/matching/gauss_newton.h"
+
+namespace kestrel_slam {
+
+/// Every k-th point, so that about `count` remain.
+inline Points thinned(const Points& points, std::size_t count) {
+  const std::size_t step = std::max<std::size_t>(1, points.size() / count);
+  Points result;
+  result.reserve(points.size() / step + 1);
+  for (std::size_t i = 0; i < points.size(); i += step) result.push_back(points[i]);
+  return result;
+}
+
+}  // namespace kestrel_slam
