@@ -13,8 +13,6 @@ namespace {
 constexpr std::array<float, kMatchStages> kStageScales = {0.3F, 0.12F, 0.05F};
 /// The early stages only have to come into the basin of the next one.
 constexpr double kCoarseStepM = 0.01, kCoarseStepRad = 0.005;
-/// Points that are enough for them.
-constexpr std::size_t kCoarsePoints = 150;
 /// How far the search turns where the gyro knows the heading, rad.
 constexpr double kKnownTurn = 0.1;
 constexpr std::size_t kLastStage = kMatchStages - 1;
@@ -27,15 +25,6 @@ constexpr double kMinResidualM = 0.01;
 constexpr double kBeamCorrelation = 4.0;
 /// Standard deviation along a direction that the scan does not constrain.
 constexpr double kUnconstrainedM = 0.5;
-
-/// Every k-th point, so that about `count` remain.
-Points thinned(const Points& points, std::size_t count) {
-  const std::size_t step = std::max<std::size_t>(1, points.size() / count);
-  Points result;
-  result.reserve(points.size() / step + 1);
-  for (std::size_t i = 0; i < points.size(); i += step) result.push_back(points[i]);
-  return result;
-}
 
 }  // namespace
 
@@ -121,10 +110,23 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   for (std::size_t stage = 0; stage < first_stage; ++stage) result.stages[stage] = pose;
   result.descent.iterations = iterations;
   result.fit = fitOf(map, request.points, pose, config_.score_scale_m);
-  const Pose2 motion = request.last.inverse() * pose;
-  result.preferred = result.fit.score - config_.correlative.linear_preference * motion.distance() -
-                     config_.correlative.angular_preference * std::abs(motion.theta);
+  result.preferred = preference(request, result.fit, pose, config_.correlative);
   return result;
+}
+
+Points thinned(const Points& points, std::size_t count) {
+  const std::size_t step = std::max<std::size_t>(1, points.size() / count);
+  Points result;
+  result.reserve(points.size() / step + 1);
+  for (std::size_t i = 0; i < points.size(); i += step) result.push_back(points[i]);
+  return result;
+}
+
+double preference(const MatchRequest& request, const Fit& fit, const Pose2& pose,
+                  const CorrelativeConfig& config) {
+  const Pose2 motion = request.last.inverse() * pose;
+  return fit.score - config.linear_preference * motion.distance() -
+         config.angular_preference * std::abs(motion.theta);
 }
 
 void fillStages(const Submap& map, const Points& points,

@@ -219,7 +219,7 @@ TEST_P(MapperGarbage, AThousandScansOfAnyBits) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, MapperGarbage,
-                         ::testing::Values("gauss_newton", "correlative", "hybrid"));
+                         ::testing::Values("gauss_newton", "correlative", "icp", "hybrid"));
 
 }  // namespace
 }  // namespace kestrel_slam

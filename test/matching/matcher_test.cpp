@@ -66,7 +66,7 @@ TEST_P(EveryMatcher, SurvivesAnEmptyMapAndOnePoint) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMatcher,
-                         ::testing::Values("gauss_newton", "correlative", "hybrid"));
+                         ::testing::Values("gauss_newton", "correlative", "icp", "hybrid"));
 
 TEST(HybridMatcher, SearchesWhereTheStartIsFarOff) {
   const Submap map = room::map();
