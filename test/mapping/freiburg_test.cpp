@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <string>
 
 #include "kestrel_slam/mapping/mapper.h"
@@ -31,13 +32,14 @@ struct LogRun {
   std::size_t memory_bytes = 0;
 };
 
-LogRun mapLog(const std::string& name, bool use_odometry, const SlamConfig& config = SlamConfig()) {
+LogRun mapLog(const std::string& name, bool use_odometry, const SlamConfig& config = SlamConfig(),
+              std::size_t most_scans = std::numeric_limits<std::size_t>::max()) {
   const std::unique_ptr<Recording> recording = openRecording(dataFile(name + ".clf.bz2"));
   ScanProjector projector(config.projector);
   Mapper mapper(config.mapper);
   LogRun run;
   RecordedScan scan;
-  while (recording->next(scan)) {
+  while (run.scans < most_scans && recording->next(scan)) {
     Projection projection = projector.project(scan.scan, scan.base_T_laser);
     projection.scan.time = scan.time;
     const MapperResult result =
@@ -113,6 +115,25 @@ TEST_F(Freiburg, MitCsailLaserOnlyIsNeverLost) {
   const Pose2 difference =
       run.trajectory.back().pose.inverse() * with_odometry.trajectory.back().pose;
   EXPECT_LT(difference.distance(), 0.5);
+}
+
+/// Every variant of icp on the first 1000 scans of fr079.
+TEST_F(Freiburg, IcpLaserOnly) {
+  SlamConfig config;
+  config.mapper.matcher.method = "icp";
+  for (const char* metric : {"point_to_point", "point_to_line"}) {
+    for (const char* reference : {"map", "last_scans"}) {
+      for (const bool stitching : {false, true}) {
+        config.mapper.matcher.icp.metric = metric;
+        config.mapper.matcher.icp.reference = reference;
+        config.mapper.matcher.icp.stitching = stitching;
+        const LogRun run = mapLog("fr079", false, config, 1000);
+        EXPECT_EQ(run.scans, 1000U);
+        EXPECT_EQ(run.lost, 0U) << metric << " " << reference << " " << stitching;
+        EXPECT_LT(meanError(run, "fr079"), 0.04) << metric << " " << reference << " " << stitching;
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ struct IcpConfig {
   std::string metric = "point_to_line";  ///< or point_to_point (paper 003 eq. 9 and 8)
   std::string reference = "map";         ///< what a scan is paired with; or last_scans
   int last_scans = 10;                   ///< so many inserted scans are that reference
-  double rejected_share = 0.1;           ///< worst pairs that do not count (paper 003: 10 %)
+  double rejected_share = 0.02;
   double max_pair_distance_m = 0.5;      ///< of the first stage; the later ones look less far
   int max_iterations = 30;               ///< pairings of each stage
   double min_step_m = 1e-3;    ///< a stage has converged when a step is smaller than this,
