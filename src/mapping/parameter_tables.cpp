@@ -59,7 +59,7 @@ std::vector<Parameter> icpParametersOf(IcpConfig& icp) {
              "icp: the distance of a hit to its partner, or to the wall through it"),
       choice("icp_reference", &icp.reference, {"map", "last_scans"},
              "icp: where the partners are: occupied points of the map, or hits of the last scans"),
-      number("icp_last_scans", "", &icp.last_scans, 1.0, 100.0,
+      number("icp_last_scans", "", &icp.last_scans, 1.0, 1000.0,
              "icp: so many of the last inserted scans"),
       number("icp_rejected_share", "", &icp.rejected_share, 0.0, 0.9,
              "icp: share of the pairs, the worst, that do not count"),
