@@ -20,11 +20,11 @@ struct IcpConfig {
   /// Worst pairs that do not count. Paper 003 takes 10 %; here the distance of the partners rejects
   /// as well, and with 5 % a corridor loses the few pairs that say how far along it the vehicle is.
   double rejected_share = 0.02;
-  double max_pair_distance_m =
-      0.5;                     ///< of the first stage; the later ones take 40 % and 20 % of it
+  /// Of the first stage, as far as surfels reach; the others take 40 % and 20 % of it.
+  double max_pair_distance_m = 0.5;
   int max_iterations = 30;     ///< pairings of each stage
   double min_step_m = 1e-3;    ///< a stage has converged when a step is smaller than this,
-  double min_step_rad = 5e-4;  ///< and this: a tenth of what the scans are matched to
+  double min_step_rad = 5e-4;  ///< and this: small against the errors of a pose
   /// Only hits without a point of the map beside them enter it (paper 004). Off: a wall that is not
   /// seen again and again stays where its first scan put it.
   bool stitching = false;
