@@ -81,6 +81,7 @@ BENCHMARK_CAPTURE(match, hybrid, "hybrid", Pose2(0.05, 0.02, 0.03));
 BENCHMARK_CAPTURE(match, gauss_newton, "gauss_newton", Pose2(0.05, 0.02, 0.03));
 BENCHMARK_CAPTURE(match, correlative, "correlative", Pose2(0.05, 0.02, 0.03));
 BENCHMARK_CAPTURE(match, progressive, "progressive", Pose2(0.05, 0.02, 0.03));
+BENCHMARK_CAPTURE(match, icp, "icp", Pose2(0.05, 0.02, 0.03));
 BENCHMARK_CAPTURE(search, half_metre_20_deg, SearchWindow{0.5, 0.35});
 BENCHMARK_CAPTURE(search, one_metre_180_deg, SearchWindow{1.0, 3.14});
 BENCHMARK(insert);

@@ -8,7 +8,7 @@ import sys
 RECORDINGS = ["intel", "fr079", "mit-csail"]
 # The same recording, inserted after other distances: one lucky run is no result.
 INSERT_DISTANCES_M = [0.16, 0.18, 0.22, 0.24]
-MATCHERS = ["hybrid", "gauss_newton", "correlative"]
+MATCHERS = ["hybrid", "gauss_newton", "correlative", "icp"]
 MATCHER_SCANS = 1000
 
 

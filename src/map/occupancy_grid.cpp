@@ -124,6 +124,7 @@ const OccupancyGrid::Changes& OccupancyGrid::insert(const PlanarScan& scan,
   changes_.full = false;
   markHits(scan, map_T_base);
   markMisses(scan, map_T_base);
+  keepKnown(scan, map_T_base);
   for (Tile* tile : touched_) apply(*tile);
   touched_.clear();
   return changes_;
@@ -148,7 +149,7 @@ void OccupancyGrid::markHits(const PlanarScan& scan, const Pose2& map_T_base) {
   const float s = static_cast<float>(std::sin(map_T_base.theta));
   const auto x = static_cast<float>(map_T_base.x), y = static_cast<float>(map_T_base.y);
   for (const PlanarRay& ray : scan.rays) {
-    if (!ray.hit) continue;
+    if (!ray.hit || ray.known) continue;
     const Eigen::Vector2f point(x + c * ray.end.x() - s * ray.end.y(),
                                 y + s * ray.end.x() + c * ray.end.y());
     if (!(point.cwiseAbs().maxCoeff() * inverse_resolution_ < kMaxCellCoordinate)) continue;
@@ -168,6 +169,15 @@ void OccupancyGrid::markMisses(const PlanarScan& scan, const Pose2& map_T_base) 
     return Eigen::Vector2f(t.x() + c * p.x() - s * p.y(), t.y() + s * p.x() + c * p.y());
   };
   for (const PlanarRay& ray : scan.rays) traceRay(toMap(ray.origin), toMap(ray.end));
+}
+
+/// Takes the misses back from the cells of the hits that the map has already.
+void OccupancyGrid::keepKnown(const PlanarScan& scan, const Pose2& map_T_base) {
+  for (const PlanarRay& ray : scan.rays) {
+    if (!ray.hit || !ray.known) continue;
+    const Cell cell = cellAt((map_T_base * ray.end.cast<double>()).cast<float>());
+    if (Tile* tile = tiles_.find(cell)) tile->missed[rowOf(cell)] &= ~bitOf(cell);
+  }
 }
 
 void OccupancyGrid::traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2f& end) {

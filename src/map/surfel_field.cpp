@@ -74,6 +74,24 @@ void SurfelField::clear() {
   free_.clear();
 }
 
+std::vector<Surfel> SurfelField::surfelsIn(const Eigen::AlignedBox2f& area) const {
+  std::vector<Surfel> result;
+  tiles_.forEach([&](const Cell& corner, const Tile& tile) {
+    const Eigen::Vector2f low =
+        Eigen::Vector2f(static_cast<float>(corner.x), static_cast<float>(corner.y)) * resolution_;
+    const Eigen::Vector2f high = low.array() + kTileSide * resolution_;
+    if (!area.intersects(Eigen::AlignedBox2f(low, high))) return;
+    for (std::size_t row = 0; row < kTileSide; ++row) {
+      for (std::uint32_t bits = tile.own[row]; bits != 0U; bits &= bits - 1U) {
+        const auto column = static_cast<std::size_t>(__builtin_ctz(bits));
+        const Surfel& surfel = surfels_[tile.nearest[row * kTileSide + column]];
+        if (area.contains(surfel.mean)) result.push_back(surfel);
+      }
+    }
+  });
+  return result;
+}
+
 bool SurfelField::update(const OccupancyGrid& grid, const OccupancyGrid::Changes& changes) {
   full_ = false;
   for (const Cell& cell : changes.became_free) remove(cell);

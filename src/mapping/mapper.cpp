@@ -85,7 +85,8 @@ const char* toString(MatchState state) {
 }
 
 struct Mapper::State {
-  explicit State(const MapperConfig& c) : config(c), map(c.grid), matcher(makeMatcher(c.matcher)) {}
+  explicit State(const MapperConfig& c)
+      : config(c), map(c.grid, submapOptions(c.matcher)), matcher(makeMatcher(c.matcher)) {}
 
   MapperConfig config;
   Submap map;

@@ -72,8 +72,30 @@ std::vector<Parameter> mapperParametersOf(MapperConfig& mapper) {
       number("evaluation_penalty", "", &mapper.evaluation.penalty, 0.0, 1000.0,
              "weight of the disagreement between the resolutions in the evaluation"),
       choice("matcher", &mapper.matcher.method,
-             {"gauss_newton", "correlative", "progressive", "hybrid"},
+             {"gauss_newton", "correlative", "progressive", "icp", "hybrid"},
              "how the pose of a scan is found"),
+  };
+}
+
+std::vector<Parameter> icpParametersOf(IcpConfig& icp) {
+  return {
+      choice("icp_metric", &icp.metric, {"point_to_point", "point_to_line"},
+             "icp: the distance of a hit to its partner, or to the wall through it"),
+      choice("icp_reference", &icp.reference, {"map", "last_scans"},
+             "icp: where the partners are: occupied points of the map, or hits of the last scans"),
+      number("icp_last_scans", "", &icp.last_scans, 1.0, 1000.0,
+             "icp: so many of the last inserted scans"),
+      number("icp_rejected_share", "", &icp.rejected_share, 0.0, 0.9,
+             "icp: share of the pairs, the worst, that do not count"),
+      number("icp_max_pair_distance", "m", &icp.max_pair_distance_m, 0.01, 10.0,
+             "icp: partners are at most this far away"),
+      number("icp_iterations", "", &icp.max_iterations, 1.0, 1000.0,
+             "icp: iterations of each stage at most"),
+      number("icp_min_step", "m", &icp.min_step_m, 0.0, 1.0,
+             "icp: a stage ends when the vehicle is moved by less than this,"),
+      number("icp_min_angle", "rad", &icp.min_step_rad, 0.0, 1.0, "icp: and turned by less"),
+      flag("icp_stitching", &icp.stitching,
+           "icp: only hits that have no point of the map beside them enter it"),
   };
 }
 
@@ -135,9 +157,12 @@ std::vector<Parameter> projectorParametersOf(SlamConfig& config) {
 
 std::vector<Parameter> parametersOf(SlamConfig& config) {
   std::vector<Parameter> all = mapperParametersOf(config.mapper);
-  std::vector<Parameter> projector = projectorParametersOf(config);
-  all.insert(all.end(), std::make_move_iterator(projector.begin()),
-             std::make_move_iterator(projector.end()));
+  const auto append = [&all](std::vector<Parameter> more) {
+    all.insert(all.end(), std::make_move_iterator(more.begin()),
+               std::make_move_iterator(more.end()));
+  };
+  append(icpParametersOf(config.mapper.matcher.icp));
+  append(projectorParametersOf(config));
   return all;
 }
 

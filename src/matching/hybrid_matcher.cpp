@@ -15,8 +15,6 @@ namespace {
 constexpr std::array<float, kMatchStages> kStageScales = {0.3F, 0.12F, 0.05F};
 /// The early stages only have to come into the basin of the next one.
 constexpr double kCoarseStepM = 0.01, kCoarseStepRad = 0.005;
-/// Points that are enough for them.
-constexpr std::size_t kCoarsePoints = 150;
 constexpr std::size_t kLastStage = kMatchStages - 1;
 /// Pull towards the start, in shares of what the points say across a wall they stand on: it
 /// decides only where they say nothing.
@@ -107,15 +105,20 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   for (std::size_t stage = 0; stage < first_stage; ++stage) result.stages[stage] = pose;
   result.descent.iterations = iterations;
   result.fit = fitOf(map, request.points, pose, config_.score_scale_m);
-  const Pose2 motion = request.last.inverse() * pose;
-  result.preferred = result.fit.score - config_.correlative.linear_preference * motion.distance() -
-                     config_.correlative.angular_preference * std::abs(motion.theta);
+  result.preferred = preference(request, result.fit, pose, config_.correlative);
   return result;
 }
 
 double jumpMargin(const MatcherConfig& config, const MatchRequest& request, const Pose2& pose) {
   const Pose2 jump = request.starts.front().inverse() * pose;
   return config.jump_margin * std::max(1.0, jump.distance() / request.plausible_m);
+}
+
+double preference(const MatchRequest& request, const Fit& fit, const Pose2& pose,
+                  const CorrelativeConfig& config) {
+  const Pose2 motion = request.last.inverse() * pose;
+  return fit.score - config.linear_preference * motion.distance() -
+         config.angular_preference * std::abs(motion.theta);
 }
 
 void fillStages(const Submap& map, const Points& points,

@@ -36,6 +36,13 @@ constexpr double kKnownTurn = 0.1;
 /// By how much `pose` has to be better than the local one to be taken.
 double jumpMargin(const MatcherConfig& config, const MatchRequest& request, const Pose2& pose);
 
+/// Points that are enough for coarse stages.
+constexpr std::size_t kCoarsePoints = 150;
+
+/// The score of a fit less what the motion to its pose costs: what candidates are compared by.
+double preference(const MatchRequest& request, const Fit& fit, const Pose2& pose,
+                  const CorrelativeConfig& config);
+
 /// Fills the stages of a result: the poses and how well each fits at its own resolution, the last
 /// at `scale_m` (that is `result.score`) and each coarser one at twice the scale of the next.
 void fillStages(const Submap& map, const Points& points,

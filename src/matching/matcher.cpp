@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "hybrid_matcher.h"
+#include "icp_matcher.h"
 #include "kestrel_slam/matching/fit.h"
 #include "progressive_matcher.h"
 
@@ -84,8 +85,20 @@ std::unique_ptr<Matcher> makeMatcher(const MatcherConfig& config) {
   if (config.method == "gauss_newton") return std::make_unique<GaussNewtonMatcher>(config);
   if (config.method == "correlative") return std::make_unique<CorrelativeMatcher>(config);
   if (config.method == "progressive") return std::make_unique<ProgressiveMatcher>(config);
-  throw std::invalid_argument("matcher = " + config.method +
-                              ": must be one of gauss_newton, correlative, progressive, hybrid");
+  if (config.method == "icp") return std::make_unique<IcpMatcher>(config);
+  throw std::invalid_argument(
+      "matcher = " + config.method +
+      ": must be one of gauss_newton, correlative, progressive, icp, hybrid");
+}
+
+SubmapOptions submapOptions(const MatcherConfig& config) {
+  SubmapOptions options;
+  if (config.method != "icp") return options;
+  if (config.icp.reference == "last_scans") {
+    options.kept_scans = static_cast<std::size_t>(config.icp.last_scans);
+  }
+  options.stitching = config.icp.stitching;
+  return options;
 }
 
 }  // namespace kestrel_slam

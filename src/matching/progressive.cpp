@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "kestrel_slam/simulation/random.h"
+#include "kestrel_slam/geometry/random.h"
 #include "thinned.h"
 
 namespace kestrel_slam {

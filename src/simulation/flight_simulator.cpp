@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "imu_simulator.h"
-#include "kestrel_slam/simulation/random.h"
+#include "kestrel_slam/geometry/random.h"
 
 namespace kestrel_slam {
 namespace {

@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 
+#include "kestrel_slam/geometry/random.h"
 #include "kestrel_slam/sensor/imu_sample.h"
 #include "kestrel_slam/simulation/flight_simulator.h"
 #include "kestrel_slam/simulation/motion.h"
-#include "kestrel_slam/simulation/random.h"
 
 namespace kestrel_slam {
 

@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "built_in_places.h"
-#include "kestrel_slam/simulation/random.h"
+#include "kestrel_slam/geometry/random.h"
 #include "place_parts.h"
 
 namespace kestrel_slam {

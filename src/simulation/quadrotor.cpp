@@ -2,8 +2,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "kestrel_slam/geometry/random.h"
 #include "kestrel_slam/simulation/flight_plan.h"
-#include "kestrel_slam/simulation/random.h"
 #include "plan_path.h"
 #include "sampled_motion.h"
 

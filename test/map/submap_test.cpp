@@ -74,5 +74,80 @@ TEST(Submap, FullMapStopsGrowing) {
   EXPECT_LE(map.surface().memoryBytes(), 2 * kLimitBytes);
 }
 
+TEST(Submap, RevisionNamesTheContent) {
+  Submap a{OccupancyGridConfig()}, b{OccupancyGridConfig()};
+  EXPECT_NE(a.revision(), b.revision());
+  const std::uint64_t empty = a.revision();
+  walk(a, 1);
+  EXPECT_NE(a.revision(), empty);
+  EXPECT_NE(a.revision(), b.revision());
+  const std::uint64_t full = a.revision();
+  a.clear();
+  EXPECT_NE(a.revision(), full);
+}
+
+TEST(Submap, KeepsTheLastScans) {
+  Submap map(OccupancyGridConfig(), {3, false});
+  EXPECT_EQ(walk(map, 2), 0);
+  EXPECT_EQ(map.keyframes().size(), 2U);
+  EXPECT_EQ(walk(map, 10), 0);
+  ASSERT_EQ(map.keyframes().size(), 3U);
+  EXPECT_EQ(map.keyframes().front().map_T_base, Pose2(7.0, 0.3, 0.1)) << "oldest first";
+  EXPECT_EQ(map.keyframes().back().map_T_base, Pose2(9.0, 0.3, 0.1));
+  EXPECT_EQ(map.keyframes().back().hits, room::hitsOf(room::scanFrom(Pose2())));
+  EXPECT_GT(map.memoryBytes(), map.grid().memoryBytes() + map.surface().memoryBytes());
+  map.clear();
+  EXPECT_TRUE(map.keyframes().empty());
+}
+
+/// A laser in the middle of a cell that sees the wall x = `range` of `beams` hits, 5 cm apart.
+PlanarScan wallAt(float range, int beams) {
+  PlanarScan scan;
+  for (int i = 0; i < beams; ++i) {
+    const float y = 0.05F * static_cast<float>(i);
+    scan.rays.push_back({{0.0F, y}, {range, y}, true});
+  }
+  return scan;
+}
+
+TEST(Submap, StitchesOnlyTheNewPart) {
+  const Pose2 pose(0.025, 0.025, 0.0);
+  Submap plain{OccupancyGridConfig()}, stitched(OccupancyGridConfig(), {0, true});
+  for (Submap* map : {&plain, &stitched}) {
+    map->insert(wallAt(2.0F, 10), pose);
+    EXPECT_EQ(map->surface().size(), 10U) << "all is new in an empty map";
+  }
+  const double once = stitched.grid().probability({40, 5});
+  ASSERT_EQ(once, plain.grid().probability({40, 5}));
+  // 1 cm behind where it was, and twice as long: the first half is associated, the rest is new.
+  for (Submap* map : {&plain, &stitched}) map->insert(wallAt(2.01F, 20), pose);
+  for (int y = 0; y < 20; ++y) {
+    const Cell cell{40, y};
+    EXPECT_EQ(stitched.grid().probability(cell), once) << y;
+    const Surfel* surfel = stitched.surface().nearest(stitched.grid().centerOf(cell));
+    ASSERT_NE(surfel, nullptr);
+    // The first cell after the end of the old wall has its last point beside it.
+    EXPECT_NEAR(surfel->mean.x(), y < 10 ? 2.025F : 2.035F, 1e-4F) << y;
+    EXPECT_GE(plain.grid().probability(cell), once);
+  }
+  EXPECT_GT(plain.grid().probability({40, 5}), once) << "without stitching it votes again";
+  // Free space counts every time.
+  EXPECT_LT(stitched.grid().probability({20, 5}), 0.4);
+}
+
+TEST(Submap, AStitchedWallIsClearedOnlyWhenItIsGone) {
+  const Pose2 pose(0.025, 0.025, 0.0);
+  Submap map(OccupancyGridConfig(), {0, true});
+  map.insert(wallAt(2.0F, 10), pose);
+  // Seen again for ever, with an end point that is now and then behind its cell.
+  for (int i = 0; i < 100; ++i)
+    map.insert(wallAt(2.0F + 0.04F * static_cast<float>(i % 2), 10), pose);
+  EXPECT_EQ(map.surface().size(), 10U);
+  EXPECT_TRUE(map.grid().isOccupied({40, 5}));
+  for (int i = 0; i < 10; ++i) map.insert(wallAt(3.0F, 10), pose);
+  EXPECT_FALSE(map.grid().isOccupied({40, 5}));
+  EXPECT_TRUE(map.grid().isOccupied({60, 5}));
+}
+
 }  // namespace
 }  // namespace kestrel_slam

@@ -45,6 +45,24 @@ TEST(SurfelField, IsExactlyWhereTheGridIsOccupied) {
   }
 }
 
+TEST(SurfelField, GivesThoseOfAnArea) {
+  std::mt19937_64 random(9);
+  Submap map{OccupancyGridConfig()};
+  insertRandomly(map, random, 20);
+  const Eigen::AlignedBox2f everything(Eigen::Vector2f(-1e4F, -1e4F), Eigen::Vector2f(1e4F, 1e4F));
+  const std::vector<Surfel> all = map.surface().surfelsIn(everything);
+  EXPECT_EQ(all.size(), map.surface().size());
+  const Eigen::AlignedBox2f area(Eigen::Vector2f(-2.0F, 0.5F), Eigen::Vector2f(4.03F, 3.02F));
+  std::vector<Eigen::Vector2f> expected, got;
+  for (const Surfel& surfel : all) {
+    if (area.contains(surfel.mean)) expected.push_back(surfel.mean);
+  }
+  for (const Surfel& surfel : map.surface().surfelsIn(area)) got.push_back(surfel.mean);
+  EXPECT_GT(expected.size(), 50U);
+  EXPECT_LT(expected.size(), all.size());
+  EXPECT_EQ(got, expected);
+}
+
 TEST(SurfelField, NearestAgreesWithBruteForceAfterInsertionsAndRemovals) {
   std::mt19937_64 random(8);
   Submap map{OccupancyGridConfig()};

@@ -126,5 +126,24 @@ TEST_F(Freiburg, MitCsailLaserOnlyIsNeverLost) {
   EXPECT_LT(difference.distance(), 0.5);
 }
 
+/// Every variant of icp on the first 1000 scans of fr079.
+TEST_F(Freiburg, IcpLaserOnly) {
+  SlamConfig config;
+  config.mapper.matcher.method = "icp";
+  for (const char* metric : {"point_to_point", "point_to_line"}) {
+    for (const char* reference : {"map", "last_scans"}) {
+      for (const bool stitching : {false, true}) {
+        config.mapper.matcher.icp.metric = metric;
+        config.mapper.matcher.icp.reference = reference;
+        config.mapper.matcher.icp.stitching = stitching;
+        const LogRun run = mapLog("fr079", false, config, 1000);
+        EXPECT_EQ(run.scans, 1000U);
+        EXPECT_EQ(run.lost, 0U) << metric << " " << reference << " " << stitching;
+        EXPECT_LT(meanError(run, "fr079"), 0.04) << metric << " " << reference << " " << stitching;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace kestrel_slam

@@ -220,7 +220,8 @@ TEST_P(MapperGarbage, AThousandScansOfAnyBits) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, MapperGarbage,
-                         ::testing::Values("gauss_newton", "correlative", "progressive", "hybrid"));
+                         ::testing::Values("gauss_newton", "correlative", "progressive", "icp",
+                                           "hybrid"));
 
 }  // namespace
 }  // namespace kestrel_slam

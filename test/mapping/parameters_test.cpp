@@ -71,7 +71,7 @@ TEST(Parameters, refusesWhatIsOutOfRange) {
             "map_resolution = 1.0000001: must be between 0.005 and 1 m");
   EXPECT_EQ(setError("max_beams", "-5"), "max_beams = -5: must be between 1 and 10000000");
   EXPECT_EQ(setError("matcher", "icpp"),
-            "matcher = icpp: must be one of gauss_newton, correlative, progressive, hybrid");
+            "matcher = icpp: must be one of gauss_newton, correlative, progressive, icp, hybrid");
 }
 
 TEST(Parameters, numbersParseCompletely) {

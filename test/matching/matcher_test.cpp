@@ -68,7 +68,8 @@ TEST_P(EveryMatcher, SurvivesAnEmptyMapAndOnePoint) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMatcher,
-                         ::testing::Values("gauss_newton", "correlative", "progressive", "hybrid"));
+                         ::testing::Values("gauss_newton", "correlative", "progressive", "icp",
+                                           "hybrid"));
 
 TEST(HybridMatcher, SearchesWhereTheStartIsFarOff) {
   const Submap map = room::map();

@@ -4,8 +4,8 @@
 
 #include <Eigen/LU>
 
+#include "kestrel_slam/geometry/random.h"
 #include "kestrel_slam/matching/matcher.h"
-#include "kestrel_slam/simulation/random.h"
 #include "room.h"
 
 namespace kestrel_slam {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kestrel_slam/simulation/random.h"
+#include "kestrel_slam/geometry/random.h"
 #include "room.h"
 
 namespace kestrel_slam {

@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "kestrel_slam/geometry/angles.h"
-#include "kestrel_slam/simulation/random.h"
+#include "kestrel_slam/geometry/random.h"
 
 namespace kestrel_slam {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "kestrel_slam/simulation/random.h"
+#include "kestrel_slam/geometry/random.h"
 #include "tracked_imu.h"
 
 namespace kestrel_slam {

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "kestrel_slam/geometry/angles.h"
-#include "kestrel_slam/simulation/random.h"
+#include "kestrel_slam/geometry/random.h"
 
 namespace kestrel_slam {
 namespace {

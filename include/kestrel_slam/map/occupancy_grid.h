@@ -41,7 +41,8 @@ class OccupancyGrid {
   explicit OccupancyGrid(const OccupancyGridConfig& config);
 
   /// Inserts a scan: every cell that a beam passes is updated once with the miss probability, every
-  /// cell with an end point once with the hit probability; where both occur the hit wins.
+  /// cell with an end point once with the hit probability; where both occur the hit wins. The cell
+  /// of a hit that is marked as known stays as it is.
   /// The result stays valid until the next call.
   const Changes& insert(const PlanarScan& scan, const Pose2& map_T_base);
 
@@ -96,6 +97,7 @@ class OccupancyGrid {
   Tile* touch(const Cell& cell);
   void markHits(const PlanarScan& scan, const Pose2& map_T_base);
   void markMisses(const PlanarScan& scan, const Pose2& map_T_base);
+  void keepKnown(const PlanarScan& scan, const Pose2& map_T_base);
   void traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2f& end);
   void apply(Tile& tile);
   void applyMisses(Tile& tile);

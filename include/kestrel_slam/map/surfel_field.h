@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -51,6 +52,9 @@ class SurfelField {
     const std::uint32_t id = tile->nearest[offsetInTile(cell)];
     return id == kNone ? nullptr : &surfels_[id];
   }
+
+  /// All surfels whose means lie in `area`, in the order of the tiles.
+  std::vector<Surfel> surfelsIn(const Eigen::AlignedBox2f& area) const;
 
   void clear();
   float resolution() const { return resolution_; }

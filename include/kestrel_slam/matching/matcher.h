@@ -8,6 +8,7 @@
 #include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/matching/correlative.h"
 #include "kestrel_slam/matching/gauss_newton.h"
+#include "kestrel_slam/matching/icp.h"
 #include "kestrel_slam/matching/match_result.h"
 #include "kestrel_slam/matching/progressive.h"
 
@@ -15,11 +16,13 @@ namespace kestrel_slam {
 
 /// Parameters of all matchers.
 struct MatcherConfig {
-  /// gauss_newton (paper 001), correlative (paper 000), progressive (paper 002) or hybrid
+  /// gauss_newton (paper 001), correlative (paper 000), progressive (paper 002), icp (papers 003
+  /// and 004) or hybrid
   std::string method = "hybrid";
   GaussNewtonConfig gauss_newton;
   CorrelativeConfig correlative;
   ProgressiveConfig progressive;
+  IcpConfig icp;
 
   double score_scale_m = 0.1;  ///< a point this far from its wall fits by half
   double good_score = 0.9;     ///< below: the other starts are tried as well
@@ -52,5 +55,8 @@ class Matcher {
 
 /// Throws std::invalid_argument for an unknown method.
 std::unique_ptr<Matcher> makeMatcher(const MatcherConfig& config);
+
+/// What the matcher needs of a map, beside the grid and the surface that all use.
+SubmapOptions submapOptions(const MatcherConfig& config);
 
 }  // namespace kestrel_slam

@@ -12,6 +12,8 @@ struct PlanarRay {
   Eigen::Vector2f origin;  ///< where the laser was when it measured this beam
   Eigen::Vector2f end;     ///< the return, or how far the beam certainly met nothing
   bool hit;                ///< true: something was hit at `end`; false: the beam only clears
+  /// Of a hit: the map has it already. It keeps its cell from being cleared, and adds nothing.
+  bool known = false;
 };
 
 /// The one type between projector and mapper: hits and clears of one sweep.

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "kestrel_slam/geometry/random.h"
 #include "kestrel_slam/sensor/laser_scan.h"
 #include "kestrel_slam/sensor/point_cloud.h"
 #include "kestrel_slam/simulation/motion.h"
-#include "kestrel_slam/simulation/random.h"
 #include "kestrel_slam/simulation/world.h"
 
 namespace kestrel_slam {

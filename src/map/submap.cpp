@@ -1,0 +1,78 @@
+#include "kestrel_slam/map/submap.h"
+
+#include <atomic>
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kBytesPerMegabyte = 1e6;
+
+std::uint64_t newRevision() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+}  // namespace
+
+Submap::Submap(const OccupancyGridConfig& config, const SubmapOptions& options)
+    : options_(options),
+      grid_(config),
+      surface_(static_cast<float>(config.resolution_m),
+               static_cast<std::size_t>(config.memory_limit_mb * kBytesPerMegabyte)),
+      revision_(newRevision()) {}
+
+bool Submap::insert(const PlanarScan& scan, const Pose2& map_T_base) {
+  const OccupancyGrid::Changes& changes = options_.stitching
+                                              ? grid_.insert(stitched(scan, map_T_base), map_T_base)
+                                              : grid_.insert(scan, map_T_base);
+  const bool surface_complete = surface_.update(grid_, changes);
+  keep(scan, map_T_base);
+  ++scans_;
+  revision_ = newRevision();
+  return surface_complete && !changes.full;
+}
+
+/// The scan with its associated hits marked as known. They end at the point of the map that they
+/// are: a beam that ends a little behind its wall must not clear it.
+PlanarScan Submap::stitched(const PlanarScan& scan, const Pose2& map_T_base) const {
+  PlanarScan result = scan;
+  const Pose2 base_T_map = map_T_base.inverse();
+  const float reach = surface_.resolution();  // a point of the next cell is the same wall
+  for (PlanarRay& ray : result.rays) {
+    if (!ray.hit) continue;
+    const Eigen::Vector2f point = (map_T_base * ray.end.cast<double>()).cast<float>();
+    const Surfel* surfel = surface_.nearest(point);
+    if (surfel == nullptr || (point - surfel->mean).norm() > reach) continue;
+    ray.known = true;
+    ray.end = (base_T_map * surfel->mean.cast<double>()).cast<float>();
+  }
+  return result;
+}
+
+void Submap::keep(const PlanarScan& scan, const Pose2& map_T_base) {
+  if (options_.kept_scans == 0) return;
+  if (keyframes_.size() >= options_.kept_scans) keyframes_.pop_front();
+  Keyframe keyframe{map_T_base, {}};
+  for (const PlanarRay& ray : scan.rays) {
+    if (ray.hit) keyframe.hits.push_back(ray.end);
+  }
+  keyframes_.push_back(std::move(keyframe));
+}
+
+void Submap::clear() {
+  grid_.clear();
+  surface_.clear();
+  keyframes_.clear();
+  scans_ = 0;
+  revision_ = newRevision();
+}
+
+std::size_t Submap::memoryBytes() const {
+  std::size_t bytes = grid_.memoryBytes() + surface_.memoryBytes();
+  for (const Keyframe& keyframe : keyframes_) {
+    bytes += sizeof(Keyframe) + keyframe.hits.capacity() * sizeof(Eigen::Vector2f);
+  }
+  return bytes;
+}
+
+}  // namespace kestrel_slam
