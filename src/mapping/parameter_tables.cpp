@@ -71,9 +71,7 @@ std::vector<Parameter> mapperParametersOf(MapperConfig& mapper) {
              "scans whose evaluation is above this stay out of the map"),
       number("evaluation_penalty", "", &mapper.evaluation.penalty, 0.0, 1000.0,
              "weight of the disagreement between the resolutions in the evaluation"),
-      choice("matcher", &mapper.matcher.method,
-             {"gauss_newton", "correlative", "progressive", "icp", "hybrid"},
-             "how the pose of a scan is found"),
+      choice("matcher", &mapper.matcher.method, matcherNames(), "how the pose of a scan is found"),
   };
 }
 

@@ -80,15 +80,21 @@ class CorrelativeMatcher : public Matcher {
 
 }  // namespace
 
+const std::vector<std::string>& matcherNames() {
+  static const std::vector<std::string> names = {"gauss_newton", "correlative", "progressive",
+                                                 "icp", "hybrid"};
+  return names;
+}
+
 std::unique_ptr<Matcher> makeMatcher(const MatcherConfig& config) {
   if (config.method == "hybrid") return std::make_unique<HybridMatcher>(config);
   if (config.method == "gauss_newton") return std::make_unique<GaussNewtonMatcher>(config);
   if (config.method == "correlative") return std::make_unique<CorrelativeMatcher>(config);
   if (config.method == "progressive") return std::make_unique<ProgressiveMatcher>(config);
   if (config.method == "icp") return std::make_unique<IcpMatcher>(config);
-  throw std::invalid_argument(
-      "matcher = " + config.method +
-      ": must be one of gauss_newton, correlative, progressive, icp, hybrid");
+  std::string known;
+  for (const std::string& name : matcherNames()) known += (known.empty() ? "" : ", ") + name;
+  throw std::invalid_argument("matcher = " + config.method + ": must be one of " + known);
 }
 
 SubmapOptions submapOptions(const MatcherConfig& config) {

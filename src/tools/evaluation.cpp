@@ -220,6 +220,7 @@ RelationEvaluation evaluateRelations(const Trajectory& trajectory,
       continue;
     }
     result.errors.push_back(errorOf(relation.stamp1, relation.pose, pose1->inverse() * *pose2));
+    result.end_stamps.push_back(std::max(relation.stamp1, relation.stamp2));
     if (std::abs(relation.stamp2 - relation.stamp1) > kDistantRelation) {
       distant.push_back(result.errors.back());
     }

@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <optional>
@@ -72,20 +73,25 @@ class Runner {
         height_(heightConfig(config.projector)),
         mapper_(config.mapper),
         memory_limit_mb_(config.mapper.grid.memory_limit_mb),
-        use_odometry_(options.use_odometry),
+        options_(options),
         use_imu_(options.use_imu && !recording.imu().samples.empty()) {}
 
   OfflineRun run(const ProgressCallback& progress) {
     const Clock::time_point start = Clock::now();
     RecordedScan scan;
-    while (readNext(scan)) {
+    const std::size_t total = std::min(options_.max_scans, recording_.scanCount());
+    while (read_ < options_.max_scans && readNext(scan)) {
       ++read_;
       if (!first_time_) first_time_ = scan.time;
       run_.duration_s = scan.time - *first_time_;
-      processScan(scan);
-      if (progress && !progress({read_, recording_.scanCount(), run_.duration_s})) {
+      if (perturb(options_.perturbation, read_, scan)) {
+        processScan(scan);
+      } else {
+        ++run_.left_out;
+      }
+      if (progress && !progress({read_, total, run_.duration_s})) {
         run_.warnings.push_back("stopped early, after " + std::to_string(read_) + " of " +
-                                std::to_string(recording_.scanCount()) + " scans");
+                                std::to_string(total) + " scans");
         break;
       }
     }
@@ -115,9 +121,10 @@ class Runner {
     }
     projection.scan.time = scan.time;
     const MapperResult result =
-        mapper_.process(projection.scan, use_odometry_ ? scan.odom_T_base : std::nullopt);
+        mapper_.process(projection.scan, options_.use_odometry ? scan.odom_T_base : std::nullopt);
     velocity_ = result.velocity;
     record(scan, result, kMillisecondsPerSecond * secondsSince(start));
+    if (options_.observer) options_.observer(projection.scan, result);
   }
 
   Projection project(const RecordedScan& scan) {
@@ -178,7 +185,7 @@ class Runner {
     addDistance(result.pose);
     if (result.state == MatchState::kLost) lost_.add(place());
     if (result.map_full) full_.add(place());
-    if (use_odometry_ && !scan.odom_T_base) without_odometry_.add(place());
+    if (options_.use_odometry && !scan.odom_T_base) without_odometry_.add(place());
   }
 
   void addDistance(const Pose2& pose) {
@@ -219,7 +226,7 @@ class Runner {
   HeightTracker height_;
   Mapper mapper_;
   double memory_limit_mb_;
-  bool use_odometry_;
+  RunOptions options_;
   bool use_imu_;
   std::size_t next_imu_ = 0, next_height_ = 0;
   Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();  ///< in base_stabilized, of the last scan

@@ -31,8 +31,14 @@ using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
 struct Color {
   double r, g, b;
 };
-constexpr std::array<Color, 4> kColors = {
-    {{0.12, 0.40, 0.70}, {0.85, 0.37, 0.01}, {0.17, 0.55, 0.25}, {0.55, 0.30, 0.65}}};
+constexpr std::array<Color, 8> kColors = {{{0.12, 0.40, 0.70},
+                                           {0.85, 0.37, 0.01},
+                                           {0.17, 0.55, 0.25},
+                                           {0.55, 0.30, 0.65},
+                                           {0.80, 0.10, 0.25},
+                                           {0.10, 0.65, 0.70},
+                                           {0.50, 0.35, 0.15},
+                                           {0.45, 0.45, 0.45}}};
 
 struct Range {
   double min = std::numeric_limits<double>::infinity();
@@ -53,9 +59,14 @@ struct Range {
 struct Frame {
   double left = 0.0, top = 0.0, width = 0.0, height = 0.0;
   Range x, y;
+  bool log_y = false;  ///< `y` is that of the logarithms
 
+  /// Not finite where there is no place for it.
+  double onScale(double value) const { return log_y ? std::log10(value) : value; }
   double px(double value) const { return left + (value - x.min) / x.size() * width; }
-  double py(double value) const { return top + height - (value - y.min) / y.size() * height; }
+  double py(double value) const {
+    return top + height - (onScale(value) - y.min) / y.size() * height;
+  }
 };
 
 void makeUsable(Range& range) {
@@ -67,9 +78,10 @@ void makeUsable(Range& range) {
 void setRanges(const PlotPanel& panel, Frame& frame) {
   for (const PlotSeries& series : panel.series) {
     for (const Eigen::Vector2d& point : series.points) {
-      if (!point.allFinite()) continue;
+      const double y = frame.onScale(point.y());
+      if (!std::isfinite(point.x()) || !std::isfinite(y)) continue;
       frame.x.include(point.x());
-      frame.y.include(point.y());
+      frame.y.include(y);
     }
   }
   if (panel.from_zero) frame.y.include(0.0);
@@ -115,11 +127,31 @@ void drawLine(cairo_t* cr, double x1, double y1, double x2, double y2, double gr
   cairo_stroke(cr);
 }
 
+constexpr double kGridGrey = 0.9;
+
+void drawTickY(cairo_t* cr, const Frame& frame, double value, const std::string& text) {
+  const double y = frame.py(value);
+  drawLine(cr, frame.left, y, frame.left + frame.width, y, kGridGrey);
+  cairo_set_source_rgb(cr, 0.0, 0.0, 0.0);
+  drawText(cr, frame.left - kLabelGap, y + kFontSize / 3.0, text, Align::kRight);
+}
+
+/// Ticks of a logarithmic axis: powers of ten, with 2 and 5 between where there are few.
+void drawPowers(cairo_t* cr, const Frame& frame) {
+  constexpr double kFewDecades = 3.0;
+  for (double decade = std::floor(frame.y.min); decade <= frame.y.max; ++decade) {
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      const double value = factor * std::pow(10.0, decade), y = std::log10(value);
+      if (y < frame.y.min || y > frame.y.max) continue;
+      if (factor > 1.0 && frame.y.size() > kFewDecades) continue;
+      drawTickY(cr, frame, value, tickText(value, std::pow(10.0, decade)));
+    }
+  }
+}
+
 void drawTicks(cairo_t* cr, const Frame& frame) {
-  constexpr double kGridGrey = 0.9;
   const double bottom = frame.top + frame.height;
   const double x_step = tickStep(frame.x, kWantedTicks);
-  const double y_step = tickStep(frame.y, kWantedTicks * std::sqrt(frame.height / frame.width));
   cairo_set_line_width(cr, 1.0);
   for (double i = std::ceil(frame.x.min / x_step); i * x_step <= frame.x.max; ++i) {
     const double x = frame.px(i * x_step);
@@ -127,12 +159,13 @@ void drawTicks(cairo_t* cr, const Frame& frame) {
     cairo_set_source_rgb(cr, 0.0, 0.0, 0.0);
     drawText(cr, x, bottom + kTickLength + kFontSize, tickText(i * x_step, x_step), Align::kCentre);
   }
+  if (frame.log_y) {
+    drawPowers(cr, frame);
+    return;
+  }
+  const double y_step = tickStep(frame.y, kWantedTicks * std::sqrt(frame.height / frame.width));
   for (double i = std::ceil(frame.y.min / y_step); i * y_step <= frame.y.max; ++i) {
-    const double y = frame.py(i * y_step);
-    drawLine(cr, frame.left, y, frame.left + frame.width, y, kGridGrey);
-    cairo_set_source_rgb(cr, 0.0, 0.0, 0.0);
-    drawText(cr, frame.left - kLabelGap, y + kFontSize / 3.0, tickText(i * y_step, y_step),
-             Align::kRight);
+    drawTickY(cr, frame, i * y_step, tickText(i * y_step, y_step));
   }
 }
 
@@ -160,8 +193,8 @@ void setColor(cairo_t* cr, std::size_t index) {
 void drawSeries(cairo_t* cr, const PlotSeries& series, const Frame& frame) {
   cairo_set_line_width(cr, kLineWidth);
   for (const Eigen::Vector2d& point : series.points) {
-    if (!point.allFinite()) continue;
     const double x = frame.px(point.x()), y = frame.py(point.y());
+    if (!std::isfinite(x) || !std::isfinite(y)) continue;
     if (series.style == PlotSeries::Style::kDots) {
       cairo_new_sub_path(cr);
       cairo_arc(cr, x, y, kDotRadius, 0.0, 2.0 * kPi);
@@ -187,6 +220,7 @@ void drawLegend(cairo_t* cr, const PlotPanel& panel, const Frame& frame) {
 }
 
 void drawPanel(cairo_t* cr, const PlotPanel& panel, Frame frame) {
+  frame.log_y = panel.log_y;
   setRanges(panel, frame);
   drawTicks(cr, frame);
   cairo_save(cr);

@@ -20,9 +20,10 @@ double shareOf(std::size_t part, std::size_t all) {
 }
 
 Json scansOf(const OfflineRun& run, const MatchSummary& match) {
-  return {{"read", run.scans.size() + run.droppedCount()},
+  return {{"read", run.scans.size() + run.droppedCount() + run.left_out},
           {"processed", run.scans.size()},
           {"dropped", Json(run.dropped)},
+          {"left_out", run.left_out},
           {"inserted", match.inserted},
           {"searched", match.searched},
           {"lost", match.lost}};

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 
 #include "kestrel_slam/matching/fit.h"
 #include "room.h"
@@ -144,6 +145,16 @@ TEST(MakeMatcher, NamesAnUnknownMethod) {
     FAIL();
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string(error.what()).find("magic"), std::string::npos);
+  }
+}
+
+TEST(MakeMatcher, KnowsEveryName) {
+  MatcherConfig config;
+  EXPECT_NE(std::find(matcherNames().begin(), matcherNames().end(), config.method),
+            matcherNames().end());
+  for (const std::string& name : matcherNames()) {
+    config.method = name;
+    EXPECT_NE(makeMatcher(config), nullptr) << name;
   }
 }
 

@@ -1,9 +1,7 @@
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "kestrel_slam/map/atomic_file.h"
@@ -12,6 +10,7 @@
 #include "kestrel_slam/tools/trajectory.h"
 #include "kestrel_slam/tools/version.h"
 #include "tools/room_log.h"
+#include "tools/run_command.h"
 #include "tools/temporary_folder.h"
 
 namespace kestrel_slam {
@@ -21,22 +20,6 @@ namespace fs = std::filesystem;
 
 constexpr std::array<const char*, 5> kOutputs = {"map.pgm", "map.yaml", "trajectory.tum",
                                                  "stats.json", "report.html"};
-
-struct Outcome {
-  int code = -1;
-  std::string output;  ///< standard output and error
-};
-
-Outcome runCommand(const std::string& command) {
-  Outcome outcome;
-  std::FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) return outcome;
-  std::array<char, 4096> buffer;
-  while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) outcome.output += buffer.data();
-  const int status = pclose(pipe);
-  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
-}
 
 const std::string kTool = KESTREL_TOOL_DIR "/map_recording ";
 
@@ -113,6 +96,18 @@ TEST_F(MapRecordingTest, UsesOdometryOnRequest) {
   EXPECT_EQ(nlohmann::json::parse(read("out/stats.json"))["odometry"], "use");
 }
 
+TEST_F(MapRecordingTest, LeavesOutScansOnRequest) {
+  ASSERT_EQ(map("--skip-scans 5 --drop-every 10 --drop-beams 0.2 --scans 30" + outputs("out")).code,
+            0);
+  const nlohmann::json scans = nlohmann::json::parse(read("out/stats.json"))["scans"];
+  EXPECT_EQ(scans["read"], 30);
+  EXPECT_EQ(scans["left_out"], 8);  // scans 1 to 5, 10, 20 and 30
+  EXPECT_EQ(scans["processed"], 22);
+  EXPECT_EQ(scans["lost"], 0);
+  ASSERT_EQ(map("--scans 30" + outputs("whole")).code, 0);
+  EXPECT_NE(read("out/map.pgm"), read("whole/map.pgm"));
+}
+
 TEST_F(MapRecordingTest, QuietSaysNothing) {
   const Outcome outcome = map("--quiet" + outputs("out"));
   EXPECT_EQ(outcome.code, 0);
@@ -183,6 +178,8 @@ TEST_F(MapRecordingTest, WrongUsageIsExitCodeTwo) {
   EXPECT_EQ(map("--odometry perhaps").code, 2);
   EXPECT_EQ(map("another.bag").code, 2);
   EXPECT_EQ(map("--output").code, 2);
+  EXPECT_EQ(map("--drop-every 0").code, 2);
+  EXPECT_EQ(map("--drop-beams 1.5").code, 2);
 }
 
 TEST_F(MapRecordingTest, HelpVersionAndParametersNeedNoRecording) {

@@ -123,11 +123,47 @@ TEST(OfflineRunTest, TheCallbackSeesEveryScanAndCanStop) {
 TEST(OfflineRunTest, MissingOdometryIsReportedOnlyWhereItIsUsed) {
   RoomRecording with(10), without(10);
   with.no_odometry_at = without.no_odometry_at = 5;
-  const OfflineRun used = runOffline(with, SlamConfig(), RunOptions{true, true});
+  RunOptions options;
+  options.use_odometry = true;
+  const OfflineRun used = runOffline(with, SlamConfig(), options);
   EXPECT_EQ(used.warnings,
             std::vector<std::string>{"1 of 10 scans had no odometry and used the laser alone, the "
                                      "first at 0.5 s (scan 6)"});
   EXPECT_TRUE(runOffline(without, SlamConfig(), RunOptions()).warnings.empty());
+}
+
+TEST(OfflineRunTest, APerturbedRunLeavesOutWhatItWasTold) {
+  RoomRecording recording(20);
+  RunOptions options;
+  options.perturbation.skip_scans = 3;
+  options.perturbation.drop_every = 7;
+  const OfflineRun run = runOffline(recording, SlamConfig(), options);
+  ASSERT_EQ(run.trajectory.size(), 15U);
+  EXPECT_EQ(run.left_out, 5U);  // scans 1 to 3, 7 and 14
+  EXPECT_EQ(run.droppedCount(), 0U);
+  EXPECT_EQ(run.trajectory.front().stamp, RoomFlight::stamp(3));
+  EXPECT_EQ(run.trajectory.front().pose, Pose2());
+  EXPECT_EQ(run.trajectory[3].stamp, RoomFlight::stamp(7));
+  EXPECT_EQ(run.trajectory[9].stamp, RoomFlight::stamp(14));
+}
+
+TEST(OfflineRunTest, TheObserverSeesEveryProcessedScanUpToTheLastWanted) {
+  RoomRecording recording(20);
+  RunOptions options;
+  options.max_scans = 6;
+  options.perturbation.drop_every = 5;
+  std::vector<double> seen, poses;
+  options.observer = [&](const PlanarScan& scan, const MapperResult& result) {
+    seen.push_back(scan.stamp);
+    poses.push_back(result.pose.x);
+  };
+  const OfflineRun run = runOffline(recording, SlamConfig(), options);
+  ASSERT_EQ(run.trajectory.size(), 5U);
+  EXPECT_TRUE(run.warnings.empty());
+  for (std::size_t i = 0; i < run.trajectory.size(); ++i) {
+    EXPECT_EQ(seen.at(i), run.trajectory[i].stamp);
+    EXPECT_EQ(poses.at(i), run.trajectory[i].pose.x);
+  }
 }
 
 TEST(OfflineRunTest, AnEmptyRecordingGivesAnEmptyRun) {

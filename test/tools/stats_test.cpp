@@ -66,7 +66,7 @@ TEST(DistributionTest, ExactValues) {
 TEST(StatsTest, CountsAndShares) {
   const auto stats = statsOf(smallRun(), infoOf(true));
   EXPECT_EQ(stats["scans"].dump(),
-            R"({"read":7,"processed":4,"dropped":{"broken line":1,"no-valid-beam":2},)"
+            R"({"read":7,"processed":4,"dropped":{"broken line":1,"no-valid-beam":2},"left_out":0,)"
             R"("inserted":2,"searched":2,"lost":1})");
   EXPECT_EQ(stats["match"].dump(),
             R"({"quality_mean":0.625,"quality_min":0.25,"share_ok":0.5,"share_degraded":0.25,)"

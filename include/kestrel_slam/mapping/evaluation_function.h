@@ -7,7 +7,9 @@ namespace kestrel_slam {
 /// Parameters of the penalised evaluation function (paper 000 eq. 4-5).
 struct EvaluationConfig {
   bool enabled = true;
-  double threshold = 2.5;   ///< T_V: a scan with f below this may enter the map
+  /// T_V: a scan with f below this may enter the map. What it separates is drawn by
+  /// `compare_matchers --evaluation`; below 1.5 it keeps out good scans and starves the map.
+  double threshold = 1.75;
   double penalty = 0.25;    ///< the paper's positive penalty parameter
   double sigma_m = 0.05;    ///< unit in which the spread of the positions is measured
   double sigma_rad = 0.02;  ///< unit of the spread of the headings

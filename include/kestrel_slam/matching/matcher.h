@@ -53,6 +53,9 @@ class Matcher {
   virtual MatchResult match(const Submap& map, const MatchRequest& request) const = 0;
 };
 
+/// All methods that makeMatcher knows.
+const std::vector<std::string>& matcherNames();
+
 /// Throws std::invalid_argument for an unknown method.
 std::unique_ptr<Matcher> makeMatcher(const MatcherConfig& config);
 

@@ -50,7 +50,8 @@ std::vector<Relation> readRelations(const std::string& path);
 
 /// The metric of Kümmerle et al. 2009, without its loop weights: |relation⁻¹ · (pose1⁻¹ · pose2)|.
 struct RelationEvaluation {
-  std::vector<PoseError> errors;  ///< in the order of the relations; stamp is stamp 1
+  std::vector<PoseError> errors;   ///< in the order of the relations; stamp is stamp 1
+  std::vector<double> end_stamps;  ///< for each of `errors`, the later stamp of its relation
   PoseErrorStatistics all;
   PoseErrorStatistics distant;        ///< of those whose ends are over kDistantRelation apart
   std::vector<double> unmatched;      ///< stamps that the trajectory does not have, ascending

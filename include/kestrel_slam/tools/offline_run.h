@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "kestrel_slam/map/map_snapshot.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/mapping/parameters.h"
+#include "kestrel_slam/tools/perturbation.h"
 #include "kestrel_slam/tools/recording.h"
 #include "kestrel_slam/tools/trajectory.h"
 
@@ -31,6 +33,7 @@ struct OfflineRun {
   Trajectory trajectory;  ///< one pose for every processed scan; of a lost one, the prediction
   std::vector<ScanRecord> scans;
   std::map<std::string, std::size_t> dropped;  ///< scans that could not be used, by reason
+  std::size_t left_out = 0;                    ///< scans that the perturbation left out
   std::vector<std::string> warnings;           ///< sentences for the user, each problem once
   double distance_m = 0.0;                     ///< travelled
   double duration_s = 0.0;                     ///< recorded
@@ -44,10 +47,14 @@ struct OfflineRun {
   double speedFactor() const;
 };
 
-/// Which of the sensors of a recording are used; those that it does not have are never missed.
+/// Which parts of a recording are used; sensors that it does not have are never missed.
 struct RunOptions {
   bool use_odometry = false;
   bool use_imu = true;  ///< roll, pitch and turn rate; without: the vehicle is taken to be level
+  Perturbation perturbation;
+  std::size_t max_scans = std::numeric_limits<std::size_t>::max();  ///< only the first so many
+  /// Sees every scan that the mapper processed, and what became of it.
+  std::function<void(const PlanarScan&, const MapperResult&)> observer;
 };
 
 /// How far a run has come.

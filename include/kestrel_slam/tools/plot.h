@@ -21,6 +21,7 @@ struct PlotPanel {
   std::vector<PlotSeries> series;
   bool equal_axes = false;  ///< a metre is as long in x as in y
   bool from_zero = false;   ///< y = 0 is always in sight
+  bool log_y = false;       ///< y by powers of ten; what is not positive is left out
   double height = 1.0;      ///< share of the picture, relative to the other panels
 };
 
