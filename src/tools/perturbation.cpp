@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "kestrel_slam/simulation/random.h"
+#include "kestrel_slam/geometry/random.h"
 
 namespace kestrel_slam {
 namespace {

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "kestrel_slam/geometry/random.h"
 #include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/mapping/mapper_config.h"
 #include "kestrel_slam/matching/matcher.h"
-#include "kestrel_slam/simulation/random.h"
 
 namespace kestrel_slam {
 
