@@ -11,6 +11,7 @@
 #include "kestrel_slam/map/map_io.h"
 #include "kestrel_slam/tools/drive_measurement.h"
 #include "kestrel_slam/tools/flight_measurement.h"
+#include "kestrel_slam/tools/hard_flight.h"
 
 namespace kestrel_slam {
 namespace {
@@ -187,6 +188,25 @@ void flyAtRandom(const Options& options) {
       options.random_flights, options.random_s, scans, lost_flights, worst / kMillimetre);
 }
 
+void flyInHardSituations(const Options& options) {
+  std::printf(
+      "\n| hard situation | scans | lost | false alarms | missed | ATE rmse | largest jump | "
+      "found again after | ghost cells | double walls | limits |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (HardFlight hard : hardFlights()) {
+    if (hard.trial.name.find(options.only) == std::string::npos) continue;
+    apply(options.settings, hard.trial.config);
+    const HardFlightMeasurement m = measureHardFlight(hard);
+    const std::string failures = m.failures(hard.limits);
+    std::printf("| %s | %zu | %zu | %zu | %zu | %.4f m | %.3f m | %.2f s | %zu | %zu | %s |\n",
+                hard.trial.name.c_str(), m.flight.run.scans.size(), m.lost, m.false_alarms,
+                m.missed, m.ate_m, m.jump_m, m.recovery_s, m.ghost_cells, m.double_cells,
+                failures.empty() ? "kept" : failures.c_str());
+    std::fflush(stdout);
+    if (!options.output.empty()) writeFiles(options.output, hard.trial.name, m.flight);
+  }
+}
+
 void drive(const Options& options) {
   FlightTrial trial = townDrive();
   if (trial.name.find(options.only) == std::string::npos) return;
@@ -215,6 +235,7 @@ void run(const Options& options) {
     printRow(trial.name, m);
     if (!options.output.empty()) writeFiles(options.output, trial.name, m);
   }
+  flyInHardSituations(options);
   drive(options);
   if (options.random_flights > 0) flyAtRandom(options);
 }
