@@ -1,8 +1,16 @@
 #include "kestrel_slam/matching/fit.h"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 
 namespace kestrel_slam {
+
+double leastConstraint(const Fit& fit) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> normals(fit.normals, Eigen::EigenvaluesOnly);
+  // Walls count a little along themselves as well (SurfelField), which is no constraint.
+  constexpr double kAlong = SurfelField::kAlongWeight / (1.0 + SurfelField::kAlongWeight);
+  return normals.eigenvalues()(0) - kAlong;
+}
 
 Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, double scale_m) {
   const auto c = static_cast<float>(std::cos(map_T_base.theta));
@@ -11,7 +19,7 @@ Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, doub
   const auto inverse_scale2 = static_cast<float>(1.0 / (scale_m * scale_m));
   constexpr float kOnWall = 0.5F;  // within `scale_m` of a wall
   float sum = 0, squares = 0, n11 = 0, n12 = 0, n22 = 0;
-  std::size_t known = 0;
+  std::size_t known = 0, on_wall = 0;
   for (const Eigen::Vector2f& p : points) {
     const Eigen::Vector2f point(x + c * p.x() - s * p.y(), y + s * p.x() + c * p.y());
     const Surfel* surfel = map.surface().nearest(point);
@@ -25,6 +33,7 @@ Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, doub
       // The surfels' own hits are known; asking the grid is only needed off the walls.
       n11 += surfel->a11, n12 += surfel->a12, n22 += surfel->a22;
       squares += fit * distance2;
+      ++on_wall;
     } else if (!map.grid().isKnown(map.grid().cellAt(point))) {
       continue;
     }
@@ -36,6 +45,7 @@ Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, doub
   const auto count = static_cast<double>(known);
   result.score = static_cast<double>(sum) / count;
   result.known = count / static_cast<double>(points.size());
+  result.on_wall = static_cast<double>(on_wall) / static_cast<double>(points.size());
   result.residual_variance = static_cast<double>(squares / std::max(sum, 1.0F));
   result.normals << n11, n12, n12, n22;
   result.normals /= std::max(result.normals.trace(), 1.0);

@@ -28,6 +28,16 @@ constexpr double kBeamCorrelation = 4.0;
 /// Standard deviation along a direction that the scan does not constrain.
 constexpr double kUnconstrainedM = 0.5;
 
+/// A pose is held by its walls where this share of the points lies on them, this closely, and where
+/// these points alone constrain both directions (see leastConstraint). That is no accident, however
+/// bad the rest fits: people, what was moved, or what covers a part of the view.
+constexpr double kHeldShare = 0.4, kHeldSigmaM = 0.03, kHeldConstraint = 0.1;
+
+bool isHeld(const Fit& fit) {
+  return fit.on_wall >= kHeldShare && fit.residual_variance <= kHeldSigmaM * kHeldSigmaM &&
+         leastConstraint(fit) >= kHeldConstraint;
+}
+
 /// Every k-th point, so that about `count` remain.
 Points thinned(const Points& points, std::size_t count) {
   const std::size_t step = std::max<std::size_t>(1, points.size() / count);
@@ -53,7 +63,14 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     const double margin = request.trusted ? marginOf(request, other) : 0.0;
     if (other.preferred > best.preferred + margin) best = other;
   }
-  if (best.fit.score < config_.search_score) search(map, request, result, best);
+  if (best.fit.score < config_.search_score && !request.trusted) {
+    // What covers a part of the view may lead the coarse stages away, where it seems to fit.
+    const Candidate near = refine(map, request, request.starts.front(), kLastStage);
+    result.iterations += near.descent.iterations;
+    if (near.preferred > best.preferred) best = near;
+  }
+  if (best.fit.score < config_.search_score && (request.lost || !isHeld(best.fit)))
+    search(map, request, result, best);
   result.pose = best.descent.pose;
   result.converged = best.descent.converged;
   fillUncertainty(best.descent.at_pose, best.fit, config_.degenerate_share, result);
@@ -75,7 +92,8 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
   std::array<SearchWindow, 3> windows = {config_.near_window, config_.wide_window,
                                          SearchWindow{config_.wide_window.linear_m, kPi}};
   const std::size_t count = request.search_all_round ? windows.size() : windows.size() - 1;
-  for (std::size_t i = 0; i < count && best.fit.score < config_.search_score; ++i) {
+  for (std::size_t i = request.lost ? count - 1 : 0;
+       i < count && best.fit.score < config_.search_score; ++i) {
     windows[i].linear_m *= request.search_scale;
     Pose2 center = request.last;
     if (request.turn_known) {

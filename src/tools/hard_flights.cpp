@@ -45,8 +45,8 @@ HardFlight crowd() {
 
 /// Two rounds; before the second one half of the furniture is somewhere else.
 HardFlight movedFurniture() {
-  constexpr double kMovedAt = 33.0;  // s, the end of the first round
-  const Eigen::Vector2d kMove(0.7, 0.5);
+  constexpr double kMovedAt = 33.0;       // s, the end of the first round
+  const Eigen::Vector2d kMove(0.0, 1.3);  // m, so that one sees where they were
   HardFlight flight = laserOnly("furniture moved between two rounds", "people", 40.0);
   Place& place = flight.trial.place;
   place.parts.walkers.clear();
@@ -112,6 +112,13 @@ HardFlight allBlockedWithImu() {
   return flight;
 }
 
+/// So close to the laser that the scans are dropped, and the mapper gets none.
+HardFlight noScans() {
+  HardFlight flight = laserOnly("no scans for 2 s", "laboratory", 40.0);
+  blockAll(flight, 0.5 * flight.trial.config.projector.beams.min_range_m);
+  return flight;
+}
+
 HardFlight nothingInSight() {
   HardFlight flight = laserOnly("no return at all for 2 s", "laboratory", 40.0);
   blockAll(flight, std::numeric_limits<double>::infinity());
@@ -154,8 +161,8 @@ HardFlight fastStart(double rate_hz) {
 std::vector<HardFlight> hardFlights() {
   constexpr double kFast = 40.0, kSlow = 10.0;  // Hz
   return {crowd(),      movedFurniture(),    dropouts(),       halfBlocked(),
-          allBlocked(), allBlockedWithImu(), nothingInSight(), spin(kFast),
-          spin(kSlow),  fastStart(kFast),    fastStart(kSlow)};
+          allBlocked(), allBlockedWithImu(), nothingInSight(), noScans(),
+          spin(kFast),  spin(kSlow),         fastStart(kFast), fastStart(kSlow)};
 }
 
 }  // namespace kestrel_slam
