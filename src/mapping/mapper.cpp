@@ -14,7 +14,7 @@ namespace {
 /// map: its motion says nothing of the next one.
 constexpr double kMaxStepM = 1.0;
 /// Largest factor of the search windows after a long lost state.
-constexpr double kMaxSearchScale = 20.0;
+constexpr double kMaxSearchScale = 8.0;
 /// A lost vehicle is found where the scan fits well (search_score), and where this share of it is
 /// in known space: in a large window something fits half of a scan almost everywhere.
 constexpr double kFoundKnownShare = 0.5;

@@ -15,6 +15,8 @@ constexpr std::array<float, kMatchStages> kStageScales = {0.3F, 0.12F, 0.05F};
 constexpr double kCoarseStepM = 0.01, kCoarseStepRad = 0.005;
 /// Points that are enough for them.
 constexpr std::size_t kCoarsePoints = 150;
+/// Points that are enough to find a lost vehicle in a wide window.
+constexpr std::size_t kLostPoints = 200;
 /// How far the search turns where the gyro knows the heading, rad.
 constexpr double kKnownTurn = 0.1;
 constexpr std::size_t kLastStage = kMatchStages - 1;
@@ -92,6 +94,7 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
   std::array<SearchWindow, 3> windows = {config_.near_window, config_.wide_window,
                                          SearchWindow{config_.wide_window.linear_m, kPi}};
   const std::size_t count = request.search_all_round ? windows.size() : windows.size() - 1;
+  const Points points = request.lost ? thinned(request.points, kLostPoints) : request.points;
   for (std::size_t i = request.lost ? count - 1 : 0;
        i < count && best.fit.score < config_.search_score; ++i) {
     windows[i].linear_m *= request.search_scale;
@@ -101,7 +104,7 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
       windows[i].angular_rad = std::min(windows[i].angular_rad, kKnownTurn);
     }
     const SearchResult found =
-        searchWindow(map.surface(), request.points, center, windows[i], config_.correlative);
+        searchWindow(map.surface(), points, center, windows[i], config_.correlative);
     Candidate other = refine(map, request, found.pose);
     result.iterations += other.descent.iterations;
     if (other.preferred > best.preferred + marginOf(request, other)) best = other;

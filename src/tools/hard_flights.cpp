@@ -97,6 +97,7 @@ void blockAll(HardFlight& flight, double range_m) {
   view.from_s = flight.blind_from_s = kFrom;
   view.until_s = flight.blind_until_s = kUntil;
   view.range_m = range_m;
+  flight.lost_is_true = range_m >= flight.trial.config.projector.beams.min_range_m;
   flight.trial.vehicle.blocked_views = {view};
 }
 
@@ -137,6 +138,8 @@ HardFlight spin(double rate_hz) {
   plan.waypoints = {start, turned, start};
   plan.yaw_rate_rad_s = 2.0;
   plan.nose_forward = false;
+  // A sweep of 19 ms is bent by 2°, which nobody can undo without a gyro: corners become thick.
+  flight.limits.double_cells = 80;
   return flight;
 }
 

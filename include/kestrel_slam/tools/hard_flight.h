@@ -25,6 +25,7 @@ struct HardFlight {
   HardLimits limits;
   /// Whole view blocked, s after the start: lost there is true whatever the error is.
   double blind_from_s = 0.0, blind_until_s = 0.0;
+  bool lost_is_true = false;  ///< scans come in that time, and they show nothing of the place
 };
 
 /// People, moved furniture, dropouts, blocked views, a rotation in place and a fast start.
