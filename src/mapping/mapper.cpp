@@ -121,7 +121,7 @@ struct Mapper::State {
 /// its bias would otherwise pull every scan of a corridor a little the same way.
 MatchRequest Mapper::State::request(const Points& points, const PlanarScan& scan,
                                     const std::optional<Pose2>& odom_now) const {
-  MatchRequest result{points, pose, {}};
+  MatchRequest result{points, pose, {}, false, 1.0};
   const Pose2 continued = pose * motion;
   result.starts = {continued, pose, halfway(pose, continued)};
   const std::optional<double> turn = turnSince(scan);

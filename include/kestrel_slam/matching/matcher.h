@@ -34,11 +34,11 @@ struct MatchRequest {
   Pose2 last;                     ///< map_T_base of the scan before: small motions are preferred
   std::vector<Pose2> starts;      ///< predictions, best first; never empty
   bool search_all_round = false;  ///< nothing is known of the heading (a gap, a lost state)
-  bool lost = false;              ///< the pose is only predicted: search the widest window
   double search_scale = 1.0;      ///< of the windows' linear size, for a longer absence
   bool turn_known = false;        ///< the heading of the first start is exact to some degrees
   bool trusted = false;           ///< the first start is exact to some centimetres
   double plausible_m = 1e9;  ///< a pose farther from the first start has to fit that much better
+  bool lost = false;         ///< the pose is only predicted: search the widest window
 };
 
 /// Aligns a scan with a map. Stateless: the same request gives the same result.
