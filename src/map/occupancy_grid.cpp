@@ -10,6 +10,11 @@ namespace {
 /// Log odds are stored in steps of 1/1000: fine enough for any update, and ±32 in range.
 constexpr double kLogOddsScale = 1000.0;
 constexpr double kBytesPerMegabyte = 1e6;
+/// Below these log odds (probability 0.18) a cell has been passed so often that what is hit in it
+/// is somebody who walks by, or moved: such hits count this many times less, until several of them
+/// in a row have shown that it stays.
+constexpr std::int16_t kEstablishedFree = -1500;
+constexpr int kPasserByShare = 3;
 /// Cells beyond this are no map but broken poses; at 5 cm it is 26 000 km.
 constexpr float kMaxCellCoordinate = 5e8F;
 
@@ -218,7 +223,8 @@ void OccupancyGrid::apply(Tile& tile) {
     for (Row bits = tile.hit[row]; bits != 0U; bits &= bits - 1U) {
       const auto column = static_cast<std::size_t>(__builtin_ctz(bits));
       std::int16_t& value = tile.log_odds[row * kTileSide + column];
-      const int sum = std::min<int>(value + hit_, max_);
+      const int weight = value < kEstablishedFree ? hit_ / kPasserByShare : hit_;
+      const int sum = std::min<int>(value + weight, max_);
       value = static_cast<std::int16_t>(sum == 0 ? -1 : sum);
       if (value > 0) tile.occupied[row] |= 1U << column;
     }

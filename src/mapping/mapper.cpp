@@ -14,7 +14,10 @@ namespace {
 /// map: its motion says nothing of the next one.
 constexpr double kMaxStepM = 1.0;
 /// Largest factor of the search windows after a long lost state.
-constexpr double kMaxSearchScale = 4.0;
+constexpr double kMaxSearchScale = 8.0;
+/// A lost vehicle is found where the scan fits well (search_score), and where this share of it is
+/// in known space: in a large window something fits half of a scan almost everywhere.
+constexpr double kFoundKnownShare = 0.5;
 /// Standard deviations of a pose that is only predicted.
 constexpr double kLostM = 1.0, kLostRad = 0.5;
 
@@ -108,7 +111,7 @@ struct Mapper::State {
                        const std::optional<Pose2>& odom_now) const;
   std::optional<double> turnSince(const PlanarScan& scan) const;
   Eigen::Vector2d gainedSpeed(const PlanarScan& scan) const;
-  MatchState judge(const MatchResult& match) const;
+  MatchState judge(const MatchResult& match, bool was_lost) const;
   void move(const MatchResult& match, const Pose2& prediction, MatchState match_state,
             const PlanarScan& scan);
   void updateVelocity(const Pose2& next, const PlanarScan& scan, bool unknown);
@@ -140,9 +143,13 @@ MatchRequest Mapper::State::request(const Points& points, const PlanarScan& scan
     result.starts.insert(place, pose * (odom->inverse() * *odom_now));
   }
   result.turn_known = has_turn && lost_scans < kTrustedLostScans;
-  result.search_all_round =
-      !result.turn_known && (lost_scans > 0 || scan.time - time > config.gap_s);
-  result.search_scale = std::min(1.0 + 0.1 * lost_scans, kMaxSearchScale);
+  result.lost = lost_scans > 0 || scan.time - time > config.gap_s;
+  result.search_all_round = result.lost && !result.turn_known;
+  if (result.lost) {
+    const double flown = kMaxSpeed * (scan.time - found_time);
+    result.search_scale =
+        std::clamp(1.0 + flown / config.matcher.wide_window.linear_m, 1.0, kMaxSearchScale);
+  }
   result.plausible_m = std::max(kMinPlausibleM, kMaxSpeed * (scan.time - found_time));
   if (placed) result.plausible_m = std::numeric_limits<double>::infinity();
   return result;
@@ -163,8 +170,9 @@ Eigen::Vector2d Mapper::State::gainedSpeed(const PlanarScan& scan) const {
   return Eigen::Rotation2Dd(pose.theta - *heading) * (*scan.speed - *speed);
 }
 
-MatchState Mapper::State::judge(const MatchResult& match) const {
-  if (match.score < config.lost_score || match.known < config.min_known_share) {
+MatchState Mapper::State::judge(const MatchResult& match, bool was_lost) const {
+  if (match.score < (was_lost ? config.matcher.search_score : config.lost_score) ||
+      match.known < (was_lost ? kFoundKnownShare : config.min_known_share)) {
     return MatchState::kLost;
   }
   const bool good = match.score >= config.matcher.search_score && !match.degenerate;
@@ -228,7 +236,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
     const MatchRequest request = s.request(points, scan, odom_T_base);
     result.match = s.matcher->match(s.map, request);
     result.evaluation = evaluationFunction(result.match, s.config.evaluation);
-    result.state = s.judge(result.match);
+    result.state = s.judge(result.match, request.lost);
     s.move(result.match, request.starts.front(), result.state, scan);
   } else if (first && !points.empty()) {
     result.match.pose = s.pose;

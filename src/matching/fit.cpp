@@ -1,17 +1,25 @@
 #include "kestrel_slam/matching/fit.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 #include "surfel_lanes.h"
 
 namespace kestrel_slam {
 
+double leastConstraint(const Fit& fit) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> normals(fit.normals, Eigen::EigenvaluesOnly);
+  // Walls count a little along themselves as well (SurfelField), which is no constraint.
+  constexpr double kAlong = SurfelField::kAlongWeight / (1.0 + SurfelField::kAlongWeight);
+  return normals.eigenvalues()(0) - kAlong;
+}
+
 Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, double scale_m) {
   const auto inverse_scale2 = static_cast<float>(1.0 / (scale_m * scale_m));
   constexpr float kOnWall = 0.5F;  // within `scale_m` of a wall
   Lanes sum = Lanes::Zero(), squares = Lanes::Zero();
   Lanes n11 = Lanes::Zero(), n12 = Lanes::Zero(), n22 = Lanes::Zero();
-  std::size_t unknown = 0;
+  std::size_t off_walls = 0, unknown = 0;
   forEachLanes(map.surface(), points, map_T_base, [&](const SurfelLanes& p, std::size_t count) {
     const Lanes distance2 = p.distance2();
     Lanes fit = p.hasSurfel() / (1.0F + distance2 * inverse_scale2);
@@ -21,6 +29,7 @@ Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, doub
       if (fit[i] > kOnWall) continue;
       // The surfels' own hits are known; asking the grid is only needed off the walls.
       on_wall[i] = 0.0F;
+      ++off_walls;
       if (map.grid().isKnown(map.grid().cellAt({p.px[i], p.py[i]}))) continue;
       fit[i] = 0.0F;
       ++unknown;
@@ -34,6 +43,8 @@ Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, doub
   const auto known = static_cast<double>(points.size() - unknown);
   result.score = static_cast<double>(sum.sum()) / known;
   result.known = known / static_cast<double>(points.size());
+  result.on_wall =
+      static_cast<double>(points.size() - off_walls) / static_cast<double>(points.size());
   result.residual_variance = static_cast<double>(squares.sum() / std::max(sum.sum(), 1.0F));
   result.normals << n11.sum(), n12.sum(), n12.sum(), n22.sum();
   result.normals /= std::max(result.normals.trace(), 1.0);

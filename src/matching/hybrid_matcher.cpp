@@ -15,6 +15,8 @@ namespace {
 constexpr std::array<float, kMatchStages> kStageScales = {0.3F, 0.12F, 0.05F};
 /// The early stages only have to come into the basin of the next one.
 constexpr double kCoarseStepM = 0.01, kCoarseStepRad = 0.005;
+/// Points that are enough to find a lost vehicle in a wide window.
+constexpr std::size_t kLostPoints = 200;
 constexpr std::size_t kLastStage = kMatchStages - 1;
 /// Pull towards the start, in shares of what the points say across a wall they stand on: it
 /// decides only where they say nothing.
@@ -25,6 +27,16 @@ constexpr double kMinResidualM = 0.01;
 constexpr double kBeamCorrelation = 4.0;
 /// Standard deviation along a direction that the scan does not constrain.
 constexpr double kUnconstrainedM = 0.5;
+
+/// A pose is held by its walls where this share of the points lies on them, this closely, and where
+/// these points alone constrain both directions (see leastConstraint). That is no accident, however
+/// bad the rest fits: people, what was moved, or what covers a part of the view.
+constexpr double kHeldShare = 0.4, kHeldSigmaM = 0.03, kHeldConstraint = 0.1;
+
+bool isHeld(const Fit& fit) {
+  return fit.on_wall >= kHeldShare && fit.residual_variance <= kHeldSigmaM * kHeldSigmaM &&
+         leastConstraint(fit) >= kHeldConstraint;
+}
 
 }  // namespace
 
@@ -42,7 +54,14 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     const double margin = request.trusted ? jumpMargin(config_, request, other.descent.pose) : 0.0;
     if (other.preferred > best.preferred + margin) best = other;
   }
-  if (best.fit.score < config_.search_score) search(map, request, result, best);
+  if (best.fit.score < config_.search_score && !request.trusted) {
+    // What covers a part of the view may lead the coarse stages away, where it seems to fit.
+    const Candidate near = refine(map, request, request.starts.front(), kLastStage);
+    result.iterations += near.descent.iterations;
+    if (near.preferred > best.preferred) best = near;
+  }
+  if (best.fit.score < config_.search_score && (request.lost || !isHeld(best.fit)))
+    search(map, request, result, best);
   result.pose = best.descent.pose;
   result.converged = best.descent.converged;
   fillUncertainty(best.descent.at_pose, best.fit, config_.degenerate_share, result);
@@ -64,7 +83,9 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
   std::array<SearchWindow, 3> windows = {config_.near_window, config_.wide_window,
                                          SearchWindow{config_.wide_window.linear_m, kPi}};
   const std::size_t count = request.search_all_round ? windows.size() : windows.size() - 1;
-  for (std::size_t i = 0; i < count && best.fit.score < config_.search_score; ++i) {
+  const Points points = request.lost ? thinned(request.points, kLostPoints) : request.points;
+  for (std::size_t i = request.lost ? count - 1 : 0;
+       i < count && best.fit.score < config_.search_score; ++i) {
     windows[i].linear_m *= request.search_scale;
     Pose2 center = request.last;
     if (request.turn_known) {
@@ -72,7 +93,7 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
       windows[i].angular_rad = std::min(windows[i].angular_rad, kKnownTurn);
     }
     const SearchResult found =
-        searchWindow(map.surface(), request.points, center, windows[i], config_.correlative);
+        searchWindow(map.surface(), points, center, windows[i], config_.correlative);
     Candidate other = refine(map, request, found.pose);
     result.iterations += other.descent.iterations;
     if (other.preferred > best.preferred + jumpMargin(config_, request, other.descent.pose))

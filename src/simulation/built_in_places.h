@@ -13,5 +13,6 @@ Place fourRooms();
 Place corridorRing();
 Place straightCorridor();
 Place hall();
+Place town();
 
 }  // namespace kestrel_slam

@@ -15,7 +15,16 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Numbers the random streams. Fixed: another number is another flight.
-enum StreamId : std::uint64_t { kTruth, kWalkers, kImu, kRangeFinder, kBarometer, kLaser, kLidar };
+enum StreamId : std::uint64_t {
+  kTruth,
+  kWalkers,
+  kImu,
+  kRangeFinder,
+  kBarometer,
+  kLaser,
+  kLidar,
+  kSecondLaser
+};
 
 /// Well mixed seeds for the streams of one flight (splitmix64).
 std::uint64_t mix(std::uint64_t seed, std::uint64_t stream) {
@@ -37,9 +46,11 @@ void setStamp(TrueWalkers&, double) {}
 struct Stream {
   std::function<FlightMessage(double time)> measure;  ///< time after the start, s
   double rate_hz = 0.0;
+  double phase = 0.0;    ///< of a period, of the first message
   double delay_s = 0.0;  ///< from the stamp to the arrival
   double jitter_s = 0.0;
   double loss_probability = 0.0;
+  bool second_laser = false;
   Random channel = Random(0);  ///< what happens to the messages, apart from what is in them
   std::size_t count = 0;
   std::size_t index = 0;
@@ -48,10 +59,11 @@ struct Stream {
   /// Makes the next message that is not lost `pending`, if there is one.
   void prepare() {
     while (!pending && index < count) {
-      const double time = static_cast<double>(index++) / rate_hz;
+      const double time = (phase + static_cast<double>(index++)) / rate_hz;
       const bool lost = channel.uniform() < loss_probability;
       const double error = jitter_s * channel.gaussian();
-      FlightEvent event{kFlightStart + time + error, kFlightStart + time + delay_s, measure(time)};
+      FlightEvent event{kFlightStart + time + error, kFlightStart + time + delay_s, measure(time),
+                        second_laser};
       std::visit([&](auto& message) { setStamp(message, event.stamp); }, event.message);
       if (!lost) pending = std::move(event);
     }
@@ -69,6 +81,15 @@ HeightSample measureHeight(const RangeFinderModel& model, const World& world, co
   sample.height_m = range < model.range_min ? -kInfinity : range;
   if (!(range <= model.range_max) || hit.material == Material::kBlack) sample.height_m = kInfinity;
   return sample;
+}
+
+void block(const BlockedView& view, double time, LaserScan& scan) {
+  if (time < view.from_s || time >= view.until_s) return;
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    if (angle < view.first_rad || angle > view.last_rad) continue;
+    scan.ranges[i] = static_cast<float>(view.range_m);
+  }
 }
 
 class BarometerSimulator {
@@ -102,6 +123,7 @@ struct FlightSimulator::State {
   void addTruth();
   void addAttitudeSensors();
   void addHeightSensors();
+  void addLaser(StreamId id, const LaserModel& laser, const Eigen::Isometry3d& base_T_laser);
   void addScanners();
   std::uint64_t seedOf(StreamId id) const { return mix(seed, 2 * id); }
 
@@ -129,7 +151,13 @@ void FlightSimulator::State::add(StreamId id, double rate_hz, double delay_s,
   stream.count = static_cast<std::size_t>(motion.duration() * rate_hz + kRounding) + 1;
   // Sweeps take time: the last ones are left out, so that attitudes are known until after the end.
   constexpr std::size_t kSweepsLeftOut = 2;
-  if (id == kLaser || id == kLidar) stream.count -= std::min(stream.count, kSweepsLeftOut);
+  if (id == kLaser || id == kLidar || id == kSecondLaser) {
+    stream.count -= std::min(stream.count, kSweepsLeftOut);
+  }
+  if (id == kSecondLaser) {
+    stream.phase = 0.5;
+    stream.second_laser = true;
+  }
   streams.push_back(std::move(stream));
 }
 
@@ -171,14 +199,21 @@ void FlightSimulator::State::addHeightSensors() {
   }
 }
 
+void FlightSimulator::State::addLaser(StreamId id, const LaserModel& laser,
+                                      const Eigen::Isometry3d& base_T_laser) {
+  const double sweep_s = laser.beams * laser.time_increment;
+  add(id, laser.rate_hz, sweep_s + vehicle.scan_latency_s,
+      [this, &laser, &base_T_laser, random = Random(seedOf(id))](double time) mutable {
+        LaserScan scan = sweep(laser, world, motion, base_T_laser, time, random);
+        for (const BlockedView& view : vehicle.blocked_views) block(view, time, scan);
+        return scan;
+      });
+}
+
 void FlightSimulator::State::addScanners() {
-  if (vehicle.laser) {
-    const LaserModel& laser = *vehicle.laser;
-    const double sweep_s = laser.beams * laser.time_increment;
-    add(kLaser, laser.rate_hz, sweep_s + vehicle.scan_latency_s,
-        [this, &laser, random = Random(seedOf(kLaser))](double time) mutable {
-          return sweep(laser, world, motion, vehicle.base_T_laser, time, random);
-        });
+  if (vehicle.laser) addLaser(kLaser, *vehicle.laser, vehicle.base_T_laser);
+  if (vehicle.second_laser) {
+    addLaser(kSecondLaser, *vehicle.second_laser, vehicle.base_T_second_laser);
   }
   if (vehicle.lidar) {
     const LidarModel& lidar = *vehicle.lidar;

@@ -72,6 +72,25 @@ LaserModel sick180() {
   return laser;
 }
 
+LaserModel alasca() {
+  LaserModel laser;
+  laser.name = "alasca";
+  laser.description = "IBEO Alasca, one of its layers: 481 beams, 240 deg, 12.5 Hz, 200 m";
+  laser.beams = 481;
+  laser.angle_min = degToRad(-120.0);
+  laser.angle_increment = degToRad(0.5);
+  laser.rate_hz = 12.5;
+  laser.time_increment = 1.0 / laser.rate_hz / 720.0;  // 720 steps are one turn of the mirror
+  laser.range_min = 0.3;
+  laser.range_max = 200.0;
+  laser.errors.sigma_m = 0.05;
+  laser.errors.resolution_m = 0.01;
+  laser.errors.dropout_probability = 0.01;
+  laser.errors.divergence_rad = degToRad(0.25);
+  laser.errors.min_cosine = kFlattestCosine;
+  return laser;
+}
+
 LidarModel vlp16() {
   LidarModel lidar;
   lidar.name = "vlp16";
@@ -94,7 +113,8 @@ LidarModel vlp16() {
 }  // namespace
 
 const std::vector<LaserModel>& laserModels() {
-  static const std::vector<LaserModel> lasers = {utm30lx(), urg04lx(), sick180(), idealLaser()};
+  static const std::vector<LaserModel> lasers = {utm30lx(), urg04lx(), sick180(), alasca(),
+                                                 idealLaser()};
   return lasers;
 }
 

@@ -7,7 +7,7 @@ namespace kestrel_slam {
 const std::vector<Place>& places() {
   static const std::vector<Place> all = {laboratory(), corridorRing(), straightCorridor(),
                                          hall(),       cluttered(),    glassOffice(),
-                                         peopleRoom(), fourRooms()};
+                                         peopleRoom(), fourRooms(),    town()};
   return all;
 }
 

@@ -62,9 +62,12 @@ BoxSolid::BoxSolid(const Box& box)
       half_(box.size / 2.0),
       cos_(std::cos(box.yaw)),
       sin_(std::sin(box.yaw)),
-      material_(box.material) {}
+      material_(box.material),
+      from_s_(box.from_s),
+      until_s_(box.until_s) {}
 
 void BoxSolid::meet(const Ray& ray, RayHit& nearest) const {
+  if (ray.time < from_s_ || ray.time >= until_s_) return;
   const Eigen::Vector3d from = ray.origin - centre_;
   const Eigen::Vector3d& along = ray.direction;
   Span span;

@@ -9,6 +9,7 @@ namespace kestrel_slam {
 struct Ray {
   Eigen::Vector3d origin;
   Eigen::Vector3d direction;  ///< of unit length
+  double time = 0.0;          ///< s
 };
 
 /// A box that is ready to be met by rays. From inside of a solid thing everything is at distance 0.
@@ -28,6 +29,7 @@ class BoxSolid {
   Eigen::Vector3d centre_, half_;
   double cos_, sin_;
   Material material_;
+  double from_s_, until_s_;  ///< when it is there
 };
 
 /// The same for a vertical cylinder.

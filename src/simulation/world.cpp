@@ -14,8 +14,9 @@ namespace {
 void validate(const World::Parts& parts) {
   for (const Box& box : parts.boxes) {
     if (!box.centre.allFinite() || !box.size.allFinite() || !std::isfinite(box.yaw) ||
-        !(box.size.array() >= 0.0).all()) {
-      throw std::invalid_argument("a box of a world must be finite, and no size negative");
+        !(box.size.array() >= 0.0).all() || !(box.from_s < box.until_s)) {
+      throw std::invalid_argument(
+          "a box of a world must be finite, no size negative, and there for some time");
     }
   }
   for (const Cylinder& cylinder : parts.cylinders) {
@@ -63,7 +64,7 @@ World& World::operator=(World&&) noexcept = default;
 
 RayHit World::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double time,
                    double max_distance) const {
-  const Ray ray = {origin, direction};
+  const Ray ray = {origin, direction, time};
   RayHit nearest;
   nearest.distance = max_distance;
   meetPlane(0.0, ray, nearest);

@@ -9,7 +9,9 @@
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/map/map_io.h"
+#include "kestrel_slam/tools/drive_measurement.h"
 #include "kestrel_slam/tools/flight_measurement.h"
+#include "kestrel_slam/tools/hard_flight.h"
 
 namespace kestrel_slam {
 namespace {
@@ -156,11 +158,12 @@ void writeFiles(const std::string& folder, const std::string& name, const Flight
   writeTum(path + "_truth.tum", m.error.reference);
 }
 
-/// Random flights in every place but the two where the laser cannot see enough.
+/// Random flights in every place but those where the laser cannot see enough.
 void flyAtRandom(const Options& options) {
   std::vector<std::string> names;
   for (const Place& candidate : places()) {
-    if (candidate.name != "hall" && candidate.name != "corridor") names.push_back(candidate.name);
+    if (candidate.name == "hall" || candidate.name == "corridor") continue;
+    if (candidate.name != "town") names.push_back(candidate.name);
   }
   std::size_t lost_flights = 0, scans = 0;
   double worst = 0.0;
@@ -185,6 +188,44 @@ void flyAtRandom(const Options& options) {
       options.random_flights, options.random_s, scans, lost_flights, worst / kMillimetre);
 }
 
+void flyInHardSituations(const Options& options) {
+  std::printf(
+      "\n| hard situation | scans | lost | false alarms | missed | ATE rmse | largest jump | "
+      "found again after | ghost cells | double walls | limits |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (HardFlight hard : hardFlights()) {
+    if (hard.trial.name.find(options.only) == std::string::npos) continue;
+    apply(options.settings, hard.trial.config);
+    const HardFlightMeasurement m = measureHardFlight(hard);
+    const std::string failures = m.failures(hard.limits);
+    std::printf("| %s | %zu | %zu | %zu | %zu | %.4f m | %.3f m | %.2f s | %zu | %zu | %s |\n",
+                hard.trial.name.c_str(), m.flight.run.scans.size(), m.lost, m.false_alarms,
+                m.missed, m.ate_m, m.jump_m, m.recovery_s, m.ghost_cells, m.double_cells,
+                failures.empty() ? "kept" : failures.c_str());
+    std::fflush(stdout);
+    if (!options.output.empty()) writeFiles(options.output, hard.trial.name, m.flight);
+  }
+}
+
+void drive(const Options& options) {
+  FlightTrial trial = townDrive();
+  if (trial.name.find(options.only) == std::string::npos) return;
+  apply(options.settings, trial.config);
+  const DriveMeasurement m = measureDrive(trial);
+  const FlightMeasurement& flight = m.flight;
+  std::printf(
+      "\n%s with two lasers of 200 m, %.0f cm cells: %zu scans, %zu lost, ATE %.3f m, at the end "
+      "%.3f m and %.2f°; %.0f m² mapped\n",
+      trial.name.c_str(), 100.0 * trial.config.mapper.grid.resolution_m, flight.run.scans.size(),
+      flight.lost, flight.error.ate_statistics.translation_m.rmse, m.end_error_m, m.end_error_deg,
+      m.area_m2);
+  std::printf("| quarter of the drive | ms a scan (median) | map |\n|---|---|---|\n");
+  for (std::size_t i = 0; i < m.quarters.size(); ++i) {
+    std::printf("| %zu | %.2f | %.0f MB |\n", i + 1, m.quarters[i].median_ms, m.quarters[i].map_mb);
+  }
+  if (!options.output.empty()) writeFiles(options.output, trial.name, flight);
+}
+
 void run(const Options& options) {
   printHeader();
   for (FlightTrial trial : trials()) {
@@ -194,6 +235,8 @@ void run(const Options& options) {
     printRow(trial.name, m);
     if (!options.output.empty()) writeFiles(options.output, trial.name, m);
   }
+  flyInHardSituations(options);
+  drive(options);
   if (options.random_flights > 0) flyAtRandom(options);
 }
 

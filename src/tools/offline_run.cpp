@@ -180,6 +180,7 @@ class Runner {
     entry.iterations = result.match.iterations;
     entry.searched = result.searched;
     entry.inserted = result.inserted;
+    entry.map_bytes = mapper_.memoryBytes();
     run_.scans.push_back(entry);
     run_.trajectory.push_back({scan.scan.stamp, result.pose});
     addDistance(result.pose);

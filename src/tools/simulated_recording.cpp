@@ -27,6 +27,7 @@ VehicleModel scannerOnly(VehicleModel vehicle) {
 VehicleModel blindScanner(VehicleModel vehicle) {
   if (vehicle.laser) {
     vehicle.laser->beams = 0;
+    if (vehicle.second_laser) vehicle.second_laser->beams = 0;
     vehicle.lidar.reset();
   }
   if (vehicle.lidar) vehicle.lidar->columns = 0;
@@ -99,7 +100,8 @@ bool SimulatedRecording::readScan(const FlightEvent& event, RecordedScan& scan) 
   scan = RecordedScan();
   if (const auto* sweep = std::get_if<LaserScan>(&event.message)) {
     scan.scan = *sweep;
-    scan.base_T_laser = state_->vehicle.base_T_laser;
+    scan.base_T_laser =
+        event.second_laser ? state_->vehicle.base_T_second_laser : state_->vehicle.base_T_laser;
   } else if (const auto* cloud = std::get_if<PointCloud>(&event.message)) {
     scan.cloud = *cloud;
     scan.scan.stamp = cloud->stamp;

@@ -63,6 +63,30 @@ TEST(OccupancyGrid, EvidenceAddsUpToBothClamps) {
   }
 }
 
+TEST(OccupancyGrid, WhatIsHitInEstablishedFreeSpaceHasToStay) {
+  OccupancyGridConfig config;
+  const double hit = logOdds(config.hit_probability), floor = logOdds(config.min_probability);
+  OccupancyGrid grid(config);
+  for (int n = 0; n < 20; ++n) grid.insert(beam(10, true), Pose2());
+  EXPECT_NEAR(logOddsOf(grid, {4, 0}), floor, kTolerance);
+  // A third of the weight, until the cell is less sure to be free.
+  double expected = floor;
+  for (const double weight : {hit / 3.0, hit / 3.0, hit}) {
+    EXPECT_FALSE(grid.isOccupied({4, 0}));
+    grid.insert(beam(4, true), Pose2());
+    expected += weight;
+    EXPECT_NEAR(logOddsOf(grid, {4, 0}), expected, 3.0 * kTolerance);
+  }
+  EXPECT_TRUE(grid.isOccupied({4, 0}));
+}
+
+TEST(OccupancyGrid, OneHitIsEnoughWhereLittleIsKnown) {
+  OccupancyGrid grid{OccupancyGridConfig()};
+  for (int n = 0; n < 3; ++n) grid.insert(beam(10, true), Pose2());
+  grid.insert(beam(4, true), Pose2());
+  EXPECT_TRUE(grid.isOccupied({4, 0}));
+}
+
 TEST(OccupancyGrid, OneUpdateACellAndScanAndTheHitWins) {
   OccupancyGridConfig config;
   OccupancyGrid grid(config);

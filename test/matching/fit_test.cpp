@@ -26,6 +26,16 @@ Submap wallsAhead(bool and_left) {
   return map;
 }
 
+TEST(FitOf, TellsHowManyPointsLieOnWallsAndWhetherTheyHoldThePose) {
+  const Points points = {{2.02F, 0.11F}, {2.05F, -0.53F}, {2.2F, 0.3F}, {0.3F, 3.02F}};
+  const Fit corner = fitOf(wallsAhead(true), points, Pose2(), kScale_m);
+  EXPECT_DOUBLE_EQ(corner.on_wall, 0.75);
+  EXPECT_NEAR(leastConstraint(corner), 1.0 / 3.0 - kAlong / (1.0 + kAlong), 0.02);
+  const Fit wall = fitOf(wallsAhead(false), points, Pose2(), kScale_m);
+  EXPECT_DOUBLE_EQ(wall.on_wall, 0.5);
+  EXPECT_NEAR(leastConstraint(wall), 0.0, 1e-3);
+}
+
 TEST(FitOf, ScoreFallsWithTheDistanceInClosedForm) {
   const Submap map = wallsAhead(false);
   for (const double distance : {0.0, 0.03, 0.07, 0.1}) {

@@ -288,6 +288,50 @@ TEST_F(FlightSimulatorTest, oneSensorMoreDoesNotChangeTheOthers) {
   for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(all[i].ranges, alone[i].ranges);
 }
 
+TEST_F(FlightSimulatorTest, aSecondLaserSweepsHalfwayBetweenTheSweepsOfTheFirst) {
+  VehicleModel vehicle = smallVehicle();
+  const auto alone = messagesOf<LaserScan>(simulateAll(world_, motion_, vehicle, 1));
+  vehicle.second_laser = vehicle.laser;
+  vehicle.base_T_second_laser.translate(Eigen::Vector3d(0.5, 0.0, 0.0));
+  std::vector<LaserScan> first, second;
+  for (const FlightEvent& event : simulateAll(world_, motion_, vehicle, 1)) {
+    const auto* scan = std::get_if<LaserScan>(&event.message);
+    if (scan != nullptr) (event.second_laser ? second : first).push_back(*scan);
+  }
+  ASSERT_EQ(first.size(), alone.size());
+  ASSERT_EQ(second.size(), alone.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i].ranges, alone[i].ranges);
+    EXPECT_NEAR(second[i].stamp - first[i].stamp, 0.5 / vehicle.laser->rate_hz, 1e-6);
+    EXPECT_NE(second[i].ranges, alone[i].ranges);
+  }
+}
+
+TEST_F(FlightSimulatorTest, aBlockedViewCoversItsBeamsWhileItLasts) {
+  VehicleModel vehicle = smallVehicle();
+  const auto free = messagesOf<LaserScan>(simulateAll(world_, motion_, vehicle, 1));
+  BlockedView view;
+  view.from_s = 1.0;
+  view.until_s = 2.0;
+  view.first_rad = 0.0;
+  view.range_m = 0.25;
+  vehicle.blocked_views = {view};
+  const auto blocked = messagesOf<LaserScan>(simulateAll(world_, motion_, vehicle, 1));
+  ASSERT_EQ(blocked.size(), free.size());
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    const bool during = i >= 10 && i < 20;  // at 10 Hz
+    for (std::size_t k = 0; k < free[i].ranges.size(); ++k) {
+      const double angle = free[i].angle_min + static_cast<double>(k) * free[i].angle_increment;
+      if (std::abs(angle) < 1e-9) continue;
+      if (during && angle > 0.0) {
+        EXPECT_EQ(blocked[i].ranges[k], 0.25F);
+      } else {
+        EXPECT_TRUE(blocked[i].ranges[k] == free[i].ranges[k] || std::isnan(free[i].ranges[k]));
+      }
+    }
+  }
+}
+
 TEST_F(FlightSimulatorTest, sameSeedSameMessagesOtherSeedOtherMessages) {
   const auto ranges = [&](std::uint64_t seed) {
     return messagesOf<LaserScan>(simulateAll(world_, motion_, smallVehicle(), seed))[3].ranges;

@@ -339,7 +339,7 @@ TEST(SensorModels, aLidarsColumnsAreCastAtTheirOwnTime) {
 // ----------------------------------------------------------------------------------
 
 TEST(SensorModels, areFoundByName) {
-  for (const char* name : {"utm30lx", "urg04lx", "sick180", "ideal"}) {
+  for (const char* name : {"utm30lx", "urg04lx", "sick180", "alasca", "ideal"}) {
     EXPECT_EQ(laserModel(name).name, name);
     EXPECT_FALSE(laserModel(name).description.empty());
   }
@@ -349,7 +349,7 @@ TEST(SensorModels, areFoundByName) {
     FAIL() << "found a sonar";
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(),
-                 "unknown sensor 'sonar'; there are utm30lx, urg04lx, sick180, ideal");
+                 "unknown sensor 'sonar'; there are utm30lx, urg04lx, sick180, alasca, ideal");
   }
 }
 

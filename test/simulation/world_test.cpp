@@ -345,6 +345,23 @@ TEST(World, aWalkersLegsSwing) {
   EXPECT_NEAR(apart[1], 0.35 + 0.25, 0.002);
 }
 
+// ---- what is moved
+// ------------------------------------------------------------------------
+
+TEST(World, aBoxIsThereWhileItStands) {
+  Box before = {{3, 0, 1}, {2, 2, 2}}, after = {{6, 0, 1}, {2, 2, 2}};
+  before.until_s = after.from_s = 10.0;
+  const World world = worldOf({before, after});
+  const auto seen = [&](double time) {
+    return world.cast({0, 0, 1}, {1, 0, 0}, time, 100.0).distance;
+  };
+  EXPECT_DOUBLE_EQ(seen(0.0), 2.0);
+  EXPECT_DOUBLE_EQ(seen(9.999), 2.0);
+  EXPECT_DOUBLE_EQ(seen(10.0), 5.0);
+  before.from_s = before.until_s;
+  EXPECT_THROW(worldOf({before}), std::invalid_argument);
+}
+
 // ---- what cannot be built
 // ------------------------------------------------------------------------
 

@@ -44,6 +44,7 @@ struct MatchRequest {
   bool turn_known = false;        ///< the heading of the first start is exact to some degrees
   bool trusted = false;           ///< the first start is exact to some centimetres
   double plausible_m = 1e9;  ///< a pose farther from the first start has to fit that much better
+  bool lost = false;         ///< the pose is only predicted: search the widest window
 };
 
 /// Aligns a scan with a map. Stateless: the same request gives the same result.

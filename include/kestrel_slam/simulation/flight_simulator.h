@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/sensor/imu_sample.h"
 #include "kestrel_slam/sensor/laser_scan.h"
 #include "kestrel_slam/sensor/point_cloud.h"
@@ -49,10 +50,20 @@ struct BarometerModel {
   double latency_s = 0.02;
 };
 
+/// Something that covers a part of every laser's view for a time, close to it.
+struct BlockedView {
+  double from_s = 0.0, until_s = 0.0;       ///< after the start
+  double first_rad = -kPi, last_rad = kPi;  ///< beams, in the laser's frame
+  double range_m = 0.4;                     ///< what they measure there
+};
+
 /// What the vehicle carries, and how its messages come through.
 struct VehicleModel {
   std::optional<LaserModel> laser;
   Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
+  /// Its sweeps begin half a period after those of `laser`.
+  std::optional<LaserModel> second_laser;
+  Eigen::Isometry3d base_T_second_laser = Eigen::Isometry3d::Identity();
   std::optional<LidarModel> lidar;
   Eigen::Isometry3d base_T_lidar = Eigen::Isometry3d::Identity();
   std::optional<ImuModel> imu = ImuModel();
@@ -63,6 +74,7 @@ struct VehicleModel {
   double scan_latency_s = 0.005;  ///< after the last beam of the sweep
   double stamp_jitter_s = 0.0;    ///< standard deviation of the stamps' error
   double loss_probability = 0.0;  ///< of every message of a sensor
+  std::vector<BlockedView> blocked_views;
 };
 
 /// A small quadrotor with all of the sensors above, and on top the laser or lidar `sensor`. Throws
@@ -89,6 +101,7 @@ struct FlightEvent {
   double stamp = 0.0;    ///< of the message, s
   double arrival = 0.0;  ///< when it reaches the computer, s
   FlightMessage message;
+  bool second_laser = false;  ///< a LaserScan of VehicleModel::second_laser
 };
 
 /// Stamp of the start of every simulated flight, s.

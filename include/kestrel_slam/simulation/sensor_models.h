@@ -57,7 +57,7 @@ PointCloud sweep(const LidarModel& lidar, const World& world, const Motion& moti
                  const Eigen::Isometry3d& base_T_lidar, double time, Random& random);
 
 const std::vector<LaserModel>&
-laserModels();  ///< utm30lx, urg04lx, sick180, and `ideal`: no errors
+laserModels();  ///< utm30lx, urg04lx, sick180, alasca, and `ideal`: no errors
 const std::vector<LidarModel>& lidarModels();  ///< vlp16
 /// Finds one by its name. Throws std::invalid_argument that lists the names there are.
 const LaserModel& laserModel(const std::string& name);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,12 +15,15 @@ enum class Material {
   kBlack   ///< swallows the beam: no return
 };
 
-/// An axis-aligned or turned box: walls, furniture, doors. Table tops are flat boxes.
+/// An axis-aligned or turned box: walls, furniture, doors. Table tops are flat boxes. What is moved
+/// during a flight is two boxes, one until then and one from then on.
 struct Box {
   Eigen::Vector3d centre;
   Eigen::Vector3d size;  ///< along its own axes, m
   double yaw = 0.0;      ///< rad
   Material material = Material::kMatt;
+  double from_s = -std::numeric_limits<double>::infinity();  ///< is there from then
+  double until_s = std::numeric_limits<double>::infinity();  ///< to then
 };
 
 /// A vertical cylinder: a pillar, a pole, a leg.

@@ -26,6 +26,7 @@ struct ScanRecord {
   int iterations = 0;
   bool searched = false;
   bool inserted = false;
+  std::size_t map_bytes = 0;  ///< memory of the map after the scan
 };
 
 /// Everything that came out of a recording. `scans[i]` belongs to `trajectory[i]`.

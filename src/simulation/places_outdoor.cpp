@@ -1,0 +1,102 @@
+#include <cmath>
+#include <limits>
+
+#include "built_in_places.h"
+#include "kestrel_slam/geometry/random.h"
+#include "place_parts.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kLaserHeight = 1.0;  // m
+constexpr double kHalfWidth = 150.0;  // m, of the square that the road's middle follows
+/// Buildings, trees and cars keep away from the crossings, m from their middle.
+constexpr double kCrossing = 12.0;
+
+/// Houses one after the other with gaps between them; their fronts are not quite in line.
+void addHouses(World::Parts& parts, const WallLine& road, double aside, Random& random) {
+  constexpr double kShortest = 12.0, kLongest = 34.0, kDeepest = 18.0, kLeastDepth = 9.0;  // m
+  constexpr double kNarrowest = 3.0, kWidest = 16.0;                                       // gaps
+  constexpr double kSetback = 4.0, kHighest = 15.0, kLowest = 5.0;
+  const double side = aside > 0.0 ? 1.0 : -1.0;
+  for (double at = kCrossing; at < road.length() - kCrossing;) {
+    const double length = random.uniform(kShortest, kLongest);
+    const double depth = random.uniform(kLeastDepth, kDeepest);
+    const double front = aside + side * random.uniform(0.0, kSetback);
+    addBlock(parts, road.at(at + 0.5 * length, front + side * 0.5 * depth),
+             {length, depth, random.uniform(kLowest, kHighest)}, road.yaw());
+    // A porch or a staircase before the house.
+    addBlock(parts, road.at(at + random.uniform(0.2, 0.8) * length, front - side * 0.5),
+             {random.uniform(1.5, 3.0), 1.0, 2.8}, road.yaw());
+    at += length + random.uniform(kNarrowest, kWidest);
+  }
+}
+
+/// Trees in a row, and cars that are parked between them.
+void addTreesAndCars(World::Parts& parts, const WallLine& road, double aside, Random& random) {
+  constexpr double kSlot = 6.0, kTreeShare = 0.3, kCarShare = 0.45;  // m, and of all slots
+  const double side = aside > 0.0 ? 1.0 : -1.0;
+  for (double at = kCrossing; at < road.length() - kCrossing; at += kSlot) {
+    const double kind = random.uniform(), along = at + random.uniform(0.0, 1.2);
+    if (kind < kTreeShare) {
+      addPole(parts, road.at(along, aside + side * random.uniform(1.0, 2.0)),
+              random.uniform(0.12, 0.35), 5.0);
+    } else if (kind < kTreeShare + kCarShare) {
+      addBlock(parts, road.at(along, aside + random.uniform(-0.2, 0.2)),
+               {random.uniform(3.6, 4.8), random.uniform(1.6, 1.9), random.uniform(1.4, 2.0)},
+               road.yaw() + random.uniform(-0.03, 0.03));
+    }
+  }
+}
+
+/// A park in the middle: trees, and some sheds.
+void addPark(World::Parts& parts, Random& random) {
+  constexpr int kTrees = 150, kSheds = 12;
+  constexpr double kHalf = 105.0;  // m, of its width
+  const auto somewhere = [&] {
+    return Eigen::Vector2d(random.uniform(-kHalf, kHalf), random.uniform(-kHalf, kHalf));
+  };
+  for (int i = 0; i < kTrees; ++i) addPole(parts, somewhere(), random.uniform(0.1, 0.4), 6.0);
+  for (int i = 0; i < kSheds; ++i) {
+    const Eigen::Vector2d centre = somewhere();
+    addBlock(parts, centre, {random.uniform(4.0, 12.0), random.uniform(3.0, 8.0), 4.0},
+             random.uniform(0.0, 3.0));
+  }
+}
+
+}  // namespace
+
+Place town() {
+  constexpr double kInnerFront = 12.0, kOuterFront = -13.0;  // m from the middle of the road
+  constexpr double kInnerCars = 4.5, kOuterCars = -4.5;
+  constexpr double kSpacing = 8.0;  // m, of the waypoints: bends of about that radius
+  constexpr std::uint64_t kSeed = 2;
+  Place town;
+  town.name = "town";
+  town.description =
+      "roads around a block of 300 m x 300 m with houses, trees and parked cars, one loop of "
+      "1.2 km at 4 m/s";
+  town.parts.ceiling_m = std::numeric_limits<double>::infinity();
+  Random random(kSeed);
+  const std::vector<Eigen::Vector2d> corners = {{-kHalfWidth, -kHalfWidth},
+                                                {kHalfWidth, -kHalfWidth},
+                                                {kHalfWidth, kHalfWidth},
+                                                {-kHalfWidth, kHalfWidth}};
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const WallLine road = {corners[i], corners[(i + 1) % corners.size()]};
+    addHouses(town.parts, road, kInnerFront, random);
+    addHouses(town.parts, road, kOuterFront, random);
+    addTreesAndCars(town.parts, road, kInnerCars, random);
+    addTreesAndCars(town.parts, road, kOuterCars, random);
+  }
+  addPark(town.parts, random);
+  const double c = kHalfWidth, z = kLaserHeight;
+  town.plan.waypoints =
+      aroundLoop({{0, -c, z}, {c, -c, z}, {c, c, z}, {-c, c, z}, {-c, -c, z}}, kSpacing);
+  town.plan.speed_m_s = 4.0;
+  town.plan.acceleration_m_s2 = 1.0;
+  town.plan.nose_forward = true;
+  return town;
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,94 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "kestrel_slam/mapping/mapper.h"
+#include "room.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kStep = 0.025;  // s
+
+/// The room, with the beams from `first` to `end` of 360 stopped by something 0.4 m away.
+PlanarScan coveredScan(const Pose2& pose, double time, std::size_t first, std::size_t end) {
+  PlanarScan scan = room::scanFrom(pose);
+  scan.stamp = scan.time = time;
+  for (std::size_t i = first; i < end; ++i) {
+    scan.rays[i].end = 0.4F * scan.rays[i].end.normalized();
+    scan.rays[i].hit = true;
+  }
+  return scan;
+}
+
+PlanarScan freeScan(const Pose2& pose, double time) { return coveredScan(pose, time, 0, 0); }
+
+/// A mapper that has seen the room from some places around the origin.
+Mapper mapperInRoom(double& time) {
+  Mapper mapper{MapperConfig()};
+  for (int i = 0; i < 100; ++i, time += kStep) {
+    const double along = 0.01 * i;
+    mapper.process(freeScan(Pose2(-along, 0.3 * along, 0.3 * along), time));
+  }
+  return mapper;
+}
+
+TEST(MapperRecovery, halfACoveredViewMovesNothing) {
+  double time = 0.0;
+  Mapper mapper = mapperInRoom(time);
+  const MapSnapshot before = mapper.snapshot();
+  for (int i = 0; i < 40; ++i, time += kStep) {
+    const Pose2 truth(-1.0 + 0.01 * i, 0.3, 0.3);
+    const MapperResult result = mapper.process(coveredScan(truth, time, 90, 270));
+    EXPECT_NE(result.state, MatchState::kLost) << i;
+    EXPECT_NEAR((truth.inverse() * result.pose).distance(), 0.0, 0.06) << i;
+  }
+  const auto occupied = [](const MapSnapshot& map) {
+    return std::count(map.cells.begin(), map.cells.end(), MapSnapshot::kOccupied);
+  };
+  EXPECT_LT(occupied(mapper.snapshot()), occupied(before) + 60);
+}
+
+TEST(MapperRecovery, aCoveredViewIsLostAndFoundAgainWhereverTheVehicleHasFlown) {
+  double time = 0.0;
+  Mapper mapper = mapperInRoom(time);
+  for (int i = 0; i < 80; ++i, time += kStep) {
+    const MapperResult result = mapper.process(coveredScan(Pose2(), time, 0, 360));
+    EXPECT_EQ(result.state, MatchState::kLost) << i;
+    EXPECT_FALSE(result.inserted) << i;
+  }
+  const Pose2 truth(1.6, -1.8, 2.4);  // 3.4 m and 2.1 rad away, after 2 s
+  const MapperResult result = mapper.process(freeScan(truth, time));
+  EXPECT_NE(result.state, MatchState::kLost);
+  EXPECT_NEAR((truth.inverse() * result.pose).distance(), 0.0, 0.03);
+  EXPECT_NEAR(normalizeAngle(result.pose.theta - truth.theta), 0.0, 0.02);
+}
+
+TEST(MapperRecovery, afterSecondsWithoutScansItIsFoundTheSameWay) {
+  double time = 0.0;
+  Mapper mapper = mapperInRoom(time);
+  time += 2.0;
+  const Pose2 truth(1.6, -1.8, 2.4);
+  const MapperResult result = mapper.process(freeScan(truth, time));
+  EXPECT_NE(result.state, MatchState::kLost);
+  EXPECT_NEAR((truth.inverse() * result.pose).distance(), 0.0, 0.03);
+}
+
+TEST(MapperRecovery, anotherRoomIsNotTakenForTheKnownOne) {
+  double time = 0.0;
+  Mapper mapper = mapperInRoom(time);
+  for (int i = 0; i < 8; ++i, time += kStep) {
+    mapper.process(coveredScan(Pose2(), time, 0, 360));
+  }
+  const std::vector<room::Segment> other = {
+      {-1, -9, 2, -7}, {2, -7, 2.5, 1}, {2.5, 1, -2, 2}, {-2, 2, -1, -9}};
+  for (int i = 0; i < 8; ++i, time += kStep) {
+    PlanarScan scan = room::scanFrom(Pose2(), other);
+    scan.stamp = scan.time = time;
+    EXPECT_EQ(mapper.process(scan).state, MatchState::kLost) << i;
+  }
+}
+
+}  // namespace
+}  // namespace kestrel_slam
