@@ -50,6 +50,8 @@ std::vector<Parameter> mapperParametersOf(MapperConfig& mapper) {
              "weight of the disagreement between the resolutions in the evaluation"),
       choice("matcher", &mapper.matcher.method, {"gauss_newton", "correlative", "hybrid"},
              "how the pose of a scan is found"),
+      choice("covariance", &mapper.matcher.covariance, {"hessian", "sampled"},
+             "of a match: from the Hessian at the pose, or from the fit at 18 poses around it"),
   };
 }
 

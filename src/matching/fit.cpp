@@ -23,7 +23,8 @@ Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, doub
     }
     if (fit > kOnWall) {
       // The surfels' own hits are known; asking the grid is only needed off the walls.
-      n11 += surfel->a11, n12 += surfel->a12, n22 += surfel->a22;
+      const Eigen::Vector3f constraint = constraintOf(*surfel);
+      n11 += constraint.x(), n12 += constraint.y(), n22 += constraint.z();
       squares += fit * distance2;
     } else if (!map.grid().isKnown(map.grid().cellAt(point))) {
       continue;

@@ -10,6 +10,16 @@
 
 namespace kestrel_slam {
 
+/// What of a distance along a wall counts: keeps points from sliding past its end.
+constexpr float kAlongWeight = 0.05F;
+
+/// The elements (11, 12, 22) of A = n n' + kAlongWeight t t' of a wall whose direction has the unit
+/// twice-angle vector `t2`.
+inline Eigen::Vector3f lineShape(const Eigen::Vector2f& t2) {
+  const float nx2 = 0.5F * (1.0F - t2.x()), ny2 = 1.0F - nx2, nxy = -0.5F * t2.y();
+  return {nx2 + kAlongWeight * ny2, nxy * (1.0F - kAlongWeight), ny2 + kAlongWeight * nx2};
+}
+
 /// The surface inside one occupied cell: where its hits lie and which way the wall runs.
 struct Surfel {
   Eigen::Vector2f mean;  ///< mean of the end points in the cell, m
@@ -19,10 +29,25 @@ struct Surfel {
   /// Direction of the wall as the scans saw it, summed as (cos, sin) of twice its angle, so that
   /// opposite directions agree; zero where no scan saw neighbouring points of a wall.
   Eigen::Vector2f tangent2 = Eigen::Vector2f::Zero();
+  /// The same from neighbours so far apart that the match does not trust it: where nothing else
+  /// tells the direction, the surfel stays a point, which holds the pose in both directions. But
+  /// it is no proof that the wall constrains the direction along itself.
+  Eigen::Vector2f sparse2 = Eigen::Vector2f::Zero();
   /// Of the scan that is being added: its hits, and the sum of their differences to the mean.
   float new_hits = 0.0F;
   Eigen::Vector2f new_sum = Eigen::Vector2f::Zero();
+  std::uint32_t birth = 0;  ///< number of the scan that made it, counted from 0 since the last clear
 };
+
+/// What a wall can constrain: the elements (11, 12, 22) of A, or of the line that far neighbours
+/// make of a lonely point.
+inline Eigen::Vector3f constraintOf(const Surfel& surfel) {
+  constexpr float kPointTrace = 1.5F;  // above that of a line, below that of a point, 2
+  const Eigen::Vector3f shape(surfel.a11, surfel.a12, surfel.a22);
+  const float length = surfel.sparse2.norm();
+  if (surfel.a11 + surfel.a22 < kPointTrace || length == 0.0F) return shape;
+  return lineShape(surfel.sparse2 / length);
+}
 
 /// Smooth matching surface derived from an OccupancyGrid: which surfel is nearest to any cell.
 ///
@@ -33,8 +58,6 @@ class SurfelField {
  public:
   /// How far from a surfel cells still know it: 0.5 m at 5 cm.
   static constexpr int kReachCells = 10;
-  /// What of a distance along a wall counts: keeps points from sliding past its end.
-  static constexpr float kAlongWeight = 0.05F;
 
   SurfelField(float resolution_m, std::size_t limit_bytes);
 
@@ -77,7 +100,7 @@ class SurfelField {
 
   std::uint32_t idAt(const Cell& cell) const;
   void setOwn(const Cell& cell, bool own);
-  void addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Vector2f& tangent2);
+  void addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Vector2f& tangent2, bool sparse);
   std::uint32_t create(const OccupancyGrid::Changes::Hit& hit);
   void addMean(std::uint32_t id);
   void spread(std::uint32_t id);
@@ -107,6 +130,7 @@ class SurfelField {
   };
   std::vector<Adopter> adopters_;  ///< and the surfels that can take its place
   bool full_ = false;              ///< the memory limit kept a part of the last update out
+  std::uint32_t updates_ = 0;      ///< since the last clear
 };
 
 }  // namespace kestrel_slam
