@@ -68,6 +68,14 @@ Pose2 halfway(const Pose2& a, const Pose2& b) {
   return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y), a.theta + 0.5 * normalizeAngle(b.theta - a.theta)};
 }
 
+/// Whether the motion knows more of the degenerate direction than the scan. Without any sensor of
+/// the motion the little that a scan sees is better than nothing: one scan that is moved by 2 cm
+/// enters the map there, and the loops of whole buildings no longer close.
+bool isOpen(const MatchResult& match, Carrier carrier) {
+  constexpr double kNothing = 0.005;  // of the beams
+  return match.degenerate && (carrier != Carrier::kVelocity || match.constraint < kNothing);
+}
+
 /// The scan says nothing of the direction that it does not constrain: what the walls' cells say of
 /// it is their own raster.
 void holdDegenerate(const Pose2& carried, MatchResult& match) {
@@ -252,12 +260,12 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   if (!first && !points.empty()) {
     const MatchRequest request = s.request(points, scan, odom_T_base);
     result.match = s.matcher->match(s.map, request);
+    const Carrier carrier = s.carrierOf(scan, odom_T_base);
     const std::optional<Pose2> carried = s.carried(request, scan, odom_T_base);
-    if (result.match.degenerate && carried) holdDegenerate(*carried, result.match);
+    if (carried && isOpen(result.match, carrier)) holdDegenerate(*carried, result.match);
     result.evaluation = evaluationFunction(result.match, s.config.evaluation);
     result.state = s.judge(result.match);
     const double moved = (s.pose.inverse() * result.match.pose).distance();
-    const Carrier carrier = s.carrierOf(scan, odom_T_base);
     s.move(result.match, request.starts.front(), result.state, scan);
     if (result.state == MatchState::kLost) {
       s.uncertainty.lose(s.pose);

@@ -13,6 +13,13 @@ namespace {
 /// Standard deviations of a pose that is only predicted.
 constexpr double kLostM = 1.0, kLostRad = 0.5;
 
+/// How well the map stands where the first scan began it: the raster of the cells and the errors of
+/// the attitude shift and turn what all later scans are compared with.
+constexpr double kFirstM = 0.005, kFirstRad = 0.0015;
+/// Neighbouring scans err alike, so in the map their variances do not average out: a chain of scans
+/// grows as if each were this much worse. Calibrated on simulated flights (measure_flights).
+constexpr double kChainFactor = 9.0;
+
 /// Standard deviation of the velocity where the scan stops telling it, m/s.
 constexpr double kFirstSpeed = 0.05;
 /// How fast it grows, m/s²: an accelerometer that is tilted by a third of a degree; a vehicle that
@@ -20,6 +27,8 @@ constexpr double kFirstSpeed = 0.05;
 constexpr double kAccelerometerError = 0.05, kUnknownAcceleration = 0.5, kMaxSpeed = 1.0;
 /// Error of odometry, as a share of the way.
 constexpr double kOdometryError = 0.1;
+
+double square(double x) { return x * x; }
 
 Eigen::Matrix3d absolute(const Eigen::Matrix3d& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(symmetric);
@@ -31,8 +40,8 @@ Eigen::Matrix3d absolute(const Eigen::Matrix3d& symmetric) {
 
 Eigen::Matrix3d relativeCovariance(const UncertainPose& a, const UncertainPose& b) {
   const Eigen::Vector2d a_to_b = b.pose.translation() - a.pose.translation();
-  const Eigen::Matrix3d in_map = absolute(b.shared - transported(a.shared, a_to_b)) + b.own +
-                                 transported(a.own, a_to_b);
+  const Eigen::Matrix3d in_map =
+      absolute(b.shared - transported(a.shared, a_to_b)) + b.own + transported(a.own, a_to_b);
   Eigen::Matrix3d a_R_map = Eigen::Matrix3d::Identity();
   a_R_map.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(-a.pose.theta).toRotationMatrix();
   return a_R_map * in_map * a_R_map.transpose();
@@ -41,6 +50,12 @@ Eigen::Matrix3d relativeCovariance(const UncertainPose& a, const UncertainPose& 
 void PoseUncertainty::begin(const Pose2& pose) {
   last_ = UncertainPose();
   last_.pose = pose;
+  last_.shared.diagonal() << square(kFirstM), square(kFirstM), square(kFirstRad);
+  found_ = last_.covariance();
+}
+
+void PoseUncertainty::insert() {
+  map_.add(last_.pose, last_.shared + kChainFactor * last_.own);
 }
 
 void PoseUncertainty::update(const SurfelField& surface, const Points& points,

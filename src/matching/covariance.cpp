@@ -48,7 +48,8 @@ Eigen::Matrix3d sampledCovariance(const std::function<double(const Pose2&)>& cos
     curvature(i, i) = 2.0 * rise(along) / kStep2;
     for (int j = 0; j < i; ++j) {
       const Eigen::Vector3d other = kSampleSigmas * Eigen::Vector3d::Unit(j);
-      curvature(i, j) = curvature(j, i) = 0.5 * (rise(along + other) - rise(along - other)) / kStep2;
+      curvature(i, j) = curvature(j, i) =
+          0.5 * (rise(along + other) - rise(along - other)) / kStep2;
     }
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(curvature);

@@ -143,7 +143,8 @@ void fillUncertainty(const Submap& map, const Points& points, float scale_m,
   const Eigen::Vector2d weakest = normals.eigenvectors().col(0);
   // Walls count a little along themselves as well (SurfelField), which is no constraint.
   const double along = kAlongWeight / (1.0 + kAlongWeight);
-  const double share = normals.eigenvalues()(0) - along;
+  const double share = std::max(normals.eigenvalues()(0) - along, 0.0);
+  result.constraint = share;
   result.degenerate = share < config.degenerate_share;
   const double variance =
       kBeamCorrelation * std::max(fit.residual_variance, kMinResidualM * kMinResidualM);
@@ -153,14 +154,14 @@ void fillUncertainty(const Submap& map, const Points& points, float scale_m,
     const auto cost = [&](const Pose2& pose) {
       return static_cast<double>(lineariseDistance(map.surface(), points, pose, scale_m).cost);
     };
-    result.covariance =
-        sampledCovariance(cost, result.pose, kSampleSpread * kSampleSpread * result.covariance, variance);
+    result.covariance = sampledCovariance(
+        cost, result.pose, kSampleSpread * kSampleSpread * result.covariance, variance);
   }
   const Eigen::Matrix2d across = hessian.topLeftCorner<2, 2>();
   const double claimed = weakest.dot(across * weakest) / std::max(across.trace(), 1e-9);
   const double constrained = std::max(share, config.degenerate_share);
-  result.covariance = stretched(result.covariance, weakest,
-                                std::sqrt(std::max(claimed / constrained, 1.0)));
+  result.covariance =
+      stretched(result.covariance, weakest, std::sqrt(std::max(claimed / constrained, 1.0)));
   if (!result.degenerate) return;
   result.degenerate_direction = weakest;
   result.covariance.topLeftCorner<2, 2>() +=

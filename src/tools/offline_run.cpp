@@ -173,6 +173,8 @@ class Runner {
     entry.iterations = result.match.iterations;
     entry.searched = result.searched;
     entry.inserted = result.inserted;
+    entry.degenerate = result.match.degenerate;
+    entry.uncertain = result.uncertain;
     run_.scans.push_back(entry);
     run_.trajectory.push_back({scan.scan.stamp, result.pose});
     addDistance(result.pose);

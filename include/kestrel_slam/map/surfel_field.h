@@ -36,7 +36,8 @@ struct Surfel {
   /// Of the scan that is being added: its hits, and the sum of their differences to the mean.
   float new_hits = 0.0F;
   Eigen::Vector2f new_sum = Eigen::Vector2f::Zero();
-  std::uint32_t birth = 0;  ///< number of the scan that made it, counted from 0 since the last clear
+  std::uint32_t birth =
+      0;  ///< number of the scan that made it, counted from 0 since the last clear
 };
 
 /// What a wall can constrain: the elements (11, 12, 22) of A, or of the line that far neighbours

@@ -26,7 +26,7 @@ struct MapperResult {
   /// Of the motion since the scan before, in the base frame of that, m² and rad².
   Eigen::Matrix3d motion_covariance = Eigen::Matrix3d::Zero();
   UncertainPose uncertain;  ///< `covariance` in its parts, for relativeCovariance
-  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();    ///< in base, smoothed, m/s
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< in base, smoothed, m/s
   MatchResult match;
   MatchState state = MatchState::kLost;
   double evaluation = 0.0;  ///< f of paper 000 eq. 4: small is good

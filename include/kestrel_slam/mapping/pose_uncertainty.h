@@ -10,9 +10,9 @@ namespace kestrel_slam {
 
 /// A pose and what is known of its error, as covariances of (x, y, theta) in map, m² and rad².
 struct UncertainPose {
-  Pose2 pose;                                             ///< map_T_base
-  Eigen::Matrix3d shared = Eigen::Matrix3d::Zero();       ///< with all that is known from this place
-  Eigen::Matrix3d own = Eigen::Matrix3d::Zero();          ///< of this one match
+  Pose2 pose;                                        ///< map_T_base
+  Eigen::Matrix3d shared = Eigen::Matrix3d::Zero();  ///< with all that is known from this place
+  Eigen::Matrix3d own = Eigen::Matrix3d::Zero();     ///< of this one match
   Eigen::Matrix3d covariance() const { return shared + own; }  ///< absolute: of the pose in map
 };
 
@@ -39,17 +39,19 @@ class PoseUncertainty {
   void lose(const Pose2& predicted);
 
   /// The last scan enters the map.
-  void insert() { map_.add(last_.pose, last_.covariance()); }
+  void insert();
 
   const UncertainPose& last() const { return last_; }
-  const Eigen::Matrix3d& motion() const { return motion_; }  ///< since the scan before, in its frame
+  const Eigen::Matrix3d& motion() const {
+    return motion_;
+  }  ///< since the scan before, in its frame
 
  private:
   void drift(double seconds, double moved_m, Carrier carrier);
 
   MapUncertainty map_;
   UncertainPose last_;
-  Eigen::Matrix3d found_ = Eigen::Matrix3d::Zero();   ///< covariance of the last pose not lost
+  Eigen::Matrix3d found_ = Eigen::Matrix3d::Zero();  ///< covariance of the last pose not lost
   Eigen::Matrix3d motion_ = Eigen::Matrix3d::Zero();
   bool drifting_ = false;        ///< the last scan left a direction open
   double entry_variance_ = 0.0;  ///< along it where the drift began, m²

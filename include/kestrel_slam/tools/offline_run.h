@@ -24,6 +24,8 @@ struct ScanRecord {
   int iterations = 0;
   bool searched = false;
   bool inserted = false;
+  bool degenerate = false;  ///< a direction was filled from the prediction
+  UncertainPose uncertain;  ///< the pose with its covariance
 };
 
 /// Everything that came out of a recording. `scans[i]` belongs to `trajectory[i]`.
