@@ -11,8 +11,8 @@
 namespace kestrel_slam {
 namespace {
 
-/// Beams that are enough to tell which scans the walls around come from.
-constexpr std::size_t kSamples = 48;
+/// One beam of so many, but between so many of them, tells which scans the walls around come from.
+constexpr std::size_t kOneOf = 8, kMinSamples = 24, kMaxSamples = 128;
 
 Eigen::Matrix2d normalsOf(const Surfel& wall) {
   const Eigen::Vector3d shape = constraintOf(wall).cast<double>();
@@ -29,11 +29,13 @@ void MapUncertainty::add(const Pose2& pose, const Eigen::Matrix3d& covariance) {
 
 Eigen::Matrix3d MapUncertainty::at(const SurfelField& surface, const Points& points,
                                    const Pose2& pose) const {
-  std::array<const Surfel*, kSamples> walls{};
+  const std::size_t samples =
+      std::min(std::clamp(points.size() / kOneOf, kMinSamples, kMaxSamples), points.size());
+  std::array<const Surfel*, kMaxSamples> walls{};
   std::size_t count = 0;
   Eigen::Matrix2d normals = Eigen::Matrix2d::Zero();
-  for (std::size_t i = 0; i < std::min(kSamples, points.size()); ++i) {
-    const std::size_t beam = i * points.size() / std::min(kSamples, points.size());
+  for (std::size_t i = 0; i < samples; ++i) {
+    const std::size_t beam = i * points.size() / samples;
     const Eigen::Vector2d point = pose * Eigen::Vector2d(points[beam].cast<double>());
     const Surfel* wall = surface.nearest(point.cast<float>());
     if (wall == nullptr || wall->birth >= births_.size()) continue;
@@ -56,7 +58,7 @@ Eigen::Matrix3d MapUncertainty::at(const SurfelField& surface, const Points& poi
     weighted += weight * weakest.dot(covariance.topLeftCorner<2, 2>() * weakest);
   }
   const double variance = weakest.dot(mean.topLeftCorner<2, 2>() * weakest);
-  if (weights > 0.0 && variance > 0.0) {
+  if (weighted > weights * variance && variance > 0.0) {
     mean = stretched(mean, weakest, std::sqrt(weighted / weights / variance));
   }
   return mean;

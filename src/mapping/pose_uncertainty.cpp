@@ -54,9 +54,7 @@ void PoseUncertainty::begin(const Pose2& pose) {
   found_ = last_.covariance();
 }
 
-void PoseUncertainty::insert() {
-  map_.add(last_.pose, last_.shared + kChainFactor * last_.own);
-}
+void PoseUncertainty::insert() { map_.add(last_.pose, last_.shared + kChainFactor * last_.own); }
 
 void PoseUncertainty::update(const SurfelField& surface, const Points& points,
                              const MatchResult& match, double seconds, double moved_m,

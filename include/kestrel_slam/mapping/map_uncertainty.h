@@ -23,8 +23,9 @@ class MapUncertainty {
   void add(const Pose2& pose, const Eigen::Matrix3d& covariance);
 
   /// What the walls that a scan meets at `pose` say of it: the mean over their birth scans, each
-  /// moved to `pose` as one rigid body with it. Along the direction that the scan constrains least,
-  /// only those walls count that do constrain it. Zero where the scan meets no wall.
+  /// moved to `pose` as one rigid body with it. Along the direction that the scan constrains least
+  /// it is that of the walls that do constrain it, where that is more. Zero where the scan meets no
+  /// wall.
   Eigen::Matrix3d at(const SurfelField& surface, const Points& points, const Pose2& pose) const;
 
  private:
