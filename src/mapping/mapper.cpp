@@ -270,8 +270,8 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
     if (result.state == MatchState::kLost) {
       s.uncertainty.lose(s.pose);
     } else {
-      s.uncertainty.update(s.map.surface(), points, result.match, std::max(scan.time - s.time, 0.0),
-                           moved, carrier);
+      const double seconds = std::min(std::max(0.0, scan.time - s.time), s.config.gap_s);
+      s.uncertainty.update(s.map.surface(), points, result.match, seconds, moved, carrier);
     }
   } else if (first && !points.empty()) {
     result.match.pose = s.pose;

