@@ -10,6 +10,7 @@
 
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/map/map_io.h"
+#include "kestrel_slam/tools/claims.h"
 #include "kestrel_slam/tools/offline_run.h"
 #include "kestrel_slam/tools/parameters_yaml.h"
 #include "kestrel_slam/tools/progress_bar.h"
@@ -131,6 +132,12 @@ OfflineRun mapIt(Recording& recording, const RunInfo& info, const RunOptions& op
 void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& info) {
   writeMap((folder / "map").string(), run.map);
   writeTum((folder / "trajectory.tum").string(), run.trajectory);
+  std::vector<Claim> claims;
+  claims.reserve(run.scans.size());
+  for (std::size_t i = 0; i < run.scans.size(); ++i) {
+    claims.push_back({run.trajectory[i].stamp, run.scans[i].uncertain});
+  }
+  writeClaims((folder / "covariances.txt").string(), claims);
   writeFileAtomically(
       (folder / "stats.json").string(),
       statsOf(run, info).dump(kJsonIndent, ' ', false, nlohmann::json::error_handler_t::replace) +
@@ -148,6 +155,7 @@ void printSummary(const fs::path& folder, const OfflineRun& run) {
               run.speedFactor(), run.peak_memory_mb);
   for (const auto& [what, file] : {std::pair{"map", "map.yaml"},
                                    {"trajectory", "trajectory.tum"},
+                                   {"covariances", "covariances.txt"},
                                    {"statistics", "stats.json"},
                                    {"report", "report.html"}}) {
     std::printf("%-12s%s\n", what, (folder / file).string().c_str());
