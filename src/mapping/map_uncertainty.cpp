@@ -12,7 +12,7 @@ namespace kestrel_slam {
 namespace {
 
 /// One beam of so many, but between so many of them, tells which scans the walls around come from.
-constexpr std::size_t kOneOf = 8, kMinSamples = 24, kMaxSamples = 128;
+constexpr std::size_t kOneOf = 10, kMinSamples = 16, kMaxSamples = 128;
 
 Eigen::Matrix2d normalsOf(const Surfel& wall) {
   const Eigen::Vector3d shape = constraintOf(wall).cast<double>();

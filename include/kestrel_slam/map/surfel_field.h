@@ -45,9 +45,9 @@ struct Surfel {
 inline Eigen::Vector3f constraintOf(const Surfel& surfel) {
   constexpr float kPointTrace = 1.5F;  // above that of a line, below that of a point, 2
   const Eigen::Vector3f shape(surfel.a11, surfel.a12, surfel.a22);
+  if (surfel.a11 + surfel.a22 < kPointTrace) return shape;
   const float length = surfel.sparse2.norm();
-  if (surfel.a11 + surfel.a22 < kPointTrace || length == 0.0F) return shape;
-  return lineShape(surfel.sparse2 / length);
+  return length > 0.0F ? lineShape(surfel.sparse2 / length) : shape;
 }
 
 /// Smooth matching surface derived from an OccupancyGrid: which surfel is nearest to any cell.
