@@ -22,6 +22,11 @@ constexpr std::size_t kMaxTangentBeams = 8;
 constexpr float kMinTangentLength = 0.15F;
 constexpr float kMaxTangentGap = 1.0F;
 constexpr float kMaxTangentBend = 0.2F;
+/// Far along a wall neighbours are farther apart, up to this; they have to stand on one line within
+/// this, with no gap much wider than the other.
+constexpr float kMaxSparseGap = 8.0F;
+constexpr float kMaxSparseOffset = 0.08F;
+constexpr float kMaxSparseRatio = 3.0F;
 
 /// Half the width of the row `dy` of the disk of kReachCells.
 int diskHalfWidth(int dy) {
@@ -37,30 +42,39 @@ int diskHalfWidth(int dy) {
   return widths[static_cast<std::size_t>(dy + SurfelField::kReachCells)];
 }
 
-/// Twice-angle direction of the wall at hit `i` from its neighbours in the scan, or zero.
-Eigen::Vector2f tangentAt(const std::vector<OccupancyGrid::Changes::Hit>& hits, std::size_t i) {
+/// (cos, sin) of twice the angle of a vector.
+Eigen::Vector2f twiceAngle(const Eigen::Vector2f& direction) {
+  const Eigen::Vector2f t = direction.normalized();
+  return {t.x() * t.x() - t.y() * t.y(), 2.0F * t.x() * t.y()};
+}
+
+/// Twice-angle direction of the wall at hit `i` from its neighbours in the scan, or zero. `sparse`:
+/// they are more than kMaxTangentGap apart.
+Eigen::Vector2f tangentAt(const std::vector<OccupancyGrid::Changes::Hit>& hits, std::size_t i,
+                          bool& sparse) {
+  sparse = false;
   for (std::size_t k = 1; k <= kMaxTangentBeams; k *= 2) {
     if (i < k || i + k >= hits.size()) break;
     const Eigen::Vector2f before = hits[i].point - hits[i - k].point;
     const Eigen::Vector2f after = hits[i + k].point - hits[i].point;
     const float b = before.norm(), a = after.norm();
     if (b + a < kMinTangentLength) continue;  // noise is as large as the distance: look farther
-    if (b > kMaxTangentGap || a > kMaxTangentGap) break;
     const float sine = (before.x() * after.y() - before.y() * after.x());
     if (std::abs(sine) > kMaxTangentBend * a * b || before.dot(after) <= 0.0F) break;
-    const Eigen::Vector2f t = (before + after).normalized();
-    return {t.x() * t.x() - t.y() * t.y(), 2.0F * t.x() * t.y()};
+    const float wide = std::max(a, b);
+    sparse = wide > kMaxTangentGap;
+    if (sparse && (wide > kMaxSparseGap || wide > kMaxSparseRatio * std::min(a, b) ||
+                   std::abs(sine) > kMaxSparseOffset * (a + b))) {
+      break;
+    }
+    return twiceAngle(before + after);
   }
   return Eigen::Vector2f::Zero();
 }
 
-/// Fills A = n n' + along t t' of a wall whose direction has the unit twice-angle vector `t2`.
 void setLine(Surfel& surfel, const Eigen::Vector2f& t2) {
-  constexpr float kAlongWeight = SurfelField::kAlongWeight;
-  const float nx2 = 0.5F * (1.0F - t2.x()), ny2 = 1.0F - nx2, nxy = -0.5F * t2.y();
-  surfel.a11 = nx2 + kAlongWeight * ny2;
-  surfel.a12 = nxy * (1.0F - kAlongWeight);
-  surfel.a22 = ny2 + kAlongWeight * nx2;
+  const Eigen::Vector3f shape = lineShape(t2);
+  surfel.a11 = shape.x(), surfel.a12 = shape.y(), surfel.a22 = shape.z();
 }
 
 }  // namespace
@@ -72,6 +86,7 @@ void SurfelField::clear() {
   tiles_.clear();
   surfels_.clear();
   free_.clear();
+  updates_ = 0;
 }
 
 std::vector<Surfel> SurfelField::surfelsIn(const Eigen::AlignedBox2f& area) const {
@@ -97,13 +112,17 @@ bool SurfelField::update(const OccupancyGrid& grid, const OccupancyGrid::Changes
   for (const Cell& cell : changes.became_free) remove(cell);
   changed_.clear();
   for (std::size_t i = 0; i < changes.hits.size(); ++i) {
-    if (grid.isOccupied(changes.hits[i].cell)) addHit(changes.hits[i], tangentAt(changes.hits, i));
+    if (!grid.isOccupied(changes.hits[i].cell)) continue;
+    bool sparse = false;
+    const Eigen::Vector2f tangent2 = tangentAt(changes.hits, i, sparse);
+    addHit(changes.hits[i], tangent2, sparse);
   }
   moved_.clear();
   for (const std::uint32_t id : changed_) {
     if (addMean(id)) moved_.push_back(id);
   }
   for (const std::uint32_t id : moved_) updateShape(id);
+  ++updates_;
   return !full_;
 }
 
@@ -142,7 +161,8 @@ void SurfelField::forEachOwn(const Cell& center, int radius, Visit visit) const 
   }
 }
 
-void SurfelField::addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Vector2f& tangent2) {
+void SurfelField::addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Vector2f& tangent2,
+                         bool sparse) {
   std::uint32_t id = idAt(hit.cell);
   if (id == kNone) id = create(hit);
   if (id == kNone) return;
@@ -150,7 +170,7 @@ void SurfelField::addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Ve
   if (surfel.new_hits == 0.0F) changed_.push_back(id);
   surfel.new_hits += 1.0F;
   surfel.new_sum += hit.point - surfel.mean;
-  surfel.tangent2 += tangent2;
+  (sparse ? surfel.sparse2 : surfel.tangent2) += tangent2;
 }
 
 /// A surfel without any hits in the cell of `hit`, or kNone.
@@ -162,6 +182,7 @@ std::uint32_t SurfelField::create(const OccupancyGrid::Changes::Hit& hit) {
     return kNone;
   }
   Surfel surfel{hit.point, 1.0F, 0.0F, 1.0F, hit.cell};
+  surfel.birth = updates_;
   std::uint32_t id = static_cast<std::uint32_t>(surfels_.size());
   if (free_.empty()) {
     surfels_.push_back(surfel);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "kestrel_slam/map/submap.h"
+#include "kestrel_slam/mapping/pose_uncertainty.h"
 
 namespace kestrel_slam {
 namespace {
@@ -18,9 +19,6 @@ constexpr double kMaxSearchScale = 8.0;
 /// A lost vehicle is found where the scan fits well (search_score), and where this share of it is
 /// in known space: in a large window something fits half of a scan almost everywhere.
 constexpr double kFoundKnownShare = 0.5;
-/// Standard deviations of a pose that is only predicted.
-constexpr double kLostM = 1.0, kLostRad = 0.5;
-
 /// A scan that seems to be farther from the prediction than this speed explains has to fit much
 /// better there: a room that looks different from another height is no reason to jump.
 constexpr double kMaxSpeed = 3.0;  // m/s
@@ -73,6 +71,23 @@ Pose2 halfway(const Pose2& a, const Pose2& b) {
   return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y), a.theta + 0.5 * normalizeAngle(b.theta - a.theta)};
 }
 
+/// Whether the motion knows more of the degenerate direction than the scan. Without any sensor of
+/// the motion the little that a scan sees is better than nothing: one scan that is moved by 2 cm
+/// enters the map there, and the loops of whole buildings no longer close.
+bool isOpen(const MatchResult& match, Carrier carrier) {
+  constexpr double kNothing = 0.005;  // of the beams
+  return match.degenerate && (carrier != Carrier::kVelocity || match.constraint < kNothing);
+}
+
+/// The scan says nothing of the direction that it does not constrain: what the walls' cells say of
+/// it is their own raster.
+void holdDegenerate(const Pose2& carried, MatchResult& match) {
+  const Eigen::Vector2d& along = match.degenerate_direction;
+  const double moved = along.dot(carried.translation() - match.pose.translation());
+  const Eigen::Vector2d place = match.pose.translation() + moved * along;
+  match.pose = Pose2(place.x(), place.y(), match.pose.theta);
+}
+
 }  // namespace
 
 const char* toString(MatchState state) {
@@ -105,11 +120,15 @@ struct Mapper::State {
   double time = 0.0;                                   ///< of the last scan
   double found_time = 0.0;                             ///< of the last scan that was not lost
   int lost_scans = 0;                                  ///< in a row
+  PoseUncertainty uncertainty;                         ///< of `pose`
   bool placed = false;  ///< somebody said where the vehicle is: search around there
 
   MatchRequest request(const Points& points, const PlanarScan& scan,
                        const std::optional<Pose2>& odom_now) const;
   std::optional<double> turnSince(const PlanarScan& scan) const;
+  std::optional<Pose2> carried(const MatchRequest& request, const PlanarScan& scan,
+                               const std::optional<Pose2>& odom_now) const;
+  Carrier carrierOf(const PlanarScan& scan, const std::optional<Pose2>& odom_now) const;
   Eigen::Vector2d gainedSpeed(const PlanarScan& scan) const;
   MatchState judge(const MatchResult& match, bool was_lost) const;
   void move(const MatchResult& match, const Pose2& prediction, MatchState match_state,
@@ -168,6 +187,21 @@ std::optional<double> Mapper::State::turnSince(const PlanarScan& scan) const {
 Eigen::Vector2d Mapper::State::gainedSpeed(const PlanarScan& scan) const {
   if (!turnSince(scan) || !speed || !scan.speed) return Eigen::Vector2d::Zero();
   return Eigen::Rotation2Dd(pose.theta - *heading) * (*scan.speed - *speed);
+}
+
+Carrier Mapper::State::carrierOf(const PlanarScan& scan,
+                                 const std::optional<Pose2>& odom_now) const {
+  if (odom && odom_now) return Carrier::kOdometry;
+  return turnSince(scan) && speed && scan.speed ? Carrier::kAccelerometer : Carrier::kVelocity;
+}
+
+/// Where the motion alone leads, for the directions that the scan does not constrain; nothing after
+/// a gap, while lost, and where somebody placed the vehicle.
+std::optional<Pose2> Mapper::State::carried(const MatchRequest& request, const PlanarScan& scan,
+                                            const std::optional<Pose2>& odom_now) const {
+  const double seconds = scan.time - time;
+  if (lost_scans > 0 || placed || !(seconds >= 0.0) || seconds > config.gap_s) return std::nullopt;
+  return odom && odom_now ? pose * (odom->inverse() * *odom_now) : request.starts.front();
 }
 
 MatchState Mapper::State::judge(const MatchResult& match, bool was_lost) const {
@@ -235,21 +269,33 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   if (!first && !points.empty()) {
     const MatchRequest request = s.request(points, scan, odom_T_base);
     result.match = s.matcher->match(s.map, request);
+    const Carrier carrier = s.carrierOf(scan, odom_T_base);
+    const std::optional<Pose2> carried = s.carried(request, scan, odom_T_base);
+    if (carried && isOpen(result.match, carrier)) holdDegenerate(*carried, result.match);
     result.evaluation = evaluationFunction(result.match, s.config.evaluation);
     result.state = s.judge(result.match, request.lost);
+    const double moved = (s.pose.inverse() * result.match.pose).distance();
     s.move(result.match, request.starts.front(), result.state, scan);
+    if (result.state == MatchState::kLost) {
+      s.uncertainty.lose(s.pose);
+    } else {
+      const double seconds = std::min(std::max(0.0, scan.time - s.time), s.config.gap_s);
+      s.uncertainty.update(s.map.surface(), points, result.match, seconds, moved, carrier);
+    }
   } else if (first && !points.empty()) {
     result.match.pose = s.pose;
     result.match.covariance.setZero();  // the first scan defines the map
     result.match.score = result.match.known = 1.0;
     result.match.converged = true;
     result.state = MatchState::kOk;
+    s.uncertainty.begin(s.pose);
   }
   const bool accepted =
       !s.config.evaluation.enabled || first || result.evaluation < s.config.evaluation.threshold;
   if (result.state != MatchState::kLost && accepted && (first || s.movedEnough())) {
     result.map_full = !s.map.insert(scan, s.pose);
     result.inserted = true;
+    s.uncertainty.insert();
     s.inserted_pose = s.pose;
   }
   s.odom = odom_T_base;
@@ -259,12 +305,9 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   if (result.state != MatchState::kLost) s.found_time = scan.time;
   result.pose = s.pose;
   result.velocity = Eigen::Rotation2Dd(-s.pose.theta) * s.velocity;
-  result.covariance = result.match.covariance;
-  if (result.state == MatchState::kLost) {
-    // That of the failed match says nothing of the predicted pose.
-    result.covariance =
-        Eigen::Vector3d(kLostM * kLostM, kLostM * kLostM, kLostRad * kLostRad).asDiagonal();
-  }
+  result.uncertain = s.uncertainty.last();
+  result.covariance = result.uncertain.covariance();
+  result.motion_covariance = s.uncertainty.motion();
   result.searched = result.match.searched;
   return result;
 }

@@ -72,6 +72,8 @@ std::vector<Parameter> mapperParametersOf(MapperConfig& mapper) {
       number("evaluation_penalty", "", &mapper.evaluation.penalty, 0.0, 1000.0,
              "weight of the disagreement between the resolutions in the evaluation"),
       choice("matcher", &mapper.matcher.method, matcherNames(), "how the pose of a scan is found"),
+      choice("covariance", &mapper.matcher.covariance, {"hessian", "sampled"},
+             "of a match: from the Hessian at the pose, or from the fit at 18 poses around it"),
   };
 }
 

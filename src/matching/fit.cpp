@@ -10,7 +10,7 @@ namespace kestrel_slam {
 double leastConstraint(const Fit& fit) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> normals(fit.normals, Eigen::EigenvaluesOnly);
   // Walls count a little along themselves as well (SurfelField), which is no constraint.
-  constexpr double kAlong = SurfelField::kAlongWeight / (1.0 + SurfelField::kAlongWeight);
+  constexpr double kAlong = kAlongWeight / (1.0 + kAlongWeight);
   return normals.eigenvalues()(0) - kAlong;
 }
 
@@ -23,10 +23,15 @@ Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, doub
   forEachLanes(map.surface(), points, map_T_base, [&](const SurfelLanes& p, std::size_t count) {
     const Lanes distance2 = p.distance2();
     Lanes fit = p.hasSurfel() / (1.0F + distance2 * inverse_scale2);
-    Lanes on_wall = Lanes::Ones();
+    Lanes on_wall = Lanes::Ones(), c11 = p.a11, c12 = p.a12, c22 = p.a22;
     for (std::size_t k = 0; k < count; ++k) {
       const auto i = static_cast<Eigen::Index>(k);
-      if (fit[i] > kOnWall) continue;
+      if (fit[i] > kOnWall) {
+        if (!isPoint(*p.surfels[k])) continue;
+        const Eigen::Vector3f constraint = constraintOf(*p.surfels[k]);
+        c11[i] = constraint.x(), c12[i] = constraint.y(), c22[i] = constraint.z();
+        continue;
+      }
       // The surfels' own hits are known; asking the grid is only needed off the walls.
       on_wall[i] = 0.0F;
       ++off_walls;
@@ -36,7 +41,7 @@ Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, doub
     }
     sum += fit;
     squares += on_wall * fit * distance2;
-    n11 += on_wall * p.a11, n12 += on_wall * p.a12, n22 += on_wall * p.a22;
+    n11 += on_wall * c11, n12 += on_wall * c12, n22 += on_wall * c22;
   });
   Fit result;
   if (unknown == points.size()) return result;

@@ -1,10 +1,10 @@
 #include "hybrid_matcher.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "kestrel_slam/matching/covariance.h"
 #include "thinned.h"
 
 namespace kestrel_slam {
@@ -25,8 +25,11 @@ constexpr float kStartPull = 1e-3F;
 constexpr double kMinResidualM = 0.01;
 /// Neighbouring beams err alike, so n beams are worth n over this.
 constexpr double kBeamCorrelation = 4.0;
-/// Standard deviation along a direction that the scan does not constrain.
+/// Standard deviation along a direction that the scan does not constrain, m.
 constexpr double kUnconstrainedM = 0.5;
+/// Samples are taken this much farther away than the Hessian says: what is nearer than the raster
+/// of the map is the map's own noise.
+constexpr double kSampleSpread = 3.0;
 
 /// A pose is held by its walls where this share of the points lies on them, this closely, and where
 /// these points alone constrain both directions (see leastConstraint). That is no accident, however
@@ -64,15 +67,8 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     search(map, request, result, best);
   result.pose = best.descent.pose;
   result.converged = best.descent.converged;
-  fillUncertainty(best.descent.at_pose, best.fit, config_.degenerate_share, result);
-  if (request.trusted && result.degenerate) {
-    // The scan says nothing of this direction: what the walls' cells say of it is their own raster.
-    const Eigen::Vector2d& along = result.degenerate_direction;
-    const Pose2& start = request.starts.front();
-    const double moved = along.dot(start.translation() - result.pose.translation());
-    const Eigen::Vector2d place = result.pose.translation() + moved * along;
-    result.pose = Pose2(place.x(), place.y(), result.pose.theta);
-  }
+  fillUncertainty(map, request.points, kStageScales.back(), best.descent.at_pose, best.fit, config_,
+                  result);
   fillStages(map, request.points, best.stages, config_.score_scale_m, result);
   return result;
 }
@@ -152,25 +148,38 @@ void fillStages(const Submap& map, const Points& points,
   }
 }
 
-void fillUncertainty(const NormalEquations& at_pose, const Fit& fit, double degenerate_share,
+void fillUncertainty(const Submap& map, const Points& points, float scale_m,
+                     const NormalEquations& at_pose, const Fit& fit, const MatcherConfig& config,
                      MatchResult& result) {
   result.score = fit.score;
   result.known = fit.known;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> normals(fit.normals);
+  const Eigen::Vector2d weakest = normals.eigenvectors().col(0);
   // Walls count a little along themselves as well (SurfelField), which is no constraint.
-  const double along = SurfelField::kAlongWeight / (1.0 + SurfelField::kAlongWeight);
-  result.degenerate = normals.eigenvalues()(0) - along < degenerate_share;
+  const double along = kAlongWeight / (1.0 + kAlongWeight);
+  const double share = std::max(normals.eigenvalues()(0) - along, 0.0);
+  result.constraint = share;
+  result.degenerate = share < config.degenerate_share;
   const double variance =
       kBeamCorrelation * std::max(fit.residual_variance, kMinResidualM * kMinResidualM);
   const Eigen::Matrix3d hessian = at_pose.hessian.cast<double>();
-  const Eigen::Matrix3d inverse =
-      (hessian + 1e-3 * Eigen::Matrix3d::Identity()).ldlt().solve(Eigen::Matrix3d::Identity());
-  result.covariance = variance * 0.5 * (inverse + inverse.transpose());  // eq. 15
+  result.covariance = hessianCovariance(hessian, variance);
+  if (config.covariance == "sampled") {
+    const auto cost = [&](const Pose2& pose) {
+      return static_cast<double>(lineariseDistance(map.surface(), points, pose, scale_m).cost);
+    };
+    result.covariance = sampledCovariance(
+        cost, result.pose, kSampleSpread * kSampleSpread * result.covariance, variance);
+  }
+  const Eigen::Matrix2d across = hessian.topLeftCorner<2, 2>();
+  const double claimed = weakest.dot(across * weakest) / std::max(across.trace(), 1e-9);
+  const double constrained = std::max(share, config.degenerate_share);
+  result.covariance =
+      stretched(result.covariance, weakest, std::sqrt(std::max(claimed / constrained, 1.0)));
   if (!result.degenerate) return;
-  result.degenerate_direction = normals.eigenvectors().col(0);
+  result.degenerate_direction = weakest;
   result.covariance.topLeftCorner<2, 2>() +=
-      kUnconstrainedM * kUnconstrainedM *
-      (result.degenerate_direction * result.degenerate_direction.transpose());
+      kUnconstrainedM * kUnconstrainedM * (weakest * weakest.transpose());
 }
 
 }  // namespace kestrel_slam

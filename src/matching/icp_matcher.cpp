@@ -38,9 +38,10 @@ MatchResult IcpMatcher::match(const Submap& map, const MatchRequest& request) co
   if (!request.turn_known) tryTurned(task, best, result.iterations);
   result.pose = best.stages.back();
   result.converged = best.converged;
-  const NormalEquations distances = lineariseDistance(map.surface(), request.points, result.pose,
-                                                      static_cast<float>(config_.score_scale_m));
-  fillUncertainty(distances, best.fit, config_.degenerate_share, result);
+  const auto scale = static_cast<float>(config_.score_scale_m);
+  const NormalEquations distances =
+      lineariseDistance(map.surface(), request.points, result.pose, scale);
+  fillUncertainty(map, request.points, scale, distances, best.fit, config_, result);
   fillStages(map, request.points, best.stages, config_.score_scale_m, result);
   return result;
 }

@@ -36,9 +36,10 @@ class GaussNewtonMatcher : public Matcher {
     result.converged = descent.converged;
     // For the covariance the distances are linearised: the residuals 1 - M have no unit.
     const Fit fit = fitOf(map, request.points, result.pose, config_.score_scale_m);
-    const NormalEquations distances = lineariseDistance(map.surface(), request.points, result.pose,
-                                                        static_cast<float>(config_.score_scale_m));
-    fillUncertainty(distances, fit, config_.degenerate_share, result);
+    const auto scale = static_cast<float>(config_.score_scale_m);
+    const NormalEquations distances =
+        lineariseDistance(map.surface(), request.points, result.pose, scale);
+    fillUncertainty(map, request.points, scale, distances, fit, config_, result);
     fillStages(map, request.points, poses, config_.score_scale_m, result);
     return result;
   }
@@ -65,9 +66,10 @@ class CorrelativeMatcher : public Matcher {
     result.converged = found.score > 0.0;
     result.pose = found.mean;
     const Fit fit = fitOf(map, request.points, result.pose, config_.score_scale_m);
-    const NormalEquations distances = lineariseDistance(map.surface(), request.points, result.pose,
-                                                        static_cast<float>(config_.score_scale_m));
-    fillUncertainty(distances, fit, config_.degenerate_share, result);
+    const auto scale = static_cast<float>(config_.score_scale_m);
+    const NormalEquations distances =
+        lineariseDistance(map.surface(), request.points, result.pose, scale);
+    fillUncertainty(map, request.points, scale, distances, fit, config_, result);
     result.covariance = found.covariance;
     fillStages(map, request.points, {found.pose, found.pose, found.mean}, config_.score_scale_m,
                result);

@@ -27,9 +27,10 @@ MatchResult ProgressiveMatcher::match(const Submap& map, const MatchRequest& req
   result.converged = !best.refinement.stopped && best.refinement.finest.vote > 0.0;
   // Two independent errors: that of the candidates' maximum, and that of the scan itself, with what
   // it does not constrain: the spread of the candidates cannot exceed the space they come from.
-  const NormalEquations distances = lineariseDistance(map.surface(), request.points, result.pose,
-                                                      static_cast<float>(config_.score_scale_m));
-  fillUncertainty(distances, best.fit, config_.degenerate_share, result);
+  const auto scale = static_cast<float>(config_.score_scale_m);
+  const NormalEquations distances =
+      lineariseDistance(map.surface(), request.points, result.pose, scale);
+  fillUncertainty(map, request.points, scale, distances, best.fit, config_, result);
   result.covariance += best.refinement.finest.covariance;
   fillStages(map, request.points, best.refinement.poses, config_.score_scale_m, result);
   return result;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <type_traits>
@@ -22,6 +23,7 @@ struct SurfelLanes {
   Lanes px, py;         ///< the points in map, m
   Lanes ex, ey;         ///< from the surfel's mean to the point, m
   Lanes a11, a12, a22;  ///< of the surfel
+  std::array<const Surfel*, kLanes> surfels;
 
   Lanes distance2() const { return ex * (a11 * ex + a12 * ey) + ey * (a12 * ex + a22 * ey); }
 
@@ -54,6 +56,7 @@ inline void forEachLanes(const SurfelField& surface, const Points& points, const
       const bool is_point = i < static_cast<Eigen::Index>(count);
       const Surfel* surfel = is_point ? surface.nearest({lanes.px[i], lanes.py[i]}) : nullptr;
       if (surfel == nullptr) surfel = &kNothing;
+      lanes.surfels[static_cast<std::size_t>(i)] = surfel;
       mx[i] = surfel->mean.x();
       my[i] = surfel->mean.y();
       lanes.a11[i] = surfel->a11;

@@ -5,10 +5,12 @@
 #include <geometry_msgs/TransformStamped.h>
 #include <nav_msgs/Odometry.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <vector>
 
 #include "kestrel_slam/ros/conversions.h"
+#include "kestrel_slam/ros/uncertainty_markers.h"
 
 namespace kestrel_slam {
 namespace {
@@ -23,6 +25,8 @@ PosePublisher::PosePublisher(ros::NodeHandle nh, const NodeConfig& config) : con
   pose_update_publisher_ =
       nh.advertise<PoseWithCovarianceStamped>(config.pose_update_topic, kQueueSize);
   cloud_publisher_ = nh.advertise<sensor_msgs::PointCloud2>("slam_cloud", kQueueSize);
+  marker_publisher_ =
+      nh.advertise<visualization_msgs::MarkerArray>("degeneracy_marker", kQueueSize);
   slam_odometry_publisher_ = nh.advertise<nav_msgs::Odometry>("odom/slam", kQueueSize);
   if (config.pub_odometry) {
     odometry_publisher_ = nh.advertise<nav_msgs::Odometry>("scanmatch_odom", kQueueSize);
@@ -35,6 +39,7 @@ void PosePublisher::publish(const ros::Time& stamp, const MapperResult& result,
   publishTransforms(stamp, result.pose);
   publishPose(stamp, result);
   publishCloud(stamp, result, scan);
+  publishMarkers(stamp, result);
 }
 
 void PosePublisher::repeatCorrection(const ros::Time& stamp) {
@@ -107,6 +112,16 @@ void PosePublisher::publishCloud(const ros::Time& stamp, const MapperResult& res
   cloud.header.stamp = stamp;
   cloud.header.frame_id = config_.map_frame;
   cloud_publisher_.publish(cloud);
+}
+
+void PosePublisher::publishMarkers(const ros::Time& stamp, const MapperResult& result) {
+  if (marker_publisher_.getNumSubscribers() == 0) return;
+  visualization_msgs::MarkerArray markers = uncertaintyMarkers(result);
+  for (visualization_msgs::Marker& marker : markers.markers) {
+    marker.header.stamp = stamp;
+    marker.header.frame_id = config_.map_frame;
+  }
+  marker_publisher_.publish(markers);
 }
 
 }  // namespace kestrel_slam

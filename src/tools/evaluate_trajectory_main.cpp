@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "kestrel_slam/tools/claims.h"
 #include "kestrel_slam/tools/evaluation.h"
 #include "kestrel_slam/tools/evaluation_plot.h"
 #include "kestrel_slam/tools/reference.h"
@@ -19,12 +20,13 @@ constexpr int kExitBadInput = 1;
 constexpr int kExitWrongUsage = 2;
 
 struct Options {
-  std::string trajectory, relations, reference, reference_topic, json, plot;
+  std::string trajectory, relations, covariances, reference, reference_topic, json, plot;
 };
 
 struct Results {
   Trajectory trajectory;
   std::optional<RelationEvaluation> relations;
+  std::optional<ClaimEvaluation> claims;
   std::optional<ReferenceEvaluation> reference;
 };
 
@@ -47,6 +49,11 @@ void printTable(const Results& results) {
   if (results.relations) {
     printRows("relations", results.relations->all);
     printRows("relations > 60 s", results.relations->distant);
+  }
+  if (results.claims) {
+    printRow("error / claim, translation", results.claims->translation, "sigma");
+    printRow("error / claim, rotation", results.claims->rotation, "sigma");
+    printRow("NEES of the relations", results.claims->nees, "(3 is right)");
   }
   if (results.reference) {
     printRows("ATE", results.reference->ate_statistics);
@@ -87,6 +94,11 @@ void writeJson(const std::string& path, const Results& results) {
                          {"left_out", results.relations->skipped_relations},
                          {"unmatched_stamps", results.relations->unmatched}};
   }
+  if (results.claims) {
+    json["claims"] = {{"translation_sigmas", toJson(results.claims->translation)},
+                      {"rotation_sigmas", toJson(results.claims->rotation)},
+                      {"nees", toJson(results.claims->nees)}};
+  }
   if (results.reference) {
     json["reference"] = {{"ate", toJson(results.reference->ate_statistics)},
                          {"rpe_per_1_m", toJson(results.reference->rpe_per_metre)},
@@ -108,6 +120,10 @@ Results evaluate(const Options& options) {
       throw std::runtime_error(options.relations + ": no relation has both of its stamps in " +
                                options.trajectory + "; check that they belong to one recording");
     }
+  }
+  if (!options.covariances.empty()) {
+    results.claims =
+        evaluateClaims(readClaims(options.covariances), readRelations(options.relations));
   }
   if (!options.reference.empty()) {
     try {
@@ -141,6 +157,9 @@ int main(int argc, char** argv) {
   kestrel_slam::Options options;
   app.add_option("trajectory", options.trajectory, "trajectory to judge, TUM format")->required();
   app.add_option("--relations", options.relations, "file of lines `t1 t2 x y z roll pitch yaw`");
+  app.add_option("--covariances", options.covariances,
+                 "covariances.txt of map_recording: errors of the relations in claimed sigmas")
+      ->needs("--relations");
   app.add_option("--reference", options.reference, "reference trajectory, TUM format or rosbag");
   app.add_option("--reference-topic", options.reference_topic,
                  "which topic of a rosbag: PoseStamped, PoseWithCovarianceStamped or Odometry");

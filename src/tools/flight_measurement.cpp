@@ -36,6 +36,21 @@ void countCells(const World::Parts& parts, FlightMeasurement& result) {
   }
 }
 
+/// Every scan has its true pose, in the same order.
+std::vector<JudgedPose> judgedPoses(const OfflineRun& run, const Trajectory& truth) {
+  std::vector<JudgedPose> result;
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < run.scans.size(); ++i) {
+    while (k < truth.size() && truth[k].stamp < run.trajectory[i].stamp) ++k;
+    if (k == truth.size()) break;
+    result.push_back({truth[k].stamp, run.scans[i].uncertain, truth[k].pose});
+  }
+  if (result.empty()) return result;
+  const Pose2 map_T_world = result.front().found.pose * result.front().truth.inverse();
+  for (JudgedPose& pose : result) pose.truth = map_T_world * pose.truth;
+  return result;
+}
+
 }  // namespace
 
 double distanceToUprightSurface(const World::Parts& parts, const Eigen::Vector2d& point) {
@@ -52,8 +67,10 @@ FlightMeasurement measureFlight(const FlightTrial& trial) {
   FlightMeasurement result;
   result.run = runOffline(recording, trial.config, trial.options);
   result.error = evaluateReference(result.run.trajectory, recording.truth());
+  result.consistency = consistencyOf(judgedPoses(result.run, recording.truth()));
   for (const ScanRecord& scan : result.run.scans) {
     if (scan.state == MatchState::kLost) ++result.lost;
+    if (scan.degenerate) ++result.degenerate;
   }
   for (const TrueState& state : recording.trueStates()) {
     const double tilt = tiltOf(Eigen::Quaterniond(state.world_T_base.linear()));

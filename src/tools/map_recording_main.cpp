@@ -39,6 +39,7 @@ void printSummary(const fs::path& folder, const OfflineRun& run) {
               run.speedFactor(), run.peak_memory_mb);
   for (const auto& [what, file] : {std::pair{"map", "map.yaml"},
                                    {"trajectory", "trajectory.tum"},
+                                   {"covariances", "covariances.txt"},
                                    {"statistics", "stats.json"},
                                    {"report", "report.html"}}) {
     std::printf("%-12s%s\n", what, (folder / file).string().c_str());

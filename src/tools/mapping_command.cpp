@@ -9,6 +9,7 @@
 
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/map/map_io.h"
+#include "kestrel_slam/tools/claims.h"
 #include "kestrel_slam/tools/parameters_yaml.h"
 #include "kestrel_slam/tools/progress_bar.h"
 #include "kestrel_slam/tools/report.h"
@@ -164,6 +165,12 @@ void printWarnings(const std::string& prefix, const OfflineRun& run) {
 void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& info) {
   writeMap((folder / "map").string(), run.map);
   writeTum((folder / "trajectory.tum").string(), run.trajectory);
+  std::vector<Claim> claims;
+  claims.reserve(run.scans.size());
+  for (std::size_t i = 0; i < run.scans.size(); ++i) {
+    claims.push_back({run.trajectory[i].stamp, run.scans[i].uncertain});
+  }
+  writeClaims((folder / "covariances.txt").string(), claims);
   writeFileAtomically(
       (folder / "stats.json").string(),
       statsOf(run, info).dump(kJsonIndent, ' ', false, nlohmann::json::error_handler_t::replace) +

@@ -17,10 +17,11 @@ namespace kestrel_slam {
 namespace {
 
 constexpr int kBadInput = 1, kWrongUsage = 2;
-constexpr double kMillimetre = 1e-3;
+constexpr double kMillimetre = 1e-3, kPercent = 100.0;
 
 struct Options {
   int random_flights = 100;
+  int first_seed = 1;  ///< of the random flights
   double random_s = 30.0;
   std::string only;
   std::vector<std::string> settings;  ///< name=value
@@ -131,15 +132,21 @@ void apply(const std::vector<std::string>& settings, SlamConfig& config) {
 void printHeader() {
   std::printf(
       "| flight | scans | lost | ATE rmse | ATE max | yaw rmse | yaw max | tilt max | "
-      "false cells |\n|---|---|---|---|---|---|---|---|---|\n");
+      "false cells | NEES pose | NEES 1 s | long axis | short axis |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
 }
 
 void printRow(const std::string& name, const FlightMeasurement& m) {
   const ErrorStatistics& position = m.error.ate_statistics.translation_m;
   const ErrorStatistics& yaw = m.error.ate_statistics.rotation_deg;
-  std::printf("| %s | %zu | %zu | %.4f m | %.3f m | %.3f° | %.2f° | %.1f° | %zu of %zu |\n",
+  const Consistency& c = m.consistency;
+  std::printf("| %s | %zu | %zu | %.4f m | %.3f m | %.3f° | %.2f° | %.1f° | %zu of %zu ",
               name.c_str(), m.run.scans.size(), m.lost, position.rmse, position.max, yaw.rmse,
               yaw.max, m.max_tilt_deg, m.false_cells, m.occupied_cells);
+  std::printf("| %.1f, %.0f %% | %.1f, %.0f %% | %.3f m, %.1f sigma | %.3f m |\n",
+              meanOf(c.absolute), kPercent * shareWithin(c.absolute, kNeesBand), meanOf(c.relative),
+              kPercent * shareWithin(c.relative, kNeesBand), c.worst_long_m, c.worst_long_sigmas,
+              c.worst_short_m);
   for (const std::string& warning : m.run.warnings) {
     std::fprintf(stderr, "  %s: %s\n", name.c_str(), warning.c_str());
   }
@@ -158,7 +165,35 @@ void writeFiles(const std::string& folder, const std::string& name, const Flight
   writeTum(path + "_truth.tum", m.error.reference);
 }
 
-/// Random flights in every place but those where the laser cannot see enough.
+/// Flights are independent of each other, the seconds of one flight are not: so the mean over the
+/// flights is taken for each second, and compared with the band of so many independent values.
+void printConsistency(const char* what, const std::vector<std::vector<double>>& flights) {
+  std::vector<double> all, means;
+  std::size_t seconds = 0;
+  for (const std::vector<double>& flight : flights) seconds = std::max(seconds, flight.size());
+  for (std::size_t t = 0; t < seconds; ++t) {
+    std::vector<double> now;
+    for (const std::vector<double>& flight : flights) {
+      if (t < flight.size()) now.push_back(flight[t]);
+    }
+    all.insert(all.end(), now.begin(), now.end());
+    if (now.size() == flights.size()) means.push_back(meanOf(now));
+  }
+  if (all.empty()) return;
+  const auto band = meanNeesBand(flights.size());
+  std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2),
+                   all.end());
+  const double median = all[all.size() / 2];
+  std::printf(
+      "NEES of the %s: mean %.2f (3 is right), median %.2f (2.37), %.0f %% of the seconds within "
+      "%.2f to %.2f, %.0f %% below its upper end; the mean over the flights is within %.2f to %.2f "
+      "in %.0f %% of the seconds\n",
+      what, meanOf(all), median, kPercent * shareWithin(all, kNeesBand), kNeesBand.first,
+      kNeesBand.second, kPercent * shareWithin(all, {0.0, kNeesBand.second}), band.first,
+      band.second, kPercent * shareWithin(means, band));
+}
+
+/// Random flights in every place but the two where the laser cannot see enough.
 void flyAtRandom(const Options& options) {
   std::vector<std::string> names;
   for (const Place& candidate : places()) {
@@ -167,10 +202,11 @@ void flyAtRandom(const Options& options) {
   }
   std::size_t lost_flights = 0, scans = 0;
   double worst = 0.0;
+  std::vector<std::vector<double>> absolute, relative;  // of every flight
   for (int i = 0; i < options.random_flights; ++i) {
     const auto number = static_cast<std::size_t>(i);
     FlightTrial trial = trialIn("random", names[number % names.size()]);
-    trial.seed = number + 1;
+    trial.seed = number + static_cast<std::size_t>(options.first_seed);
     apply(options.settings, trial.config);
     trial.place.plan = randomPlan(trial.place, options.random_s, trial.seed);
     const FlightMeasurement m = measureFlight(trial);
@@ -182,10 +218,14 @@ void flyAtRandom(const Options& options) {
     }
     worst = std::max(worst, error);
     scans += m.run.scans.size();
+    absolute.push_back(m.consistency.absolute);
+    relative.push_back(m.consistency.relative);
   }
   std::printf(
       "\n%d random flights of %.0f s, %zu scans: %zu lost; largest error of a pose %.0f mm\n",
       options.random_flights, options.random_s, scans, lost_flights, worst / kMillimetre);
+  printConsistency("pose", absolute);
+  printConsistency("motion over 1 s", relative);
 }
 
 void flyInHardSituations(const Options& options) {
@@ -248,6 +288,9 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app("Maps simulated flights and prints their errors against the truth.");
   app.add_option("--random", options.random_flights, "number of random flights")
+      ->capture_default_str();
+  app.add_option("--seed", options.first_seed, "of the first random flight")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--random-duration", options.random_s, "of each, s")->capture_default_str();
   app.add_option("--only", options.only, "only the flights whose name contains this text");

@@ -181,6 +181,8 @@ class Runner {
     entry.searched = result.searched;
     entry.inserted = result.inserted;
     entry.map_bytes = mapper_.memoryBytes();
+    entry.degenerate = result.match.degenerate;
+    entry.uncertain = result.uncertain;
     run_.scans.push_back(entry);
     run_.trajectory.push_back({scan.scan.stamp, result.pose});
     addDistance(result.pose);

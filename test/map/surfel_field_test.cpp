@@ -116,7 +116,7 @@ TEST(SurfelField, MeanIsThatOfTheHitsAndTheShapeThatOfTheWall) {
                              2 * surfel->a12 * along.x() * along.y() +
                              surfel->a22 * along.y() * along.y();
     EXPECT_NEAR(across, 1.0F, 0.02F);
-    EXPECT_NEAR(lengthwise, SurfelField::kAlongWeight, 0.02F);
+    EXPECT_NEAR(lengthwise, kAlongWeight, 0.02F);
     ++checked;
   }
   EXPECT_EQ(checked, 13);
@@ -134,7 +134,7 @@ TEST(SurfelField, SparseHitsOfOneScanMakeALine) {
   const Surfel* surfel = map.surface().nearest({0.4F, 2.02F});
   ASSERT_NE(surfel, nullptr);
   EXPECT_NEAR(surfel->a22, 1.0F, 1e-3F);
-  EXPECT_NEAR(surfel->a11, SurfelField::kAlongWeight, 1e-3F);
+  EXPECT_NEAR(surfel->a11, kAlongWeight, 1e-3F);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace kestrel_slam {
 namespace {
 
 constexpr double kScale_m = 0.1;
-constexpr double kAlong = SurfelField::kAlongWeight;
+constexpr double kAlong = kAlongWeight;
 
 /// Walls x = 2.02 m and, where asked for, y = 3.02 m, from -1 to 1 m of the other coordinate.
 Submap wallsAhead(bool and_left) {

@@ -14,12 +14,33 @@
 #include "kestrel_slam/ros/fair_mutex.h"
 #include "kestrel_slam/ros/shared_mapper.h"
 #include "kestrel_slam/ros/trajectory_log.h"
+#include "kestrel_slam/ros/uncertainty_markers.h"
 #include "mapper_client.h"
 
 namespace kestrel_slam {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+TEST(UncertaintyMarkers, ShowTheEllipseAndTheOpenDirection) {
+  MapperResult result;
+  result.pose = Pose2(3, 4, 1);
+  result.covariance(0, 0) = 0.0001;
+  result.covariance(1, 1) = 0.25;  // long along y
+  result.match.degenerate_direction = {0.0, 1.0};
+  EXPECT_EQ(uncertaintyMarkers(result).markers.at(1).action, visualization_msgs::Marker::DELETE);
+  result.match.degenerate = true;
+  const visualization_msgs::MarkerArray array = uncertaintyMarkers(result);
+  const visualization_msgs::Marker &ellipse = array.markers.at(0), &line = array.markers.at(1);
+  EXPECT_EQ(ellipse.pose.position.x, 3.0);
+  EXPECT_NEAR(ellipse.scale.x, 3.0, 1e-9) << "three sigma to both sides";
+  EXPECT_NEAR(ellipse.scale.y, 0.06, 1e-9);
+  EXPECT_NEAR(std::abs(ellipse.pose.orientation.z), std::sqrt(0.5), 1e-9);
+  EXPECT_EQ(line.action, visualization_msgs::Marker::ADD);
+  ASSERT_EQ(line.points.size(), 2U);
+  EXPECT_EQ(line.points[0].x, 3.0);
+  EXPECT_EQ(line.points[1].y - line.points[0].y, 4.0);
+}
 
 TEST(BoundedQueue, DropsTheOldest) {
   BoundedQueue<int> queue(2);

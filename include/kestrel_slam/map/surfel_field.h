@@ -11,6 +11,16 @@
 
 namespace kestrel_slam {
 
+/// What of a distance along a wall counts: keeps points from sliding past its end.
+constexpr float kAlongWeight = 0.05F;
+
+/// The elements (11, 12, 22) of A = n n' + kAlongWeight t t' of a wall whose direction has the unit
+/// twice-angle vector `t2`.
+inline Eigen::Vector3f lineShape(const Eigen::Vector2f& t2) {
+  const float nx2 = 0.5F * (1.0F - t2.x()), ny2 = 1.0F - nx2, nxy = -0.5F * t2.y();
+  return {nx2 + kAlongWeight * ny2, nxy * (1.0F - kAlongWeight), ny2 + kAlongWeight * nx2};
+}
+
 /// The surface inside one occupied cell: where its hits lie and which way the wall runs.
 struct Surfel {
   Eigen::Vector2f mean;  ///< mean of the end points in the cell, m
@@ -20,10 +30,30 @@ struct Surfel {
   /// Direction of the wall as the scans saw it, summed as (cos, sin) of twice its angle, so that
   /// opposite directions agree; zero where no scan saw neighbouring points of a wall.
   Eigen::Vector2f tangent2 = Eigen::Vector2f::Zero();
+  /// The same from neighbours so far apart that the match does not trust it: where nothing else
+  /// tells the direction, the surfel stays a point, which holds the pose in both directions. But
+  /// it is no proof that the wall constrains the direction along itself.
+  Eigen::Vector2f sparse2 = Eigen::Vector2f::Zero();
   /// Of the scan that is being added: its hits, and the sum of their differences to the mean.
   float new_hits = 0.0F;
   Eigen::Vector2f new_sum = Eigen::Vector2f::Zero();
+  std::uint32_t birth =
+      0;  ///< number of the scan that made it, counted from 0 since the last clear
 };
+
+/// Whether nothing near tells the direction of the wall: the surfel holds the pose in all.
+inline bool isPoint(const Surfel& surfel) {
+  constexpr float kPointTrace = 1.5F;  // above that of a line, below that of a point, 2
+  return surfel.a11 + surfel.a22 >= kPointTrace;
+}
+
+/// What a wall can constrain: the elements (11, 12, 22) of A, or of the line that far neighbours
+/// make of a lonely point.
+inline Eigen::Vector3f constraintOf(const Surfel& surfel) {
+  const float length = isPoint(surfel) ? surfel.sparse2.norm() : 0.0F;
+  if (length > 0.0F) return lineShape(surfel.sparse2 / length);
+  return {surfel.a11, surfel.a12, surfel.a22};
+}
 
 /// Smooth matching surface derived from an OccupancyGrid: which surfel is nearest to any cell.
 ///
@@ -34,8 +64,6 @@ class SurfelField {
  public:
   /// How far from a surfel cells still know it: 0.45 m at 5 cm.
   static constexpr int kReachCells = 9;
-  /// What of a distance along a wall counts: keeps points from sliding past its end.
-  static constexpr float kAlongWeight = 0.05F;
 
   SurfelField(float resolution_m, std::size_t limit_bytes);
 
@@ -81,7 +109,7 @@ class SurfelField {
 
   std::uint32_t idAt(const Cell& cell) const;
   void setOwn(const Cell& cell, bool own);
-  void addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Vector2f& tangent2);
+  void addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Vector2f& tangent2, bool sparse);
   std::uint32_t create(const OccupancyGrid::Changes::Hit& hit);
   bool addMean(std::uint32_t id);
   void spread(std::uint32_t id);
@@ -112,6 +140,7 @@ class SurfelField {
   };
   std::vector<Adopter> adopters_;  ///< and the surfels that can take its place
   bool full_ = false;              ///< the memory limit kept a part of the last update out
+  std::uint32_t updates_ = 0;      ///< since the last clear
 };
 
 }  // namespace kestrel_slam

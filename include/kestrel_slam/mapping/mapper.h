@@ -7,6 +7,7 @@
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/map/map_snapshot.h"
 #include "kestrel_slam/mapping/mapper_config.h"
+#include "kestrel_slam/mapping/pose_uncertainty.h"
 #include "kestrel_slam/matching/match_result.h"
 #include "kestrel_slam/sensor/planar_scan.h"
 
@@ -21,8 +22,11 @@ const char* toString(MatchState state);
 /// What happened to one scan.
 struct MapperResult {
   Pose2 pose;  ///< map_T_base at the scan's time (the prediction where lost)
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, theta), m² and rad²
-  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();    ///< in base, smoothed, m/s
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, theta) in map, m² and rad²
+  /// Of the motion since the scan before, in the base frame of that, m² and rad².
+  Eigen::Matrix3d motion_covariance = Eigen::Matrix3d::Zero();
+  UncertainPose uncertain;  ///< `covariance` in its parts, for relativeCovariance
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< in base, smoothed, m/s
   MatchResult match;
   MatchState state = MatchState::kLost;
   double evaluation = 0.0;  ///< f of paper 000 eq. 4: small is good

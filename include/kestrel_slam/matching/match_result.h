@@ -26,7 +26,8 @@ struct MatchResult {
   bool searched = false;    ///< the exhaustive search ran
   bool degenerate = false;  ///< the scan does not constrain the direction below
   Eigen::Vector2d degenerate_direction = Eigen::Vector2d::Zero();  ///< unit vector in map, or zero
-  std::array<StageEstimate, kMatchStages> stages;                  ///< coarse to fine
+  double constraint = 0.0;  ///< share of the points that constrain the weakest direction, 0 to 0.5
+  std::array<StageEstimate, kMatchStages> stages;  ///< coarse to fine
 };
 
 }  // namespace kestrel_slam

@@ -30,6 +30,7 @@ struct MatcherConfig {
   double jump_margin = 0.05;   ///< by how much a found pose has to be better than the local one
   SearchWindow near_window{0.6, 0.52};
   SearchWindow wide_window{1.0, 1.57};  ///< where the near one finds nothing good
+  std::string covariance = "hessian";   ///< or sampled: paper 001, IV-B; correlative has its own
   double degenerate_share = 0.015;      ///< smaller eigenvalue of the normals below which the scan
                                         ///< does not constrain a direction
 };

@@ -10,7 +10,8 @@
 
 namespace kestrel_slam {
 
-/// Publishes what the matching found: pose topics, tf and the matched scan.
+/// Publishes what the matching found: pose topics, tf, the matched scan and markers
+/// of what is uncertain.
 class PosePublisher {
  public:
   PosePublisher(ros::NodeHandle nh, const NodeConfig& config);
@@ -29,12 +30,13 @@ class PosePublisher {
   void publishPose(const ros::Time& stamp, const MapperResult& result);
   void publishTransforms(const ros::Time& stamp, const Pose2& map_T_base);
   void publishCloud(const ros::Time& stamp, const MapperResult& result, const PlanarScan& scan);
+  void publishMarkers(const ros::Time& stamp, const MapperResult& result);
   geometry_msgs::TransformStamped transform(const ros::Time& stamp, const std::string& child,
                                             const Pose2& map_T_child) const;
 
   NodeConfig config_;
   ros::Publisher pose_publisher_, pose_update_publisher_, cloud_publisher_;
-  ros::Publisher slam_odometry_publisher_, odometry_publisher_;
+  ros::Publisher slam_odometry_publisher_, odometry_publisher_, marker_publisher_;
   tf2_ros::TransformBroadcaster broadcaster_;
   std::optional<Pose2> map_T_odom_;
   ros::Time transforms_stamp_;  ///< of the last transforms

@@ -7,6 +7,7 @@
 #include "kestrel_slam/mapping/parameters.h"
 #include "kestrel_slam/simulation/flight_plan.h"
 #include "kestrel_slam/simulation/flight_simulator.h"
+#include "kestrel_slam/tools/consistency.h"
 #include "kestrel_slam/tools/evaluation.h"
 #include "kestrel_slam/tools/offline_run.h"
 
@@ -25,9 +26,11 @@ struct FlightTrial {
 /// What came out of it, compared with the truth.
 struct FlightMeasurement {
   OfflineRun run;
-  ReferenceEvaluation error;  ///< against the true trajectory, after the best rigid alignment
-  std::size_t lost = 0;       ///< scans that fitted nowhere
-  double max_tilt_deg = 0.0;  ///< of the vehicle
+  ReferenceEvaluation error;   ///< against the true trajectory, after the best rigid alignment
+  Consistency consistency;     ///< of the errors with the claimed covariances, from the start on
+  std::size_t lost = 0;        ///< scans that fitted nowhere
+  std::size_t degenerate = 0;  ///< scans that left a direction open
+  double max_tilt_deg = 0.0;   ///< of the vehicle
   double max_yaw_rate_rad_s = 0.0;
   std::size_t occupied_cells = 0;
   std::size_t false_cells =

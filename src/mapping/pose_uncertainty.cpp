@@ -1,0 +1,103 @@
+#include "kestrel_slam/mapping/pose_uncertainty.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "kestrel_slam/matching/covariance.h"
+
+namespace kestrel_slam {
+namespace {
+
+/// Standard deviations of a pose that is only predicted.
+constexpr double kLostM = 1.0, kLostRad = 0.5;
+
+/// How well the map stands where the first scan began it: the raster of the cells and the errors of
+/// the attitude shift and turn what all later scans are compared with.
+constexpr double kFirstM = 0.005, kFirstRad = 0.0015;
+/// Neighbouring scans err alike, so in the map their variances do not average out: a chain of scans
+/// grows as if each were this much worse. Calibrated on simulated flights (measure_flights).
+constexpr double kChainFactor = 9.0;
+
+/// Standard deviation of the velocity where the scan stops telling it, m/s.
+constexpr double kFirstSpeed = 0.05;
+/// How fast it grows, m/s²: an accelerometer that is tilted by a third of a degree; a vehicle that
+/// changes its speed as it likes, up to kMaxSpeed, m/s.
+constexpr double kAccelerometerError = 0.05, kUnknownAcceleration = 0.5, kMaxSpeed = 1.0;
+/// Error of odometry, as a share of the way.
+constexpr double kOdometryError = 0.1;
+
+double square(double x) { return x * x; }
+
+Eigen::Matrix3d absolute(const Eigen::Matrix3d& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(symmetric);
+  return axes.eigenvectors() * axes.eigenvalues().cwiseAbs().asDiagonal() *
+         axes.eigenvectors().transpose();
+}
+
+}  // namespace
+
+Eigen::Matrix3d relativeCovariance(const UncertainPose& a, const UncertainPose& b) {
+  const Eigen::Vector2d a_to_b = b.pose.translation() - a.pose.translation();
+  const Eigen::Matrix3d in_map =
+      absolute(b.shared - transported(a.shared, a_to_b)) + b.own + transported(a.own, a_to_b);
+  Eigen::Matrix3d a_R_map = Eigen::Matrix3d::Identity();
+  a_R_map.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(-a.pose.theta).toRotationMatrix();
+  return a_R_map * in_map * a_R_map.transpose();
+}
+
+void PoseUncertainty::begin(const Pose2& pose) {
+  last_ = UncertainPose();
+  last_.pose = pose;
+  last_.shared.diagonal() << square(kFirstM), square(kFirstM), square(kFirstRad);
+  found_ = last_.covariance();
+}
+
+void PoseUncertainty::insert() { map_.add(last_.pose, last_.shared + kChainFactor * last_.own); }
+
+void PoseUncertainty::update(const SurfelField& surface, const Points& points,
+                             const MatchResult& match, double seconds, double moved_m,
+                             Carrier carrier) {
+  UncertainPose next{match.pose, map_.at(surface, points, match.pose), match.covariance};
+  if (match.degenerate) {
+    const Eigen::Vector2d& along = match.degenerate_direction;
+    if (!drifting_) {
+      entry_variance_ = along.dot(found_.topLeftCorner<2, 2>() * along);
+      drift_m_ = 0.0;
+      drift_speed_ = kFirstSpeed;
+    }
+    drift(seconds, moved_m, carrier);
+    next.shared = stretched(next.shared, along, 0.0);
+    next.own = stretched(next.own, along, 0.0);
+    next.shared.topLeftCorner<2, 2>() +=
+        (entry_variance_ + drift_m_ * drift_m_) * along * along.transpose();
+  }
+  drifting_ = match.degenerate;
+  motion_ = relativeCovariance(last_, next);
+  last_ = next;
+  found_ = next.covariance();
+}
+
+/// One scan farther: the errors of one drift are all of one sign, so deviations add, not variances.
+void PoseUncertainty::drift(double seconds, double moved_m, Carrier carrier) {
+  if (carrier == Carrier::kOdometry) {
+    drift_m_ += kOdometryError * moved_m;
+    return;
+  }
+  const bool measured = carrier == Carrier::kAccelerometer;
+  const double before = drift_speed_;
+  drift_speed_ += seconds * (measured ? kAccelerometerError : kUnknownAcceleration);
+  if (!measured) drift_speed_ = std::min(drift_speed_, std::max(kMaxSpeed, before));
+  drift_m_ += seconds * 0.5 * (before + drift_speed_);
+}
+
+void PoseUncertainty::lose(const Pose2& predicted) {
+  const Eigen::Vector3d sigmas(kLostM, kLostM, kLostRad);
+  UncertainPose next{predicted, found_, Eigen::Matrix3d(sigmas.cwiseAbs2().asDiagonal())};
+  motion_ = relativeCovariance(last_, next);
+  last_ = next;
+  drifting_ = false;
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,76 @@
+#include "kestrel_slam/matching/covariance.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace kestrel_slam {
+namespace {
+
+/// An empty scan has no Hessian at all.
+constexpr double kLeastInformation = 1e-3;
+/// Distance of the samples, in standard deviations of the spread.
+constexpr double kSampleSigmas = 1.0;
+/// A flat likelihood ends somewhere: the samples say nothing of what is farther away than this
+/// many times their distance.
+constexpr double kLeastCurvature = 0.04;
+
+}  // namespace
+
+Eigen::Matrix3d hessianCovariance(const Eigen::Matrix3d& hessian, double variance) {
+  const Eigen::Matrix3d inverse = (hessian + kLeastInformation * Eigen::Matrix3d::Identity())
+                                      .ldlt()
+                                      .solve(Eigen::Matrix3d::Identity());
+  return variance * 0.5 * (inverse + inverse.transpose());
+}
+
+Eigen::Matrix3d sampledCovariance(const std::function<double(const Pose2&)>& cost,
+                                  const Pose2& result, const Eigen::Matrix3d& spread,
+                                  double variance) {
+  // The likelihood along and between the columns of a root of the spread gives its curvature
+  // there, C = L' Λ L; the covariance is Λ⁻¹ = L C⁻¹ L'.
+  const Eigen::Matrix3d root = spread.llt().matrixL();
+  const double at_result = cost(result);
+  const auto costAt = [&](const Eigen::Vector3d& whitened) {
+    const Eigen::Vector3d offset = root * whitened;
+    return (cost(Pose2(result.x + offset.x(), result.y + offset.y(), result.theta + offset.z())) -
+            at_result) /
+           variance;
+  };
+  // The mean of both sides: the result need not lie in the very minimum.
+  const auto rise = [&](const Eigen::Vector3d& step) {
+    return 0.5 * (costAt(step) + costAt(-step));
+  };
+  constexpr double kStep2 = kSampleSigmas * kSampleSigmas;
+  Eigen::Matrix3d curvature;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d along = kSampleSigmas * Eigen::Vector3d::Unit(i);
+    curvature(i, i) = 2.0 * rise(along) / kStep2;
+    for (int j = 0; j < i; ++j) {
+      const Eigen::Vector3d other = kSampleSigmas * Eigen::Vector3d::Unit(j);
+      curvature(i, j) = curvature(j, i) =
+          0.5 * (rise(along + other) - rise(along - other)) / kStep2;
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(curvature);
+  const Eigen::Vector3d inverse = axes.eigenvalues().cwiseMax(kLeastCurvature).cwiseInverse();
+  const Eigen::Matrix3d shape = root * axes.eigenvectors();
+  const Eigen::Matrix3d covariance = shape * inverse.asDiagonal() * shape.transpose();
+  return covariance.allFinite() ? covariance : spread;  // a spread without a root has no samples
+}
+
+Eigen::Matrix3d stretched(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& direction,
+                          double factor) {
+  Eigen::Matrix3d stretch = Eigen::Matrix3d::Identity();
+  stretch.topLeftCorner<2, 2>() += (factor - 1.0) * direction * direction.transpose();
+  return stretch * covariance * stretch;
+}
+
+Eigen::Matrix3d transported(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& from_to) {
+  Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
+  jacobian(0, 2) = -from_to.y();
+  jacobian(1, 2) = from_to.x();
+  return jacobian * covariance * jacobian.transpose();
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,113 @@
+#include "kestrel_slam/mapping/pose_uncertainty.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "kestrel_slam/mapping/mapper.h"
+#include "room.h"
+
+namespace kestrel_slam {
+namespace {
+
+UncertainPose poseAt(double x, double shared_variance, double own_variance) {
+  UncertainPose result;
+  result.pose = Pose2(x, 0.0, 0.0);
+  result.shared(1, 1) = shared_variance;
+  result.own(1, 1) = own_variance;
+  return result;
+}
+
+TEST(RelativeCovariance, whatBothPosesShareCancels) {
+  const Eigen::Matrix3d here = relativeCovariance(poseAt(0, 0.5, 1e-4), poseAt(2, 0.5, 2e-4));
+  EXPECT_NEAR(here(1, 1), 3e-4, 1e-12);
+  // Of two places of one chain the difference remains, whichever comes first.
+  EXPECT_NEAR(relativeCovariance(poseAt(0, 0.1, 0), poseAt(2, 0.5, 0))(1, 1), 0.4, 1e-12);
+  EXPECT_NEAR(relativeCovariance(poseAt(0, 0.5, 0), poseAt(2, 0.1, 0))(1, 1), 0.4, 1e-12);
+}
+
+TEST(RelativeCovariance, isInTheFrameOfTheFirstPose) {
+  UncertainPose a = poseAt(0, 0, 1e-4), b = poseAt(0, 0, 0);
+  a.pose = b.pose = Pose2(1, 2, degToRad(90.0));
+  const Eigen::Matrix3d result = relativeCovariance(a, b);
+  EXPECT_NEAR(result(0, 0), 1e-4, 1e-12);
+  EXPECT_NEAR(result(1, 1), 0.0, 1e-12);
+}
+
+TEST(RelativeCovariance, anErrorOfTheFirstHeadingSwingsTheSecondPose) {
+  UncertainPose a = poseAt(0, 0, 0), b = poseAt(10, 0, 0);
+  a.own(2, 2) = 1e-4;
+  EXPECT_NEAR(relativeCovariance(a, b)(1, 1), 1e-2, 1e-12);
+}
+
+TEST(MapUncertainty, isThatOfTheScansThatMadeTheWalls) {
+  Submap map{OccupancyGridConfig()};
+  MapUncertainty uncertainty;
+  const Points points = room::hitsOf(room::scanFrom(Pose2()));
+  EXPECT_EQ(uncertainty.at(map.surface(), points, Pose2()), Eigen::Matrix3d::Zero());
+  map.insert(room::scanFrom(Pose2()), Pose2());
+  const Eigen::Matrix3d first = Eigen::Vector3d(1e-4, 1e-4, 1e-6).asDiagonal();
+  uncertainty.add(Pose2(), first);
+  EXPECT_TRUE(uncertainty.at(map.surface(), points, Pose2()).isApprox(first, 1e-6));
+  // Seen again by a worse scan the walls stay those of the first.
+  map.insert(room::scanFrom(Pose2()), Pose2());
+  uncertainty.add(Pose2(), 1e4 * first);
+  EXPECT_TRUE(uncertainty.at(map.surface(), points, Pose2()).isApprox(first, 1e-6));
+}
+
+/// The room's scans, a vehicle that hovers.
+TEST(PoseUncertainty, doesNotGrowInAKnownPlace) {
+  Mapper mapper{MapperConfig()};
+  double early = 0.0, late = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    const Pose2 pose(0.5 * std::sin(0.05 * i), 0.5 * std::cos(0.05 * i), 0.0);
+    if (i == 0) mapper.reset(pose);
+    PlanarScan scan = room::scanFrom(pose);
+    scan.stamp = scan.time = 0.025 * i;
+    const MapperResult result = mapper.process(scan);
+    if (i == 200) early = result.covariance(0, 0);
+    if (i == 399) late = result.covariance(0, 0);
+  }
+  EXPECT_GT(early, 1e-6);
+  EXPECT_LT(late, 1.2 * early);
+  EXPECT_LT(std::sqrt(late), 0.02);
+}
+
+/// Flies along an endless corridor at 1 m/s; `beams` are those of the laser. The last result.
+MapperResult flyCorridor(int beams, double seconds, bool odometry) {
+  Mapper mapper{MapperConfig()};
+  MapperResult result;
+  constexpr double kStep = 0.1;
+  for (int i = 0; i * kStep <= seconds; ++i) {
+    const Pose2 truth(kStep * i, 0.0, 0.0);
+    PlanarScan scan = room::scanFrom(truth, room::corridor(), beams, 20.0);
+    scan.stamp = scan.time = kStep * i;
+    result = mapper.process(scan, odometry ? std::optional<Pose2>(truth) : std::nullopt);
+  }
+  return result;
+}
+
+TEST(PoseUncertainty, growsAlongACorridorForEveryLaser) {
+  for (const int beams : {360, 720, 1440}) {
+    const MapperResult shortly = flyCorridor(beams, 3.0, true),
+                       long_after = flyCorridor(beams, 9.0, true);
+    EXPECT_TRUE(long_after.match.degenerate) << beams;
+    EXPECT_EQ(long_after.state, MatchState::kDegraded) << beams;
+    EXPECT_NEAR(std::abs(long_after.match.degenerate_direction.x()), 1.0, 0.01) << beams;
+    // Odometry of 10 % (kOdometryError), all of one sign: the deviation grows with the way.
+    EXPECT_NEAR(long_after.pose.x, 9.0, 0.1) << beams;
+    EXPECT_NEAR(std::sqrt(shortly.covariance(0, 0)), 0.3, 0.05) << beams;
+    EXPECT_NEAR(std::sqrt(long_after.covariance(0, 0)), 0.9, 0.1) << beams;
+    EXPECT_NEAR(long_after.pose.y, 0.0, 0.01) << beams;
+    EXPECT_LT(std::sqrt(long_after.covariance(1, 1)), 0.03) << beams;
+  }
+}
+
+TEST(PoseUncertainty, withoutAnySensorOfTheMotionTheClaimCoversTheError) {
+  const MapperResult result = flyCorridor(360, 6.0, false);
+  EXPECT_TRUE(result.match.degenerate);
+  EXPECT_LT(std::abs(result.pose.x - 6.0), 3.0 * std::sqrt(result.covariance(0, 0)));
+}
+
+}  // namespace
+}  // namespace kestrel_slam
