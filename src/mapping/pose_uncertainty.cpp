@@ -25,6 +25,9 @@ constexpr double kFirstSpeed = 0.05;
 /// How fast it grows, m/s²: an accelerometer that is tilted by a third of a degree; a vehicle that
 /// changes its speed as it likes, up to kMaxSpeed, m/s.
 constexpr double kAccelerometerError = 0.05, kUnknownAcceleration = 0.5, kMaxSpeed = 1.0;
+/// Share of the points that has to hold a direction before its drift is over: a few that seem to
+/// hold it for a moment are the noise of the walls.
+constexpr double kRegained = 0.03;
 /// Error of odometry, as a share of the way.
 constexpr double kOdometryError = 0.1;
 
@@ -60,8 +63,10 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
                              const MatchResult& match, double seconds, double moved_m,
                              Carrier carrier) {
   UncertainPose next{match.pose, map_.at(surface, points, match.pose), match.covariance};
-  if (match.degenerate) {
-    const Eigen::Vector2d& along = match.degenerate_direction;
+  if (match.degenerate) open_direction_ = match.degenerate_direction;
+  const bool open = match.degenerate || (drifting_ && match.constraint < kRegained);
+  if (open) {
+    const Eigen::Vector2d& along = open_direction_;
     if (!drifting_) {
       entry_variance_ = along.dot(found_.topLeftCorner<2, 2>() * along);
       drift_m_ = 0.0;
@@ -73,7 +78,7 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
     next.shared.topLeftCorner<2, 2>() +=
         (entry_variance_ + drift_m_ * drift_m_) * along * along.transpose();
   }
-  drifting_ = match.degenerate;
+  drifting_ = open;
   motion_ = relativeCovariance(last_, next);
   last_ = next;
   found_ = next.covariance();

@@ -99,6 +99,18 @@ FlightTrial rawImu() {
   return trial;
 }
 
+FlightTrial shortSighted() {
+  FlightTrial trial = trialIn("straight corridor, URG-04LX", "corridor");
+  trial.vehicle.laser = laserModel("urg04lx");
+  return trial;
+}
+
+FlightTrial laserOnly() {
+  FlightTrial trial = trialIn("straight corridor, laser only", "corridor");
+  trial.options.use_imu = false;
+  return trial;
+}
+
 std::vector<FlightTrial> trials() {
   constexpr double kCoarse = 0.1, kFine = 0.05;
   return {trialIn("laboratory loop, 5 cm", "laboratory"),
@@ -115,7 +127,9 @@ std::vector<FlightTrial> trials() {
           trialIn("doors", "doors"),
           trialIn("walking people", "people"),
           trialIn("hall beyond the laser's range", "hall"),
-          trialIn("straight corridor", "corridor")};
+          trialIn("straight corridor", "corridor"),
+          shortSighted(),
+          laserOnly()};
 }
 
 void apply(const std::vector<std::string>& settings, SlamConfig& config) {

@@ -53,7 +53,8 @@ class PoseUncertainty {
   UncertainPose last_;
   Eigen::Matrix3d found_ = Eigen::Matrix3d::Zero();  ///< covariance of the last pose not lost
   Eigen::Matrix3d motion_ = Eigen::Matrix3d::Zero();
-  bool drifting_ = false;        ///< the last scan left a direction open
+  bool drifting_ = false;  ///< the last scan left a direction open
+  Eigen::Vector2d open_direction_ = Eigen::Vector2d::Zero();  ///< that, a unit vector in map
   double entry_variance_ = 0.0;  ///< along it where the drift began, m²
   double drift_m_ = 0.0;         ///< standard deviation of the way since then,
   double drift_speed_ = 0.0;     ///< and of its speed now, m/s
