@@ -11,36 +11,82 @@
 namespace kestrel_slam {
 namespace {
 
-Submap mapOf(const std::vector<room::Segment>& walls) {
-  Submap map{OccupancyGridConfig()};
+Submap mapOf(const std::vector<room::Segment>& walls, double resolution_m) {
+  OccupancyGridConfig config;
+  config.resolution_m = resolution_m;
+  Submap map{config};
   for (const Pose2& pose : {Pose2(0, 0, 0), Pose2(0.5, 0.3, 1), Pose2(-0.6, -0.4, 2)}) {
     map.insert(room::scanFrom(pose, walls), pose);
   }
   return map;
 }
 
-TEST(Correlative, EqualsBruteForceOnRandomWindows) {
-  const Submap map = mapOf(room::walls());
+/// The same pose, of equally good ones the same, and everything that follows from it.
+void expectEqual(const SearchResult& found, const SearchResult& expected, int i) {
+  ASSERT_EQ(found.pose, expected.pose) << "window " << i;
+  ASSERT_EQ(found.score, expected.score) << "window " << i;
+  ASSERT_EQ(found.preferred, expected.preferred) << "window " << i;
+  ASSERT_EQ(found.mean, expected.mean) << "window " << i;
+  ASSERT_EQ(found.covariance, expected.covariance) << "window " << i;
+}
+
+/// Random scans of the room, also from far away and behind its walls, in windows of up to that
+/// size.
+void compareWithBruteForce(double resolution_m, int windows, double most_m, double most_rad) {
+  const Submap map = mapOf(room::walls(), resolution_m);
   std::mt19937_64 random(3);
-  std::uniform_real_distribution<double> position(-1.0, 1.0), angle(-kPi, kPi), size(0.0, 0.45);
-  for (int i = 0; i < 150; ++i) {
+  std::uniform_real_distribution<double> position(-1.0, 1.0), angle(-kPi, kPi), share(-1.0, 1.0);
+  for (int i = 0; i < windows; ++i) {
     const Pose2 truth(position(random), position(random), angle(random));
-    const Points points = room::hitsOf(room::scanFrom(truth, room::walls(), 45));
-    const Pose2 center = truth * Pose2(size(random) - 0.2, size(random) - 0.2, size(random) - 0.2);
-    const SearchWindow window{size(random), 0.5 * size(random)};
+    const int beams = 1 + 9 * (i % 40);
+    const Points points = room::hitsOf(room::scanFrom(truth, room::walls(), beams));
+    const SearchWindow window{most_m * std::abs(share(random)), most_rad * std::abs(share(random))};
+    const double away = i % 5 == 0 ? 8.0 : 1.0;  // partly or wholly outside of the map
+    const Pose2 center = truth * Pose2(away * most_m * share(random), most_m * share(random),
+                                       most_rad * share(random));
     CorrelativeConfig config;
     if (i % 3 == 0) config.linear_preference = config.angular_preference = 0.0;
+    if (i % 4 == 0) config.sigma_m = 0.03;
     const SearchResult found = searchWindow(map.surface(), points, center, window, config);
-    const SearchResult expected =
-        searchWindowBruteForce(map.surface(), points, center, window, config);
-    ASSERT_DOUBLE_EQ(found.preferred, expected.preferred) << "window " << i;
-    ASSERT_LE(std::abs(found.pose.x - center.x), window.linear_m + 0.0501);
+    expectEqual(found, searchWindowBruteForce(map.surface(), points, center, window, config), i);
+    ASSERT_LE(std::abs(found.pose.x - center.x), window.linear_m + resolution_m + 1e-6);
     ASSERT_LE(std::abs(normalizeAngle(found.pose.theta - center.theta)), window.angular_rad + 0.05);
   }
 }
 
+TEST(Correlative, EqualsBruteForceOnRandomWindows) {
+  compareWithBruteForce(0.05, 600, 0.6, 0.5);
+  compareWithBruteForce(0.03, 200, 0.6, 0.5);
+}
+
+TEST(Correlative, EqualsBruteForceInLargeWindows) { compareWithBruteForce(0.05, 20, 4.0, 1.6); }
+
+/// A few posts and a few points: many poses are equally good, and the first of them is meant.
+TEST(Correlative, EqualsBruteForceWhereManyPosesAreEqual) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<float> position(-1.5F, 1.5F);
+  const auto randomPoints = [&](int count) {
+    Points points;
+    for (int i = 0; i < count; ++i) points.emplace_back(position(random), position(random));
+    return points;
+  };
+  CorrelativeConfig config;
+  config.linear_preference = config.angular_preference = 0.0;
+  config.sigma_m = 0.01;
+  for (int i = 0; i < 300; ++i) {
+    PlanarScan posts;
+    for (const Eigen::Vector2f& post : randomPoints(6)) posts.rays.push_back({post, post, true});
+    Submap map{OccupancyGridConfig()};
+    map.insert(posts, Pose2());
+    const Points points = randomPoints(2 + i % 60);
+    const SearchWindow window{0.05 * (i % 12), 0.05 * (i % 7)};
+    expectEqual(searchWindow(map.surface(), points, Pose2(), window, config),
+                searchWindowBruteForce(map.surface(), points, Pose2(), window, config), i);
+  }
+}
+
 TEST(Correlative, FindsAPoseHalfAMetreAndTwentyDegreesAway) {
-  const Submap map = mapOf(room::walls());
+  const Submap map = mapOf(room::walls(), 0.05);
   const Pose2 truth(0.2, -0.3, 0.7);
   const Points points = room::hitsOf(room::scanFrom(truth));
   const SearchResult found = searchWindow(map.surface(), points, truth * Pose2(0.3, -0.35, 0.34),
@@ -64,7 +110,7 @@ TEST(Correlative, CovarianceIsLargeAlongACorridor) {
 }
 
 TEST(Correlative, NothingToMatchGivesTheCentre) {
-  const Submap map = mapOf(room::walls());
+  const Submap map = mapOf(room::walls(), 0.05);
   const Pose2 center(1, 2, 0.3);
   EXPECT_EQ(searchWindow(map.surface(), {}, center, {0.5, 0.5}, CorrelativeConfig()).pose, center);
   const SearchResult nowhere = searchWindow(map.surface(), {Eigen::Vector2f(1, 1)},

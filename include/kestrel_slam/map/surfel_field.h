@@ -84,6 +84,29 @@ class SurfelField {
   /// All surfels whose means lie in `area`, in the order of the tiles.
   std::vector<Surfel> surfelsIn(const Eigen::AlignedBox2f& area) const;
 
+  /// Whether any cell near `cell` may know a surfel: its tile exists.
+  bool hasTile(const Cell& cell) const { return tiles_.find(cell) != nullptr; }
+
+  /// Calls `visit(i, j, distance²)` for every cell (corner.x + i, corner.y + j) of a square of
+  /// `side` cells that knows a surfel: the distance² from its middle to the surfel's mean, m². The
+  /// square must lie in one tile.
+  template <typename Visit>
+  void forEachNearest(const Cell& corner, int side, Visit visit) const {
+    const Tile* tile = tiles_.find(corner);
+    if (tile == nullptr) return;
+    for (int j = 0; j < side; ++j) {
+      const std::uint32_t* ids = tile->nearest.data() + offsetInTile({corner.x, corner.y + j});
+      const float y = (static_cast<float>(corner.y + j) + 0.5F) * resolution_;
+      for (int i = 0; i < side; ++i) {
+        if (ids[i] == kNone) continue;
+        const Eigen::Vector2f& mean = surfels_[ids[i]].mean;
+        const float ex = (static_cast<float>(corner.x + i) + 0.5F) * resolution_ - mean.x();
+        const float ey = y - mean.y();
+        visit(i, j, ex * ex + ey * ey);
+      }
+    }
+  }
+
   void clear();
   float resolution() const { return resolution_; }
   std::size_t size() const { return surfels_.size() - free_.size(); }

@@ -34,38 +34,6 @@ struct SearchResult {
       Eigen::Matrix3d::Identity();  ///< of the likelihood surface around it
 };
 
-/// The likelihood of every cell around a place, and the maxima over windows of 2^k × 2^k cells.
-class LikelihoodPyramid {
- public:
-  /// Rasterises `surface` in the square of `radius_m` around `center`.
-  LikelihoodPyramid(const SurfelField& surface, const Eigen::Vector2f& center, float radius_m,
-                    float sigma_m, int levels);
-
-  /// Maximum over [x, x + 2^level) × [y, y + 2^level), 0 to 255; 0 outside.
-  int at(int level, int x, int y) const {
-    if (static_cast<unsigned>(x) >= static_cast<unsigned>(side_) ||
-        static_cast<unsigned>(y) >= static_cast<unsigned>(side_)) {
-      return 0;
-    }
-    return levels_[static_cast<std::size_t>(level)][index(x, y)];
-  }
-  std::size_t index(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(side_) +
-           static_cast<std::size_t>(x);
-  }
-  const std::uint8_t* level(int k) const { return levels_[static_cast<std::size_t>(k)].data(); }
-  int side() const { return side_; }
-  int levels() const { return static_cast<int>(levels_.size()); }
-  Cell corner() const { return corner_; }
-
- private:
-  void rasterise(const SurfelField& surface, float sigma_m);
-
-  int side_;
-  Cell corner_;
-  std::vector<std::vector<std::uint8_t>> levels_;
-};
-
 /// Exhaustive search of a window in steps of one cell and one angular step, exact: branch and bound
 /// on the pyramid of maxima (paper 000 eq. 3; E. Olson, "Real-time correlative scan matching",
 /// ICRA 2009).

@@ -1,0 +1,122 @@
+#include "likelihood_image.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kestrel_slam {
+namespace {
+
+/// Steps of the table of likelihoods, per cell² of squared distance.
+constexpr int kTableSteps = 32;
+/// Farther away than this no cell knows a surfel: kReachCells, and two that a mean can move.
+constexpr int kFarthest = SurfelField::kReachCells + 2;
+
+int roundUp(int value, int unit) { return (value + unit - 1) / unit * unit; }
+
+/// exp(-d² / (2 sigma²)) in steps of 1/255 by squared distance; the last entry, 0, is for the rest.
+std::vector<std::uint8_t> likelihoodTable(double sigma_cells) {
+  const double ratio = std::exp(-0.5 / (sigma_cells * sigma_cells * kTableSteps));
+  std::vector<std::uint8_t> table;
+  double likelihood = LikelihoodImage::kMax;
+  for (int i = 0; i < kTableSteps * kFarthest * kFarthest && likelihood >= 0.5; ++i) {
+    table.push_back(static_cast<std::uint8_t>(likelihood + 0.5));
+    likelihood *= ratio;
+  }
+  table.push_back(0);
+  return table;
+}
+
+/// A value of level 0 as one of the coarser levels, rounded up.
+std::uint8_t coarse(std::uint8_t value) {
+  return static_cast<std::uint8_t>(std::min((value + 3) >> 2, LikelihoodImage::kCoarseMax));
+}
+static_assert(4 * LikelihoodImage::kCoarseMax < LikelihoodImage::kMax, "v / 4 / 63 >= v / 255");
+
+}  // namespace
+
+LikelihoodImage::LikelihoodImage(const SurfelField& surface, const SearchGrid& grid, int margin,
+                                 double sigma_m, int levels)
+    : levels_(static_cast<std::size_t>(levels)) {
+  const int linear = grid.linearSteps() + margin, widest = 1 << (levels - 1);
+  ReachMask reached(grid, margin, ReachMask::blocksFor(linear),
+                    ReachMask::blocksFor(linear + widest));
+  reached.filter([&](const Cell& corner) { return surface.hasTile(corner); });
+  place(reached.box(), linear);
+  rasterise(surface, reached, sigma_m);
+  reached.dilate(ReachMask::blocksFor(widest), 0);  // where windows start that reach the cells
+  for (int level = 1; level < levels; ++level) buildLevel(level, reached);
+}
+
+void LikelihoodImage::place(const CellBox& reached, int linear_steps) {
+  // All windows of a point that is that far away are outside.
+  const int unit = std::max(1 << (levels() - 1), ReachMask::kSide);
+  pad_ = roundUp(linear_steps + unit, unit);
+  box_.low = {reached.low.x - pad_, reached.low.y - pad_};
+  box_.high = {reached.high.x + pad_ + 1, reached.high.y + pad_ + 1};
+  stride_ = roundUp(box_.high.x - box_.low.x + 2 * pad_, unit);
+  const int rows = box_.high.y - box_.low.y + 2 * pad_;
+  const std::size_t size = static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows);
+  for (std::vector<std::uint8_t>& level : levels_) level.assign(size + kLanes, 0);
+}
+
+void LikelihoodImage::rasterise(const SurfelField& surface, const ReachMask& reached,
+                                double sigma_m) {
+  const float resolution = surface.resolution();
+  const std::vector<std::uint8_t> table =
+      likelihoodTable(sigma_m / static_cast<double>(resolution));
+  const auto last = static_cast<float>(table.size() - 1);
+  const float steps = kTableSteps / (resolution * resolution);
+  reached.forEach([&](int x, int y) {
+    const Cell corner = reached.corner(x, y), pixel = inImage(corner);
+    std::uint8_t* out =
+        levels_[0].data() + static_cast<std::ptrdiff_t>(pixel.y) * stride_ + pixel.x;
+    surface.forEachNearest(corner, ReachMask::kSide, [&](int i, int j, float distance2) {
+      const int index = static_cast<int>(std::min(distance2 * steps + 0.5F, last));
+      out[j * stride_ + i] = table[static_cast<std::size_t>(index)];
+    });
+  });
+}
+
+/// Fills a level where windows can reach anything; `anchors` are the blocks of their first cells.
+void LikelihoodImage::buildLevel(int level, const ReachMask& anchors) {
+  std::vector<std::uint8_t> pairs(static_cast<std::size_t>(stride_) + 1, 0);
+  for (int block = 0; block < anchors.height(); ++block) {
+    const auto [first, last] = anchors.span(block);
+    if (first == last) continue;
+    const Cell low = inImage(anchors.corner(first, block));
+    const Cell high = inImage(anchors.corner(last, block));
+    for (int y = low.y; y < low.y + ReachMask::kSide; ++y) {
+      buildRow(level, y, low.x, high.x, pairs);
+    }
+  }
+}
+
+/// A window of 2^k is four windows of 2^(k - 1). `pairs` is memory for a row.
+void LikelihoodImage::buildRow(int level, int y, int x0, int x1, std::vector<std::uint8_t>& pairs) {
+  const int half = 1 << (level - 1), unit = 2 * half;
+  const int from = x0 / unit, to = (x1 + unit - 1) / unit;
+  const std::ptrdiff_t run = stride_ / unit;  // of one phase
+  const std::uint8_t* lower = levels_[static_cast<std::size_t>(level - 1)].data() +
+                              static_cast<std::ptrdiff_t>(y) * stride_;
+  const std::uint8_t* upper = lower + static_cast<std::ptrdiff_t>(half) * stride_;
+  std::uint8_t* out =
+      levels_[static_cast<std::size_t>(level)].data() + static_cast<std::ptrdiff_t>(y) * stride_;
+  for (int phase = 0; phase < half; ++phase) {
+    const std::ptrdiff_t begin = 2 * (phase * run + from), length = 2 * (to - from) + 1;
+    const std::uint8_t *a = lower + begin, *b = upper + begin;
+    std::uint8_t* pair = pairs.data();
+    if (level == 1) {
+      for (std::ptrdiff_t i = 0; i < length; ++i) pair[i] = coarse(std::max(a[i], b[i]));
+    } else {
+      for (std::ptrdiff_t i = 0; i < length; ++i) pair[i] = std::max(a[i], b[i]);
+    }
+    std::uint8_t* even = out + phase * run + from;
+    std::uint8_t* odd = even + half * run;
+    for (int i = 0; i < to - from; ++i) {
+      even[i] = std::max(pair[2 * i], pair[2 * i + 1]);
+      odd[i] = std::max(pair[2 * i + 1], pair[2 * i + 2]);
+    }
+  }
+}
+
+}  // namespace kestrel_slam

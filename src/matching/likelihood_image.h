@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "reach_mask.h"
+#include "search_grid.h"
+
+namespace kestrel_slam {
+
+/// Likelihood of the cells that a search can reach, and the maxima over windows of 2^k × 2^k cells.
+///
+/// Nothing is computed where no point of the scan can land or where the surface knows no wall.
+/// A row of level k holds first the cells 0, 2^k, 2·2^k, … then 1, 2^k + 1, … so that the windows
+/// which stand side by side are neighbours in memory: several are summed up by one instruction.
+class LikelihoodImage {
+ public:
+  /// Likelihood 1 in level 0, and in the others, where values are rounded up.
+  static constexpr int kMax = 255;
+  static constexpr int kCoarseMax = 63;
+  /// Windows that may be read at once: so many bytes beyond the last one belong to the image.
+  static constexpr int kLanes = 16;
+
+  /// For the motions of `grid`, and `margin` steps more in every direction.
+  LikelihoodImage(const SurfelField& surface, const SearchGrid& grid, int margin, double sigma_m,
+                  int levels);
+
+  int levels() const { return static_cast<int>(levels_.size()); }
+  /// What SearchGrid::rotate takes: a point on its border sees nothing, whatever its motion.
+  const CellBox& box() const { return box_; }
+  /// The maximum over [x, x + 2^level) × [y, y + 2^level), relative to the box, followed by that of
+  /// x + 2^level, … For the next row of windows add 2^level * stride().
+  const std::uint8_t* at(int level, int x, int y) const {
+    const int column = x + pad_, phase = column & ((1 << level) - 1);
+    return levels_[static_cast<std::size_t>(level)].data() +
+           (static_cast<std::ptrdiff_t>(y + pad_) * stride_ + phase * (stride_ >> level) +
+            (column >> level));
+  }
+  int stride() const { return stride_; }
+
+  /// A sum of values of a level in those of level 0, rounded up.
+  static int likelihoodOf(int level, int sum) {
+    return level == 0 ? sum : (sum * kMax + kCoarseMax - 1) / kCoarseMax;
+  }
+
+ private:
+  void place(const CellBox& reached, int linear_steps);
+  void rasterise(const SurfelField& surface, const ReachMask& reached, double sigma_m);
+  void buildLevel(int level, const ReachMask& anchors);
+  void buildRow(int level, int y, int x0, int x1, std::vector<std::uint8_t>& pairs);
+  /// The column and row in the image of a cell of the map.
+  Cell inImage(const Cell& cell) const {
+    return {cell.x - box_.low.x + pad_, cell.y - box_.low.y + pad_};
+  }
+
+  CellBox box_{};
+  int pad_ = 0;     ///< cells around the box
+  int stride_ = 0;  ///< cells in a row
+  std::vector<std::vector<std::uint8_t>> levels_;
+};
+
+}  // namespace kestrel_slam

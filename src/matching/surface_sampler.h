@@ -1,0 +1,13 @@
+#pragma once
+
+#include "kestrel_slam/matching/likelihood_surface.h"
+#include "likelihood_image.h"
+#include "search_grid.h"
+
+namespace kestrel_slam {
+
+/// The surface from `center` on, ± the steps; the image has to hold that.
+LikelihoodSurface sampleAround(const SearchGrid& grid, const LikelihoodImage& image,
+                               const GridPose& center, int linear_steps, int angular_steps);
+
+}  // namespace kestrel_slam

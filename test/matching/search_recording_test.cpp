@@ -1,0 +1,64 @@
+// The exhaustive search finds the very pose that brute force finds, in the map of a real building.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <random>
+
+#include "kestrel_slam/matching/correlative.h"
+#include "kestrel_slam/tools/mapped_log.h"
+#include "tools/temporary_folder.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kResolution_m = 0.03;
+
+class SearchRecording : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string folder = dataFolder();
+    SKIP_WITHOUT_DATA(folder);
+    const std::string path = folder + "/freiburg/fr079.clf.bz2";
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
+    if (log().scans.empty()) log() = mapLog(path, kResolution_m);
+  }
+
+  /// Mapped once for all tests.
+  static MappedLog& log() {
+    static MappedLog instance{Submap(OccupancyGridConfig()), {}};
+    return instance;
+  }
+
+  /// Searches `count` scans, evenly spread, from random places of the window.
+  static void compare(std::size_t count, const SearchWindow& window, std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> share(-1.0, 1.0);
+    const SurfelField& surface = log().map.surface();
+    for (std::size_t i = 0; i < count; ++i) {
+      const MappedScan& scan = log().scans[i * log().scans.size() / count];
+      const double x = window.linear_m * share(random), y = window.linear_m * share(random);
+      const double turn = window.angular_rad * share(random);
+      const Pose2 center(scan.pose.x + x, scan.pose.y + y, scan.pose.theta + turn);
+      const CorrelativeConfig config;
+      const SearchResult found = searchWindow(surface, scan.points, center, window, config);
+      const SearchResult expected =
+          searchWindowBruteForce(surface, scan.points, center, window, config);
+      ASSERT_GT(expected.score, 0.0);
+      ASSERT_EQ(found.pose, expected.pose) << "scan " << i;
+      ASSERT_EQ(found.score, expected.score) << "scan " << i;
+      ASSERT_EQ(found.preferred, expected.preferred) << "scan " << i;
+      ASSERT_EQ(found.mean, expected.mean) << "scan " << i;
+      ASSERT_EQ(found.covariance, expected.covariance) << "scan " << i;
+    }
+  }
+};
+
+TEST_F(SearchRecording, EqualsBruteForceOnAThousandScans) {
+  compare(1000, {0.5, 20.0 * kPi / 180.0}, 1);
+}
+
+TEST_F(SearchRecording, EqualsBruteForceInLargeWindows) { compare(6, {4.0, 0.5 * kPi}, 2); }
+
+}  // namespace
+}  // namespace kestrel_slam
