@@ -14,7 +14,7 @@ constexpr double kBytesPerMegabyte = 1e6;
 /// is somebody who walks by, or moved: such hits count this many times less, until several of them
 /// in a row have shown that it stays.
 constexpr std::int16_t kEstablishedFree = -1500;
-constexpr int kPasserByShare = 3;
+constexpr int kPasserByShare = 2;
 /// Cells beyond this are no map but broken poses; at 5 cm it is 26 000 km.
 constexpr float kMaxCellCoordinate = 5e8F;
 

@@ -12,7 +12,7 @@ struct MapperConfig {
   MatcherConfig matcher;
   EvaluationConfig evaluation;
 
-  double insert_distance_m = 0.2;  ///< a scan enters the map after this much motion,
+  double insert_distance_m = 0.25;  ///< a scan enters the map after this much motion,
   double insert_angle_rad = 0.25;  ///< or this much rotation
   double lost_score = 0.35;        ///< a best fit below this is no fit
   double min_known_share = 0.1;    ///< nor is one of fewer beams than this in known space
