@@ -11,8 +11,8 @@ namespace {
 constexpr double kLogOddsScale = 1000.0;
 constexpr double kBytesPerMegabyte = 1e6;
 /// Below these log odds (probability 0.18) a cell has been passed so often that what is hit in it
-/// is somebody who walks by, or moved: such hits count this many times less, until several of them
-/// in a row have shown that it stays.
+/// is somebody who walks by, or moved: such hits count this many times less (3: what a tilting
+/// laser sees anew is missed), until several of them in a row have shown that it stays.
 constexpr std::int16_t kEstablishedFree = -1500;
 constexpr int kPasserByShare = 2;
 /// Cells beyond this are no map but broken poses; at 5 cm it is 26 000 km.
@@ -122,15 +122,16 @@ void OccupancyGrid::clear() {
   touched_.clear();
 }
 
-const OccupancyGrid::Changes& OccupancyGrid::insert(const PlanarScan& scan,
-                                                    const Pose2& map_T_base) {
+const OccupancyGrid::Changes& OccupancyGrid::insert(const PlanarScan& scan, const Pose2& map_T_base,
+                                                    bool new_view) {
   changes_.hits.clear();
   changes_.became_free.clear();
   changes_.full = false;
   markHits(scan, map_T_base);
   markMisses(scan, map_T_base);
   keepKnown(scan, map_T_base);
-  for (Tile* tile : touched_) apply(*tile);
+  const auto hit_in_free = static_cast<std::int16_t>(new_view ? hit_ : hit_ / kPasserByShare);
+  for (Tile* tile : touched_) apply(*tile, hit_in_free);
   touched_.clear();
   return changes_;
 }
@@ -217,13 +218,13 @@ void OccupancyGrid::traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2
   }
 }
 
-void OccupancyGrid::apply(Tile& tile) {
+void OccupancyGrid::apply(Tile& tile, std::int16_t hit_in_free) {
   applyMisses(tile);
   for (std::size_t row = 0; row < kTileSide; ++row) {
     for (Row bits = tile.hit[row]; bits != 0U; bits &= bits - 1U) {
       const auto column = static_cast<std::size_t>(__builtin_ctz(bits));
       std::int16_t& value = tile.log_odds[row * kTileSide + column];
-      const int weight = value < kEstablishedFree ? hit_ / kPasserByShare : hit_;
+      const int weight = value < kEstablishedFree ? hit_in_free : hit_;
       const int sum = std::min<int>(value + weight, max_);
       value = static_cast<std::int16_t>(sum == 0 ? -1 : sum);
       if (value > 0) tile.occupied[row] |= 1U << column;

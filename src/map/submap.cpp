@@ -21,10 +21,10 @@ Submap::Submap(const OccupancyGridConfig& config, const SubmapOptions& options)
                static_cast<std::size_t>(config.memory_limit_mb * kBytesPerMegabyte)),
       revision_(newRevision()) {}
 
-bool Submap::insert(const PlanarScan& scan, const Pose2& map_T_base) {
-  const OccupancyGrid::Changes& changes = options_.stitching
-                                              ? grid_.insert(stitched(scan, map_T_base), map_T_base)
-                                              : grid_.insert(scan, map_T_base);
+bool Submap::insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view) {
+  const OccupancyGrid::Changes& changes =
+      options_.stitching ? grid_.insert(stitched(scan, map_T_base), map_T_base, new_view)
+                         : grid_.insert(scan, map_T_base, new_view);
   const bool surface_complete = surface_.update(grid_, changes);
   keep(scan, map_T_base);
   ++scans_;

@@ -293,7 +293,8 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   const bool accepted =
       !s.config.evaluation.enabled || first || result.evaluation < s.config.evaluation.threshold;
   if (result.state != MatchState::kLost && accepted && (first || s.movedEnough())) {
-    result.map_full = !s.map.insert(scan, s.pose);
+    const bool new_view = result.match.score < s.config.matcher.good_score;
+    result.map_full = !s.map.insert(scan, s.pose, new_view);
     result.inserted = true;
     s.uncertainty.insert();
     s.inserted_pose = s.pose;

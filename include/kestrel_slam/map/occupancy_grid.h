@@ -43,8 +43,10 @@ class OccupancyGrid {
   /// Inserts a scan: every cell that a beam passes is updated once with the miss probability, every
   /// cell with an end point once with the hit probability; where both occur the hit wins. The cell
   /// of a hit that is marked as known stays as it is.
+  /// In established free space a hit counts half, as that of somebody who walks by, unless so much
+  /// of the scan does not fit that it is a `new_view`: from another height, or of a changed room.
   /// The result stays valid until the next call.
-  const Changes& insert(const PlanarScan& scan, const Pose2& map_T_base);
+  const Changes& insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view = false);
 
   void clear();
 
@@ -99,7 +101,7 @@ class OccupancyGrid {
   void markMisses(const PlanarScan& scan, const Pose2& map_T_base);
   void keepKnown(const PlanarScan& scan, const Pose2& map_T_base);
   void traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2f& end);
-  void apply(Tile& tile);
+  void apply(Tile& tile, std::int16_t hit_in_free);
   void applyMisses(Tile& tile);
   static void pool(Tile& tile);
   std::int16_t levelLogOdds(int level, const Cell& cell) const {

@@ -31,7 +31,7 @@ class Submap {
 
   /// Inserts a scan and brings the surface up to date; false where the memory limit kept a part
   /// out.
-  bool insert(const PlanarScan& scan, const Pose2& map_T_base);
+  bool insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view = false);
 
   void clear();
 
