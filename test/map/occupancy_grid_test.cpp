@@ -69,15 +69,25 @@ TEST(OccupancyGrid, WhatIsHitInEstablishedFreeSpaceHasToStay) {
   OccupancyGrid grid(config);
   for (int n = 0; n < 20; ++n) grid.insert(beam(10, true), Pose2());
   EXPECT_NEAR(logOddsOf(grid, {4, 0}), floor, kTolerance);
-  // A third of the weight, until the cell is less sure to be free.
+  // Half of the weight, until the cell is less sure to be free.
   double expected = floor;
-  for (const double weight : {hit / 3.0, hit / 3.0, hit}) {
+  for (const double weight : {hit / 2.0, hit / 2.0, hit}) {
     EXPECT_FALSE(grid.isOccupied({4, 0}));
     grid.insert(beam(4, true), Pose2());
     expected += weight;
     EXPECT_NEAR(logOddsOf(grid, {4, 0}), expected, 3.0 * kTolerance);
   }
   EXPECT_TRUE(grid.isOccupied({4, 0}));
+}
+
+TEST(OccupancyGrid, HitsOfANewViewCountFully) {
+  OccupancyGridConfig config;
+  OccupancyGrid grid(config);
+  for (int n = 0; n < 20; ++n) grid.insert(beam(10, true), Pose2());
+  constexpr bool kNewView = true;
+  grid.insert(beam(4, true), Pose2(), kNewView);
+  EXPECT_NEAR(logOddsOf(grid, {4, 0}),
+              logOdds(config.min_probability) + logOdds(config.hit_probability), 3.0 * kTolerance);
 }
 
 TEST(OccupancyGrid, OneHitIsEnoughWhereLittleIsKnown) {

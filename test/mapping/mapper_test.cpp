@@ -78,9 +78,9 @@ TEST(Mapper, InsertsOnMotionOnly) {
   EXPECT_TRUE(mapper.process(room::scanFrom(Pose2())).inserted);
   for (int i = 0; i < 5; ++i) EXPECT_FALSE(mapper.process(room::scanFrom(Pose2())).inserted);
   EXPECT_FALSE(mapper.process(room::scanFrom(Pose2(0.1, 0, 0))).inserted);
-  EXPECT_TRUE(mapper.process(room::scanFrom(Pose2(0.22, 0, 0))).inserted);
-  EXPECT_FALSE(mapper.process(room::scanFrom(Pose2(0.22, 0, 0.15))).inserted);
-  EXPECT_TRUE(mapper.process(room::scanFrom(Pose2(0.22, 0, 0.28))).inserted);
+  EXPECT_TRUE(mapper.process(room::scanFrom(Pose2(0.27, 0, 0))).inserted);
+  EXPECT_FALSE(mapper.process(room::scanFrom(Pose2(0.27, 0, 0.15))).inserted);
+  EXPECT_TRUE(mapper.process(room::scanFrom(Pose2(0.27, 0, 0.28))).inserted);
 }
 
 TEST(Mapper, AScanThatFitsNowhereIsLostAndNotInserted) {
