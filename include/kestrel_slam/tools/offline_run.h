@@ -27,8 +27,8 @@ struct ScanRecord {
   bool searched = false;
   bool inserted = false;
   std::size_t map_bytes = 0;  ///< memory of the map after the scan
-  bool degenerate = false;  ///< a direction was filled from the prediction
-  UncertainPose uncertain;  ///< the pose with its covariance
+  bool degenerate = false;    ///< a direction was filled from the prediction
+  UncertainPose uncertain;    ///< the pose with its covariance
 };
 
 /// Everything that came out of a recording. `scans[i]` belongs to `trajectory[i]`.
