@@ -293,7 +293,8 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   const bool accepted =
       !s.config.evaluation.enabled || first || result.evaluation < s.config.evaluation.threshold;
   if (result.state != MatchState::kLost && accepted && (first || s.movedEnough())) {
-    const bool new_view = result.match.score < s.config.matcher.good_score;
+    // Without an IMU the laser is level: what it has not seen before moves, or was moved.
+    const bool new_view = scan.speed && result.match.score < s.config.matcher.good_score;
     result.map_full = !s.map.insert(scan, s.pose, new_view);
     result.inserted = true;
     s.uncertainty.insert();

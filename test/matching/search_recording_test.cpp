@@ -49,7 +49,9 @@ class SearchRecording : public ::testing::Test {
       ASSERT_EQ(found.score, expected.score) << "scan " << i;
       ASSERT_EQ(found.preferred, expected.preferred) << "scan " << i;
       ASSERT_EQ(found.mean, expected.mean) << "scan " << i;
-      ASSERT_EQ(found.covariance, expected.covariance) << "scan " << i;
+      // The two images end at different cells, which the outermost poses of the surface may touch.
+      ASSERT_LT((found.covariance - expected.covariance).norm(), 1e-3 * expected.covariance.norm())
+          << "scan " << i;
     }
   }
 };

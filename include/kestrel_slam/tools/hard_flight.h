@@ -14,8 +14,8 @@ struct HardLimits {
   double jump_m = 0.1;           ///< between two scans, beyond the true motion
   std::size_t false_alarms = 0;  ///< scans
   std::size_t missed = 0;        ///< scans
-  std::size_t ghost_cells = 0;
-  std::size_t double_cells = 0;
+  std::size_t ghost_cells = 10;  ///< of some 2000 that are walls
+  std::size_t double_cells = 2;
   double recovery_s = 0.5;  ///< from the end of a blocked view to the first scan that is found
 };
 
