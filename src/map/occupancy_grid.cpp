@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "log_odds.h"
+
 namespace kestrel_slam {
 namespace {
 
-/// Log odds are stored in steps of 1/1000: fine enough for any update, and ±32 in range.
-constexpr double kLogOddsScale = 1000.0;
 constexpr double kBytesPerMegabyte = 1e6;
 /// Below these log odds (probability 0.18) a cell has been passed so often that what is hit in it
 /// is somebody who walks by, or moved: such hits count this many times less (3: what a tilting
@@ -17,61 +17,6 @@ constexpr std::int16_t kEstablishedFree = -1500;
 constexpr int kPasserByShare = 2;
 /// Cells beyond this are no map but broken poses; at 5 cm it is 26 000 km.
 constexpr float kMaxCellCoordinate = 5e8F;
-
-std::int16_t logOddsOf(double probability) {
-  return static_cast<std::int16_t>(
-      std::lround(kLogOddsScale * std::log(probability / (1.0 - probability))));
-}
-
-/// The probability of every fixed-point log odds: matchers read millions of cells, and an
-/// exponential costs more than all the rest of it. Points at that of zero.
-const double* probabilityTable() {
-  constexpr int kMin = std::numeric_limits<std::int16_t>::min();
-  constexpr int kMax = std::numeric_limits<std::int16_t>::max();
-  static const std::vector<double> table = [] {
-    std::vector<double> values;
-    values.reserve(kMax - kMin + 1);
-    for (int log_odds = kMin; log_odds <= kMax; ++log_odds) {
-      values.push_back(1.0 / (1.0 + std::exp(-static_cast<double>(log_odds) / kLogOddsScale)));
-    }
-    return values;
-  }();
-  return table.data() - kMin;
-}
-
-/// For every byte the eight 16-bit masks of its bits: turns a row of bits into lanes that the
-/// compiler can add eight at a time.
-using Lanes = std::array<std::int16_t, 8>;
-const std::array<Lanes, 256>& laneMasks() {
-  static const std::array<Lanes, 256> masks = [] {
-    std::array<Lanes, 256> table{};
-    for (unsigned byte = 0; byte < table.size(); ++byte) {
-      for (unsigned bit = 0; bit < 8; ++bit) {
-        table[byte][bit] = static_cast<std::int16_t>((byte >> bit & 1U) != 0U ? -1 : 0);
-      }
-    }
-    return table;
-  }();
-  return masks;
-}
-
-/// Lowers the 32 values of a row where a bit is set. All values are copies: the compiler may not
-/// keep members in lanes, as any of the writes could change them.
-void addMisses(std::uint32_t bits, std::int16_t miss, std::int16_t min, std::int16_t* values) {
-  const std::array<Lanes, 256>& masks = laneMasks();
-  for (; bits != 0U; bits >>= 8U, values += 8) {
-    const Lanes mask = masks[bits & 0xFFU];
-    Lanes sums;
-    for (std::size_t lane = 0; lane < 8; ++lane) {
-      const auto value = static_cast<std::int16_t>(values[lane] + (mask[lane] & miss));
-      const std::int16_t clamped = std::max(value, min);
-      // A sum of exactly 0 would mean unknown: all bits set is -1, the least evidence for free.
-      const auto zero = static_cast<std::int16_t>(clamped == 0 ? -1 : 0);
-      sums[lane] = static_cast<std::int16_t>(clamped | (zero & mask[lane]));
-    }
-    std::copy(sums.begin(), sums.end(), values);
-  }
-}
 
 /// Lanes of the bit of a cell within its row.
 std::uint32_t bitOf(const Cell& cell) {

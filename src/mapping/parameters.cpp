@@ -173,6 +173,17 @@ void setParameter(SlamConfig& config, const std::string& name, const std::string
                               nearestParameterName(name) + "'?");
 }
 
+void applySettings(const std::vector<std::string>& settings, SlamConfig& config) {
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos) {
+      throw std::invalid_argument("setting '" + oneLine(setting) + "': must be name=value");
+    }
+    setParameter(config, setting.substr(0, equals), setting.substr(equals + 1));
+  }
+  validate(config);
+}
+
 std::string nearestParameterName(const std::string& name) {
   SlamConfig config;
   std::vector<std::string> names;

@@ -15,6 +15,8 @@ namespace {
 constexpr std::array<float, kMatchStages> kStageScales = {0.3F, 0.12F, 0.05F};
 /// The early stages only have to come into the basin of the next one.
 constexpr double kCoarseStepM = 0.01, kCoarseStepRad = 0.005;
+/// How far a search turns where the gyro knows the heading, rad.
+constexpr double kKnownTurn = 0.1;
 /// Points that are enough to find a lost vehicle in a wide window.
 constexpr std::size_t kLostPoints = 200;
 constexpr std::size_t kLastStage = kMatchStages - 1;
@@ -76,20 +78,15 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
 void HybridMatcher::search(const Submap& map, const MatchRequest& request, MatchResult& result,
                            Candidate& best) const {
   result.searched = true;
-  std::array<SearchWindow, 3> windows = {config_.near_window, config_.wide_window,
-                                         SearchWindow{config_.wide_window.linear_m, kPi}};
-  const std::size_t count = request.search_all_round ? windows.size() : windows.size() - 1;
   const Points points = request.lost ? thinned(request.points, kLostPoints) : request.points;
-  for (std::size_t i = request.lost ? count - 1 : 0;
-       i < count && best.fit.score < config_.search_score; ++i) {
-    windows[i].linear_m *= request.search_scale;
+  std::vector<SearchWindow> windows = searchWindows(config_, request);
+  if (request.lost) windows.erase(windows.begin(), windows.end() - 1);
+  for (const SearchWindow& window : windows) {
+    if (best.fit.score >= config_.search_score) break;
     Pose2 center = request.last;
-    if (request.turn_known) {
-      center = Pose2(center.x, center.y, request.starts.front().theta);
-      windows[i].angular_rad = std::min(windows[i].angular_rad, kKnownTurn);
-    }
+    if (request.turn_known) center = Pose2(center.x, center.y, request.starts.front().theta);
     const SearchResult found =
-        searchWindow(map.surface(), points, center, windows[i], config_.correlative);
+        searchWindow(map.surface(), points, center, window, config_.correlative);
     Candidate other = refine(map, request, found.pose);
     result.iterations += other.descent.iterations;
     if (other.preferred > best.preferred + jumpMargin(config_, request, other.descent.pose))
@@ -124,6 +121,16 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   result.fit = fitOf(map, request.points, pose, config_.score_scale_m);
   result.preferred = preference(request, result.fit, pose, config_.correlative);
   return result;
+}
+
+std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const MatchRequest& request) {
+  std::vector<SearchWindow> windows = {config.near_window, config.wide_window};
+  if (request.search_all_round) windows.push_back({config.wide_window.linear_m, kPi});
+  for (SearchWindow& window : windows) {
+    window.linear_m *= request.search_scale;
+    if (request.turn_known) window.angular_rad = std::min(window.angular_rad, kKnownTurn);
+  }
+  return windows;
 }
 
 double jumpMargin(const MatcherConfig& config, const MatchRequest& request, const Pose2& pose) {

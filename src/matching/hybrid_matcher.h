@@ -30,8 +30,8 @@ class HybridMatcher : public Matcher {
   MatcherConfig config_;
 };
 
-/// How far a search turns where the gyro knows the heading, rad.
-constexpr double kKnownTurn = 0.1;
+/// Where to search for a scan that fits nowhere near, the nearest window first.
+std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const MatchRequest& request);
 
 /// By how much `pose` has to be better than the local one to be taken.
 double jumpMargin(const MatcherConfig& config, const MatchRequest& request, const Pose2& pose);

@@ -50,13 +50,10 @@ ProgressiveMatcher::Candidate ProgressiveMatcher::refine(const Submap& map,
 void ProgressiveMatcher::search(const Submap& map, const MatchRequest& request, MatchResult& result,
                                 Candidate& best) const {
   result.searched = true;
-  std::array<SearchWindow, 3> windows = {config_.near_window, config_.wide_window,
-                                         SearchWindow{config_.wide_window.linear_m, kPi}};
-  const std::size_t count = request.search_all_round ? windows.size() : windows.size() - 1;
-  for (std::size_t i = 0; i < count && best.fit.score < config_.search_score; ++i) {
-    CandidateSpread spread{windows[i].linear_m * request.search_scale / kWindowSigmas,
-                           windows[i].angular_rad / kWindowSigmas};
-    if (request.turn_known) spread.angular_rad = std::min(spread.angular_rad, kKnownTurn);
+  for (const SearchWindow& window : searchWindows(config_, request)) {
+    if (best.fit.score >= config_.search_score) break;
+    const CandidateSpread spread{window.linear_m / kWindowSigmas,
+                                 window.angular_rad / kWindowSigmas};
     const Candidate other =
         refine(map, request,
                refiner_.findCoarsely(map.grid(), request.points, request.starts.front(), spread));

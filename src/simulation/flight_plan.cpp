@@ -30,15 +30,6 @@ std::vector<Eigen::Vector3d> directionsAllAround() {
   return directions;
 }
 
-double distanceToSegment(const Eigen::Vector2d& point, const Eigen::Vector2d& from,
-                         const Eigen::Vector2d& to) {
-  const Eigen::Vector2d along = to - from;
-  const double squared = along.squaredNorm();
-  const double share =
-      squared > 0.0 ? std::clamp((point - from).dot(along) / squared, 0.0, 1.0) : 0.0;
-  return (from + share * along - point).norm();
-}
-
 /// A place with everything solid, also the glass, to keep away from; people by where they walk.
 class FreeSpace {
  public:
@@ -47,7 +38,7 @@ class FreeSpace {
 
   bool isFree(const Eigen::Vector3d& point) const {
     for (const Walker& walker : walkers_) {
-      if (distanceToPath(walker, point.head<2>()) < kClearance + kWalkerRadius) return false;
+      if (walker.distanceToWay(point.head<2>()) < kClearance + kWalkerRadius) return false;
     }
     for (const Eigen::Vector3d& direction : directions_) {
       if (world_.cast(point, direction, 0.0, kClearance).distance < kClearance) return false;
@@ -72,15 +63,6 @@ class FreeSpace {
     for (Box& box : parts.boxes) box.material = Material::kMatt;
     for (Cylinder& cylinder : parts.cylinders) cylinder.material = Material::kMatt;
     return World(std::move(parts));
-  }
-
-  static double distanceToPath(const Walker& walker, const Eigen::Vector2d& point) {
-    double distance = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < walker.corners.size(); ++i) {
-      const Eigen::Vector2d& next = walker.corners[(i + 1) % walker.corners.size()];
-      distance = std::min(distance, distanceToSegment(point, walker.corners[i], next));
-    }
-    return distance;
   }
 
   std::vector<Walker> walkers_;

@@ -1,6 +1,8 @@
 #include "walker.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kestrel_slam/geometry/angles.h"
 
@@ -27,7 +29,25 @@ bool passesNear(const Ray& ray, const Eigen::Vector2d& position) {
          (along.dot(offset) >= 0.0 || offset.squaredNorm() <= reach2);
 }
 
+double distanceToSegment(const Eigen::Vector2d& point, const Eigen::Vector2d& from,
+                         const Eigen::Vector2d& to) {
+  const Eigen::Vector2d along = to - from;
+  const double squared = along.squaredNorm();
+  const double share =
+      squared > 0.0 ? std::clamp((point - from).dot(along) / squared, 0.0, 1.0) : 0.0;
+  return (from + share * along - point).norm();
+}
+
 }  // namespace
+
+double Walker::distanceToWay(const Eigen::Vector2d& point) const {
+  double distance = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector2d& next = corners[(i + 1) % corners.size()];
+    distance = std::min(distance, distanceToSegment(point, corners[i], next));
+  }
+  return distance;
+}
 
 Eigen::Vector2d Walker::at(double time) const { return WalkerPath(*this).at(time).position; }
 

@@ -7,12 +7,10 @@
 
 #include "kestrel_slam/tools/bag_writer.h"
 #include "kestrel_slam/tools/carmen_log.h"
+#include "kestrel_slam/tools/run_tool.h"
 
 namespace kestrel_slam {
 namespace {
-
-constexpr int kExitBadInput = 1;
-constexpr int kExitWrongUsage = 2;
 
 struct Options {
   std::string log, bag;
@@ -45,11 +43,11 @@ void run(const Options& options) {
 }  // namespace kestrel_slam
 
 int main(int argc, char** argv) {
-  using kestrel_slam::BagStamps;
+  using namespace kestrel_slam;
   CLI::App app(
       "Converts a CARMEN log to a rosbag with /scan, /odom, /tf and /tf_static.\n"
       "Exit code 0: done; 1: bad input; 2: wrong usage.");
-  kestrel_slam::Options options;
+  Options options;
   const std::map<std::string, BagStamps> choices = {{"recorded", BagStamps::kRecorded},
                                                     {"monotone", BagStamps::kMonotone}};
   app.add_option("log", options.log, "CARMEN log, plain, .bz2 or .gz")->required();
@@ -58,16 +56,5 @@ int main(int argc, char** argv) {
                  "header stamps: recorded (as in the log, may jump back; default) or monotone "
                  "(repaired; for nodes that refuse late stamps)")
       ->transform(CLI::CheckedTransformer(choices, CLI::ignore_case));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kestrel_slam::kExitWrongUsage;
-  }
-  try {
-    kestrel_slam::run(options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "carmen_to_bag: %s\n", error.what());
-    return kestrel_slam::kExitBadInput;
-  }
-  return 0;
+  return runTool("carmen_to_bag", app, argc, argv, [&] { run(options); });
 }

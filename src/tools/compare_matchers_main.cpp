@@ -12,6 +12,7 @@
 #include "kestrel_slam/tools/evaluation_experiment.h"
 #include "kestrel_slam/tools/mapping_command.h"
 #include "kestrel_slam/tools/matcher_comparison.h"
+#include "kestrel_slam/tools/run_tool.h"
 #include "kestrel_slam/tools/version.h"
 
 namespace kestrel_slam {
@@ -108,22 +109,10 @@ void judgeEvaluation(Arguments arguments, const SlamConfig& config) {
   finish(arguments, "evaluation", evaluationTable(methods, threshold));
 }
 
-int runTool(int argc, char** argv) {
-  CLI::App app("Maps a recording with every matcher and compares them in a table and a picture.");
-  Arguments arguments;
-  declareOptions(app, arguments);
-  try {
-    app.parse(argc, argv);
-    if (!arguments.version && arguments.mapping.recording.empty()) {
-      throw CLI::RequiredError("RECORDING");
-    }
-    if (!arguments.version && arguments.output.empty()) throw CLI::RequiredError("--output");
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kSuccess : kWrongUsage;
-  }
+void run(const Arguments& arguments) {
   if (arguments.version) {
     std::puts(kVersion);
-    return kSuccess;
+    return;
   }
   const SlamConfig config = configOf(arguments.mapping);
   openFor(arguments.mapping);  // what is wrong with it is said before anything is written
@@ -133,17 +122,22 @@ int runTool(int argc, char** argv) {
   } else {
     compare(arguments, config);
   }
-  return kSuccess;
+}
+
+void check(const Arguments& arguments) {
+  if (arguments.version) return;
+  if (arguments.mapping.recording.empty()) throw CLI::RequiredError("RECORDING");
+  if (arguments.output.empty()) throw CLI::RequiredError("--output");
 }
 
 }  // namespace
 }  // namespace kestrel_slam
 
 int main(int argc, char** argv) {
-  try {
-    return kestrel_slam::runTool(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "compare_matchers: %s\n", error.what());
-    return kestrel_slam::kBadInput;
-  }
+  using namespace kestrel_slam;
+  CLI::App app("Maps a recording with every matcher and compares them in a table and a picture.");
+  Arguments arguments;
+  declareOptions(app, arguments);
+  return runTool(
+      "compare_matchers", app, argc, argv, [&] { run(arguments); }, [&] { check(arguments); });
 }

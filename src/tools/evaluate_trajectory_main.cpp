@@ -11,13 +11,11 @@
 #include "kestrel_slam/tools/evaluation.h"
 #include "kestrel_slam/tools/evaluation_plot.h"
 #include "kestrel_slam/tools/reference.h"
+#include "kestrel_slam/tools/run_tool.h"
 #include "kestrel_slam/tools/trajectory.h"
 
 namespace kestrel_slam {
 namespace {
-
-constexpr int kExitBadInput = 1;
-constexpr int kExitWrongUsage = 2;
 
 struct Options {
   std::string trajectory, relations, covariances, reference, reference_topic, json, plot;
@@ -151,10 +149,11 @@ void run(const Options& options) {
 }  // namespace kestrel_slam
 
 int main(int argc, char** argv) {
+  using namespace kestrel_slam;
   CLI::App app(
       "Compares a trajectory with relations (Freiburg benchmark) or a reference trajectory.\n"
       "Exit code 0: done; 1: bad input; 2: wrong usage.");
-  kestrel_slam::Options options;
+  Options options;
   app.add_option("trajectory", options.trajectory, "trajectory to judge, TUM format")->required();
   app.add_option("--relations", options.relations, "file of lines `t1 t2 x y z roll pitch yaw`");
   app.add_option("--covariances", options.covariances,
@@ -165,16 +164,5 @@ int main(int argc, char** argv) {
                  "which topic of a rosbag: PoseStamped, PoseWithCovarianceStamped or Odometry");
   app.add_option("--json", options.json, "write all statistics to this file");
   app.add_option("--plot", options.plot, "write a picture (PNG) of trajectory and errors");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kestrel_slam::kExitWrongUsage;
-  }
-  try {
-    kestrel_slam::run(options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "evaluate_trajectory: %s\n", error.what());
-    return kestrel_slam::kExitBadInput;
-  }
-  return 0;
+  return runTool("evaluate_trajectory", app, argc, argv, [&] { run(options); });
 }

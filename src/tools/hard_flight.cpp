@@ -26,15 +26,6 @@ Trajectory found(const OfflineRun& run) {
   return result;
 }
 
-double distanceToSegment(const Eigen::Vector2d& point, const Eigen::Vector2d& from,
-                         const Eigen::Vector2d& to) {
-  const Eigen::Vector2d along = to - from;
-  const double squared = along.squaredNorm();
-  const double share =
-      squared > 0.0 ? std::clamp((point - from).dot(along) / squared, 0.0, 1.0) : 0.0;
-  return (from + share * along - point).norm();
-}
-
 /// Tells the cells of the final map apart, against what stands at the end of the flight.
 class CellJudge {
  public:
@@ -53,10 +44,7 @@ class CellJudge {
   bool isGhost(const Eigen::Vector2d& point) const {
     if (distanceToUprightSurface(gone_, point) < kGhostReach) return true;
     for (const Walker& walker : walkers_) {
-      for (std::size_t i = 0; i < walker.corners.size(); ++i) {
-        const Eigen::Vector2d& next = walker.corners[(i + 1) % walker.corners.size()];
-        if (distanceToSegment(point, walker.corners[i], next) < kGhostReach) return true;
-      }
+      if (walker.distanceToWay(point) < kGhostReach) return true;
     }
     return std::any_of(flown_.begin(), flown_.end(), [&](const auto& flown) {
       return (flown.pose.translation() - point).norm() < kGhostReach;

@@ -10,17 +10,15 @@ namespace {
 using Waypoint = FlightPlan::Waypoint;
 
 /// With a laser of 40 Hz and an IMU.
-HardFlight flightIn(const std::string& name, const std::string& place_name) {
+HardFlight hardFlightIn(const std::string& name, const std::string& place_name) {
   HardFlight flight;
-  flight.trial.name = name;
-  flight.trial.place = place(place_name);
-  flight.trial.vehicle.laser = laserModel("utm30lx");
+  flight.trial = flightIn(name, place_name);
   return flight;
 }
 
 /// A level vehicle with a laser of `rate_hz` and nothing else.
 HardFlight laserOnly(const std::string& name, const std::string& place_name, double rate_hz) {
-  HardFlight flight = flightIn(name, place_name);
+  HardFlight flight = hardFlightIn(name, place_name);
   flight.trial.place.quadrotor.level = true;
   flight.trial.vehicle.laser->rate_hz = rate_hz;
   flight.trial.vehicle.imu.reset();
@@ -108,7 +106,7 @@ HardFlight allBlocked() {
 }
 
 HardFlight allBlockedWithImu() {
-  HardFlight flight = flightIn("the same with an IMU", "laboratory");
+  HardFlight flight = hardFlightIn("the same with an IMU", "laboratory");
   blockAll(flight, BlockedView().range_m);
   return flight;
 }

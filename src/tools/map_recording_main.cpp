@@ -5,6 +5,7 @@
 
 #include "kestrel_slam/tools/mapping_command.h"
 #include "kestrel_slam/tools/parameters_yaml.h"
+#include "kestrel_slam/tools/run_tool.h"
 #include "kestrel_slam/tools/stats.h"
 #include "kestrel_slam/tools/version.h"
 
@@ -61,38 +62,30 @@ void mapRecording(const Arguments& arguments) {
   if (!mapping.quiet) printSummary(folder, run);
 }
 
-int runTool(int argc, char** argv) {
-  CLI::App app("Maps a recording of a 2D laser and writes the map, the trajectory and a report.");
-  Arguments arguments;
-  declareOptions(app, arguments);
-  try {
-    app.parse(argc, argv);
-    if (arguments.mapping.recording.empty() && !arguments.list_parameters && !arguments.version) {
-      throw CLI::RequiredError("RECORDING");
-    }
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kSuccess : kWrongUsage;
-  }
+void run(const Arguments& arguments) {
   if (arguments.version) {
     std::puts(kVersion);
-    return kSuccess;
-  }
-  if (arguments.list_parameters) {
+  } else if (arguments.list_parameters) {
     std::fputs(defaultParametersYaml().c_str(), stdout);
-    return kSuccess;
+  } else {
+    mapRecording(arguments);
   }
-  mapRecording(arguments);
-  return kSuccess;
+}
+
+void check(const Arguments& arguments) {
+  if (arguments.mapping.recording.empty() && !arguments.list_parameters && !arguments.version) {
+    throw CLI::RequiredError("RECORDING");
+  }
 }
 
 }  // namespace
 }  // namespace kestrel_slam
 
 int main(int argc, char** argv) {
-  try {
-    return kestrel_slam::runTool(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "map_recording: %s\n", error.what());
-    return kestrel_slam::kBadInput;
-  }
+  using namespace kestrel_slam;
+  CLI::App app("Maps a recording of a 2D laser and writes the map, the trajectory and a report.");
+  Arguments arguments;
+  declareOptions(app, arguments);
+  return runTool(
+      "map_recording", app, argc, argv, [&] { run(arguments); }, [&] { check(arguments); });
 }

@@ -78,14 +78,7 @@ void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
 SlamConfig configOf(const MappingArguments& arguments) {
   SlamConfig config;
   if (!arguments.config.empty()) loadParameters(arguments.config, config);
-  for (const std::string& setting : arguments.settings) {
-    const std::size_t equals = setting.find('=');
-    if (equals == std::string::npos) {
-      throw std::invalid_argument("--set " + setting + ": must be name=value");
-    }
-    setParameter(config, setting.substr(0, equals), setting.substr(equals + 1));
-  }
-  validate(config);
+  applySettings(arguments.settings, config);
   return config;
 }
 

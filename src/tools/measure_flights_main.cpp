@@ -1,22 +1,19 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/map/map_io.h"
 #include "kestrel_slam/tools/drive_measurement.h"
 #include "kestrel_slam/tools/flight_measurement.h"
 #include "kestrel_slam/tools/hard_flight.h"
+#include "kestrel_slam/tools/run_tool.h"
 
 namespace kestrel_slam {
 namespace {
 
-constexpr int kBadInput = 1, kWrongUsage = 2;
 constexpr double kMillimetre = 1e-3, kPercent = 100.0;
 
 struct Options {
@@ -27,121 +24,6 @@ struct Options {
   std::vector<std::string> settings;  ///< name=value
   std::string output;                 ///< folder; empty: only the table
 };
-
-VehicleModel utmVehicle() {
-  VehicleModel vehicle;
-  vehicle.laser = laserModel("utm30lx");
-  return vehicle;
-}
-
-FlightTrial trialIn(const std::string& name, const std::string& place_name) {
-  FlightTrial trial;
-  trial.name = name;
-  trial.place = place(place_name);
-  trial.vehicle = utmVehicle();
-  return trial;
-}
-
-/// Four turns on the spot at 2 rad/s, and back.
-FlightTrial spin() {
-  constexpr double kRate = 2.0, kTurn = 8.0 * kPi;
-  FlightTrial trial = trialIn("spin at 2 rad/s", "laboratory");
-  FlightPlan& plan = trial.place.plan;
-  const FlightPlan::Waypoint start = plan.waypoints.front();
-  FlightPlan::Waypoint turned = start;
-  turned.yaw += kTurn;
-  plan.waypoints = {start, turned, start};
-  plan.yaw_rate_rad_s = kRate;
-  plan.nose_forward = false;
-  return trial;
-}
-
-/// The laboratory loop with stops at every waypoint and up to 20 degrees of tilt between them.
-FlightTrial agile(const std::string& name) {
-  constexpr double kSpeed = 2.5, kAcceleration = 3.3;  // tan 20 deg is 3.6 m/s²
-  FlightTrial trial = trialIn(name, "laboratory");
-  FlightPlan& plan = trial.place.plan;
-  plan.smooth = false;
-  plan.speed_m_s = kSpeed;
-  plan.acceleration_m_s2 = kAcceleration;
-  return trial;
-}
-
-FlightTrial agileLevel() {
-  FlightTrial trial = agile("the same path, level");
-  trial.place.quadrotor.level = true;
-  return trial;
-}
-
-FlightTrial agileUnprojected() {
-  FlightTrial trial = agile("the same, projector off");
-  trial.options.use_imu = false;
-  return trial;
-}
-
-FlightTrial ring(double resolution_m) {
-  FlightTrial trial =
-      trialIn(resolution_m > 0.05 ? "corridor ring, 10 cm" : "corridor ring, 5 cm", "ring");
-  trial.config.mapper.grid.resolution_m = resolution_m;
-  return trial;
-}
-
-FlightTrial lidar() {
-  FlightTrial trial = trialIn("laboratory loop, VLP-16", "laboratory");
-  trial.vehicle.laser.reset();
-  trial.vehicle.lidar = lidarModels().front();
-  return trial;
-}
-
-FlightTrial rawImu() {
-  FlightTrial trial = trialIn("laboratory loop, gyro and accelerometer only", "laboratory");
-  trial.vehicle.imu->gives_orientation = false;
-  return trial;
-}
-
-FlightTrial shortSighted() {
-  FlightTrial trial = trialIn("straight corridor, URG-04LX", "corridor");
-  trial.vehicle.laser = laserModel("urg04lx");
-  return trial;
-}
-
-FlightTrial laserOnly() {
-  FlightTrial trial = trialIn("straight corridor, laser only", "corridor");
-  trial.options.use_imu = false;
-  return trial;
-}
-
-std::vector<FlightTrial> trials() {
-  constexpr double kCoarse = 0.1, kFine = 0.05;
-  return {trialIn("laboratory loop, 5 cm", "laboratory"),
-          rawImu(),
-          lidar(),
-          ring(kCoarse),
-          ring(kFine),
-          spin(),
-          agile("tilt up to 20 deg"),
-          agileLevel(),
-          agileUnprojected(),
-          trialIn("climb in the cluttered room", "cluttered"),
-          trialIn("glass walls", "glass"),
-          trialIn("doors", "doors"),
-          trialIn("walking people", "people"),
-          trialIn("hall beyond the laser's range", "hall"),
-          trialIn("straight corridor", "corridor"),
-          shortSighted(),
-          laserOnly()};
-}
-
-void apply(const std::vector<std::string>& settings, SlamConfig& config) {
-  for (const std::string& setting : settings) {
-    const std::size_t equals = setting.find('=');
-    if (equals == std::string::npos) {
-      throw std::invalid_argument("--set " + setting + ": write name=value");
-    }
-    setParameter(config, setting.substr(0, equals), setting.substr(equals + 1));
-  }
-  validate(config);
-}
 
 void printHeader() {
   std::printf(
@@ -219,9 +101,9 @@ void flyAtRandom(const Options& options) {
   std::vector<std::vector<double>> absolute, relative;  // of every flight
   for (int i = 0; i < options.random_flights; ++i) {
     const auto number = static_cast<std::size_t>(i);
-    FlightTrial trial = trialIn("random", names[number % names.size()]);
+    FlightTrial trial = flightIn("random", names[number % names.size()]);
     trial.seed = number + static_cast<std::size_t>(options.first_seed);
-    apply(options.settings, trial.config);
+    applySettings(options.settings, trial.config);
     trial.place.plan = randomPlan(trial.place, options.random_s, trial.seed);
     const FlightMeasurement m = measureFlight(trial);
     const double error = m.error.ate_statistics.translation_m.max;
@@ -249,7 +131,7 @@ void flyInHardSituations(const Options& options) {
       "|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (HardFlight hard : hardFlights()) {
     if (hard.trial.name.find(options.only) == std::string::npos) continue;
-    apply(options.settings, hard.trial.config);
+    applySettings(options.settings, hard.trial.config);
     const HardFlightMeasurement m = measureHardFlight(hard);
     const std::string failures = m.failures(hard.limits);
     std::printf("| %s | %zu | %zu | %zu | %zu | %.4f m | %.3f m | %.2f s | %zu | %zu | %s |\n",
@@ -264,7 +146,7 @@ void flyInHardSituations(const Options& options) {
 void drive(const Options& options) {
   FlightTrial trial = townDrive();
   if (trial.name.find(options.only) == std::string::npos) return;
-  apply(options.settings, trial.config);
+  applySettings(options.settings, trial.config);
   const DriveMeasurement m = measureDrive(trial);
   const FlightMeasurement& flight = m.flight;
   std::printf(
@@ -282,9 +164,9 @@ void drive(const Options& options) {
 
 void run(const Options& options) {
   printHeader();
-  for (FlightTrial trial : trials()) {
+  for (FlightTrial trial : standardFlights()) {
     if (trial.name.find(options.only) == std::string::npos) continue;
-    apply(options.settings, trial.config);
+    applySettings(options.settings, trial.config);
     const FlightMeasurement m = measureFlight(trial);
     printRow(trial.name, m);
     if (!options.output.empty()) writeFiles(options.output, trial.name, m);
@@ -310,16 +192,5 @@ int main(int argc, char** argv) {
   app.add_option("--only", options.only, "only the flights whose name contains this text");
   app.add_option("--set", options.settings, "name=value: a parameter, see map_recording");
   app.add_option("--output", options.output, "folder for maps and trajectories");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kWrongUsage;
-  }
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "measure_flights: %s\n", error.what());
-    return kBadInput;
-  }
-  return 0;
+  return runTool("measure_flights", app, argc, argv, [&] { run(options); });
 }

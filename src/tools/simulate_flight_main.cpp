@@ -8,14 +8,12 @@
 #include "kestrel_slam/simulation/flight_plan.h"
 #include "kestrel_slam/simulation/flight_simulator.h"
 #include "kestrel_slam/tools/bag_flight_writer.h"
+#include "kestrel_slam/tools/run_tool.h"
 #include "kestrel_slam/tools/simulated_recording.h"
 #include "kestrel_slam/tools/trajectory.h"
 
 namespace kestrel_slam {
 namespace {
-
-constexpr int kBadInput = 1;
-constexpr int kWrongUsage = 2;
 
 struct Options {
   std::string world = "laboratory";
@@ -98,7 +96,7 @@ double lengthOf(const Motion& motion) {
   return length;
 }
 
-void run(const Options& options) {
+void fly(const Options& options) {
   Place chosen = place(options.world);
   chosen.quadrotor.level = options.level;
   if (options.random_s > 0.0) chosen.plan = randomPlan(chosen, options.random_s, options.seed);
@@ -118,6 +116,17 @@ void run(const Options& options) {
               summary.scan_stamps.size(), summary.messages, lengthOf(*motion), motion->duration());
 }
 
+void check(const Options& options) {
+  if (!options.list && options.output.empty()) throw CLI::RequiredError("--output");
+}
+
+void run(const Options& options) {
+  if (!options.list) return fly(options);
+  printList("worlds:", places());
+  printList("sensors, 2D lasers:", laserModels());
+  printList("sensors, 3D lidars:", lidarModels());
+}
+
 }  // namespace
 }  // namespace kestrel_slam
 
@@ -126,23 +135,6 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app("Simulates the flight of a quadrotor with all its sensors and writes a rosbag.");
   declareOptions(app, options);
-  try {
-    app.parse(argc, argv);
-    if (!options.list && options.output.empty()) throw CLI::RequiredError("--output");
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kWrongUsage;
-  }
-  if (options.list) {
-    printList("worlds:", places());
-    printList("sensors, 2D lasers:", laserModels());
-    printList("sensors, 3D lidars:", lidarModels());
-    return 0;
-  }
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "simulate_flight: %s\n", error.what());
-    return kBadInput;
-  }
-  return 0;
+  return runTool(
+      "simulate_flight", app, argc, argv, [&] { run(options); }, [&] { check(options); });
 }

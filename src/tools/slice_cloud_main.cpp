@@ -13,14 +13,13 @@
 #include "kestrel_slam/tools/cloud_file.h"
 #include "kestrel_slam/tools/recording.h"
 #include "kestrel_slam/tools/reference.h"
+#include "kestrel_slam/tools/run_tool.h"
 #include "kestrel_slam/tools/slice_plot.h"
 
 namespace kestrel_slam {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int kBadInput = 1, kWrongUsage = 2;
 
 struct Options {
   std::vector<std::string> files;
@@ -47,14 +46,7 @@ void declareOptions(CLI::App& app, Options& options) {
 
 ScanProjector projectorOf(const Options& options) {
   SlamConfig config;
-  for (const std::string& setting : options.settings) {
-    const std::size_t equals = setting.find('=');
-    if (equals == std::string::npos) {
-      throw std::invalid_argument("--set " + setting + ": must be name=value");
-    }
-    setParameter(config, setting.substr(0, equals), setting.substr(equals + 1));
-  }
-  validate(config);
+  applySettings(options.settings, config);
   return ScanProjector(config.projector);
 }
 
@@ -128,13 +120,10 @@ class Slicer {
   std::size_t sliced_ = 0;
 };
 
-int run(const Options& options) {
+void run(const Options& options) {
   Slicer slicer(options);
   for (const std::string& file : options.files) slicer.addFile(file);
-  if (slicer.sliced() > 0) return 0;
-  std::fflush(stdout);
-  std::fprintf(stderr, "slice_cloud: no frame could be sliced, see above\n");
-  return kBadInput;
+  if (slicer.sliced() == 0) throw std::runtime_error("no frame could be sliced, see above");
 }
 
 }  // namespace
@@ -147,15 +136,5 @@ int main(int argc, char** argv) {
       "Cuts the horizontal slice that is mapped out of clouds of a 3D lidar (of a level vehicle),\n"
       "and draws it over the whole cloud, seen from above.");
   declareOptions(app, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kWrongUsage;
-  }
-  try {
-    return run(options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "slice_cloud: %s\n", error.what());
-    return kBadInput;
-  }
+  return runTool("slice_cloud", app, argc, argv, [&] { run(options); });
 }

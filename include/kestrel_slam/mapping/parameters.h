@@ -46,6 +46,10 @@ void setValue(const Parameter& parameter, const std::string& text);
 /// and what is allowed; for an unknown name, the nearest valid one.
 void setParameter(SlamConfig& config, const std::string& name, const std::string& text);
 
+/// Applies settings of the form name=value in turn, and validates the whole. Throws
+/// std::invalid_argument as setParameter and validate do, also for a setting without '='.
+void applySettings(const std::vector<std::string>& settings, SlamConfig& config);
+
 /// The valid name nearest to `name` by edit distance.
 std::string nearestParameterName(const std::string& name);
 

@@ -40,6 +40,8 @@ struct Walker {
   double speed_m_s = 1.0;
   double phase_m = 0.0;  ///< how far along the polygon at time 0
   Eigen::Vector2d at(double time) const;
+  /// From `point` to the nearest place of the way, m; infinite without corners.
+  double distanceToWay(const Eigen::Vector2d& point) const;
 };
 
 /// What a beam meets first.

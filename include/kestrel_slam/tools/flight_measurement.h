@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "kestrel_slam/mapping/parameters.h"
 #include "kestrel_slam/simulation/flight_plan.h"
@@ -22,6 +23,13 @@ struct FlightTrial {
   RunOptions options;
   std::uint64_t seed = 1;
 };
+
+/// Default parameters and the quadrotor with a UTM-30LX in the built-in place of that name. Throws
+/// std::invalid_argument for a name that no place has.
+FlightTrial flightIn(const std::string& name, const std::string& place_name);
+
+/// The flights of the README's table.
+std::vector<FlightTrial> standardFlights();
 
 /// What came out of it, compared with the truth.
 struct FlightMeasurement {

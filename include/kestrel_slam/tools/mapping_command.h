@@ -16,9 +16,6 @@ class App;
 
 namespace kestrel_slam {
 
-/// Exit codes of the tools.
-constexpr int kSuccess = 0, kBadInput = 1, kWrongUsage = 2;
-
 /// What the tools that map a recording read from the command line.
 struct MappingArguments {
   std::string recording;

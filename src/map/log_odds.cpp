@@ -1,0 +1,70 @@
+#include "log_odds.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kLogOddsScale = 1000.0;
+
+/// For every byte the eight 16-bit masks of its bits: turns a row of bits into lanes that the
+/// compiler can add eight at a time.
+using Lanes = std::array<std::int16_t, 8>;
+const std::array<Lanes, 256>& laneMasks() {
+  static const std::array<Lanes, 256> masks = [] {
+    std::array<Lanes, 256> table{};
+    for (unsigned byte = 0; byte < table.size(); ++byte) {
+      for (unsigned bit = 0; bit < 8; ++bit) {
+        table[byte][bit] = static_cast<std::int16_t>((byte >> bit & 1U) != 0U ? -1 : 0);
+      }
+    }
+    return table;
+  }();
+  return masks;
+}
+
+}  // namespace
+
+std::int16_t logOddsOf(double probability) {
+  return static_cast<std::int16_t>(
+      std::lround(kLogOddsScale * std::log(probability / (1.0 - probability))));
+}
+
+const double* probabilityTable() {
+  constexpr int kMin = std::numeric_limits<std::int16_t>::min();
+  constexpr int kMax = std::numeric_limits<std::int16_t>::max();
+  static const std::vector<double> table = [] {
+    std::vector<double> values;
+    values.reserve(kMax - kMin + 1);
+    for (int log_odds = kMin; log_odds <= kMax; ++log_odds) {
+      values.push_back(1.0 / (1.0 + std::exp(-static_cast<double>(log_odds) / kLogOddsScale)));
+    }
+    return values;
+  }();
+  return table.data() - kMin;
+}
+
+// All values are copies: the compiler may not keep members in lanes, as any of the writes could
+// change them.
+void addMisses(std::uint32_t bits, std::int16_t miss, std::int16_t min, std::int16_t* values) {
+  const std::array<Lanes, 256>& masks = laneMasks();
+  for (; bits != 0U; bits >>= 8U, values += 8) {
+    const Lanes mask = masks[bits & 0xFFU];
+    Lanes sums;
+    for (std::size_t lane = 0; lane < 8; ++lane) {
+      const auto value = static_cast<std::int16_t>(values[lane] + (mask[lane] & miss));
+      const std::int16_t clamped = std::max(value, min);
+      // A sum of exactly 0 would mean unknown: all bits set is -1, the least evidence for free.
+      const auto zero = static_cast<std::int16_t>(clamped == 0 ? -1 : 0);
+      sums[lane] = static_cast<std::int16_t>(clamped | (zero & mask[lane]));
+    }
+    std::copy(sums.begin(), sums.end(), values);
+  }
+}
+
+}  // namespace kestrel_slam
