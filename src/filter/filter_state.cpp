@@ -1,6 +1,7 @@
 #include "filter_state.h"
 
 #include "../sensor/attitude_estimator.h"
+#include "kestrel_slam/geometry/angles.h"
 
 namespace kestrel_slam {
 namespace {
@@ -124,7 +125,7 @@ void inject(const StateVector& error, FilterState& state) {
 StateVector errorBetween(const FilterState& estimate, const FilterState& truth) {
   StateVector error;
   const Eigen::AngleAxisd turn(truth.map_R_base * estimate.map_R_base.conjugate());
-  const double angle = turn.angle() > EIGEN_PI ? turn.angle() - 2.0 * EIGEN_PI : turn.angle();
+  const double angle = normalizeAngle(turn.angle());
   error.segment<3>(kOrientation) = angle * turn.axis();
   error.segment<3>(kPosition) = truth.position - estimate.position;
   error.segment<3>(kVelocity) = truth.velocity - estimate.velocity;
