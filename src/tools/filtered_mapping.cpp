@@ -81,10 +81,11 @@ bool FilteredMapping::process(const WaitingScan& waiting, double now) {
   height_.addProjection(stamp, projection);
   if (projection.error != ScanError::kNone) return true;
   projection.scan.time = stamp;
-  const std::optional<FilterOutput> predicted =
-      options_.prediction ? filter_.at(stamp) : std::nullopt;
-  const MapperResult result = mapper_.process(
-      projection.scan, predicted ? std::optional<Pose2>(predicted->odomPose()) : std::nullopt);
+  if (options_.prediction) {
+    const std::optional<FilterOutput> predicted = filter_.at(stamp);
+    if (predicted) projection.scan.predicted = predicted->odomPose();
+  }
+  const MapperResult result = mapper_.process(projection.scan);
   velocity_ = result.velocity;
   if (result.state != MatchState::kLost) {
     poses_.push_back({now + options_.match_s, {stamp, result.pose, result.covariance}});

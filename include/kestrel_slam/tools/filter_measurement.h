@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -9,23 +10,25 @@
 
 namespace kestrel_slam {
 
+using FilterError = Eigen::Matrix<double, kFilterDim, 1>;
+
 /// How the filter's states of one simulated flight compare with the truth, in the map that the
 /// first scan begins.
 struct FilterMeasurement {
-  double xy_rmse_m = 0.0, z_rmse_m = 0.0, velocity_rmse = 0.0;  ///< m, m, m/s
-  double tilt_rmse_deg = 0.0, yaw_rmse_deg = 0.0;               ///< tilt: of roll and pitch, each
+  double xy_rmse_m = 0.0, z_rmse_m = 0.0;
+  double velocity_rmse = 0.0;                      ///< m/s
+  double tilt_rmse_deg = 0.0, yaw_rmse_deg = 0.0;  ///< tilt: of roll and pitch, each
   double xy_max_m = 0.0;
-  /// Largest of (step of odom between two outputs) / (1 mm + what the speed explains).
-  double worst_step = 0.0;
-  double largest_step_m = 0.0;                               ///< of odom between two outputs
-  std::vector<Eigen::Matrix<double, kFilterDim, 1>> errors;  ///< one a second, truth - estimate
-  std::vector<double> nees;                                  ///< of the 15 states, one a second
-  std::vector<Eigen::Vector<double, 5>> block_nees;          ///< of each block of three
-  double imu_us = 0.0;  ///< measured: mean cost of an IMU sample, all included
-  // The mapper:
-  std::size_t scans = 0, lost = 0, searched = 0;
-  double iterations = 0.0;     ///< mean of a scan
-  double mapper_rmse_m = 0.0;  ///< of the mapper's own poses that are not lost, without alignment
+  /// Of odom between two outputs: the largest step, and the largest quotient of step and what the
+  /// true motion explains, both plus a millimetre.
+  double largest_step_m = 0.0, worst_step = 0.0;
+  double return_error_m = 0.0;  ///< position in the plane when scans come back; 0: always there
+  std::vector<double> nees;     ///< of the 15 states, one a second
+  std::vector<std::array<double, 5>> block_nees;  ///< of every three of them, in their order
+
+  std::size_t scans = 0, lost = 0, searched = 0, fallbacks = 0;  ///< of the mapper
+  double iterations = 0.0;                                       ///< mean of a scan
+  double mapper_rmse_m = 0.0;  ///< of the mapper's poses that are not lost, in the same map
   FilterStatus status;
 };
 
@@ -33,10 +36,15 @@ struct FilterTrial {
   FlightTrial flight;
   PoseFilterConfig filter;
   CouplingOptions coupling;
-  double blind_from_s = 0.0, blind_until_s = 0.0;  ///< no scan reaches the mapper meanwhile
+  double blind_from_s = 0.0, blind_until_s = 0.0;  ///< no scan comes meanwhile
 };
 
-/// What the filter and the mapper make of the flight. Deterministic but for `imu_us`.
+/// What the filter and the mapper make of the flight, all messages in the order of their arrival.
+/// Deterministic.
 FilterMeasurement measureFilter(const FilterTrial& trial);
+
+/// Mean processor time of the filter per IMU sample, us: 400 Hz, with a mapper's pose of 40 Hz that
+/// is 20 ms late, a range finder and a barometer.
+double measureImuCost(double duration_s);
 
 }  // namespace kestrel_slam
