@@ -75,6 +75,8 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
   }
   const std::optional<Pose2> moved = predictedSince(scan);
   if (moved) {
+    // Where that fits badly it is rarely for the start: our own prediction and none have to do.
+    result.starts.resize(2);
     result.starts.insert(result.starts.begin(), pose_ * *moved);
     result.trusted = lost_scans_ == 0 && !placed_ && scan.time - time_ <= gap_s_;
   }

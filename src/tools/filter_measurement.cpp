@@ -32,7 +32,7 @@ class Judge {
     placed_ = true;
     ++m_.scans;
     m_.searched += result.searched ? 1U : 0U;
-    m_.fallbacks += static_cast<std::size_t>(result.match.fallbacks);
+    m_.fallbacks += result.match.fallbacks > 0 ? 1U : 0U;
     iterations_ += result.match.iterations;
     if (result.state == MatchState::kLost) {
       ++m_.lost;

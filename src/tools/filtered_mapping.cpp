@@ -26,14 +26,24 @@ FilteredMapping::FilteredMapping(const SlamConfig& config, const PoseFilterConfi
       mapper_(config.mapper) {}
 
 const AttitudeBuffer& FilteredMapping::attitude() const {
-  return options_.attitude ? filtered_attitude_ : tracker_.buffer();
+  return filter_gives_attitude_ ? filtered_attitude_ : tracker_.buffer();
+}
+
+/// Until the filter knows up from down, the tracker's attitude has to do.
+void FilteredMapping::chooseAttitude() {
+  const bool chosen = options_.attitude && filter_.output() && filter_.output()->givesAttitude();
+  if (!chosen) filtered_attitude_.clear();
+  if (chosen != filter_gives_attitude_) heading_jumps_ = true;
+  filter_gives_attitude_ = chosen;
 }
 
 void FilteredMapping::addImu(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu,
                              double arrival) {
   deliverPoses(arrival);
   tracker_.add(sample, base_R_imu);
-  if (filter_.addImu(sample, base_R_imu)) {
+  const bool moved = filter_.addImu(sample, base_R_imu);
+  chooseAttitude();
+  if (moved) {
     const FilterOutput& now = *filter_.output();
     filtered_attitude_.add(now.stamp, Eigen::Quaterniond(now.map_T_base.linear()),
                            now.angular_velocity, now.specific_force);
@@ -70,8 +80,7 @@ void FilteredMapping::processScans(double now) {
 bool FilteredMapping::process(const WaitingScan& waiting, double now) {
   const SweepTimes times = sweepTimes(waiting.scan);
   const std::optional<double> latest = attitude().latest();
-  if (!latest) return !options_.attitude;  // the filter begins: the first scans wait or are lost
-  if (*latest < times.last) return false;
+  if (!latest || *latest < times.last) return false;
   VehicleState vehicle;
   vehicle.attitude = &attitude();
   vehicle.velocity = velocity_;
@@ -81,9 +90,13 @@ bool FilteredMapping::process(const WaitingScan& waiting, double now) {
   height_.addProjection(stamp, projection);
   if (projection.error != ScanError::kNone) return true;
   projection.scan.time = stamp;
+  if (heading_jumps_) projection.scan.heading.reset();  // it counts from elsewhere
+  heading_jumps_ = false;
   if (options_.prediction) {
     const std::optional<FilterOutput> predicted = filter_.at(stamp);
-    if (predicted) projection.scan.predicted = predicted->odomPose();
+    if (predicted && predicted->givesPrediction()) {
+      projection.scan.predicted = predicted->odomPose();
+    }
   }
   const MapperResult result = mapper_.process(projection.scan);
   velocity_ = result.velocity;

@@ -185,7 +185,11 @@ void flyAtRandom(const Options& options) {
     const FilterMeasurement m = measureFilter(trial);
     worst = {std::max(worst[0], m.xy_rmse_m), std::max(worst[1], m.z_rmse_m),
              std::max(worst[2], m.velocity_rmse), std::max(worst[3], m.tilt_rmse_deg)};
-    if (options.counts) printCounts(m.status);
+    constexpr double kBad = 0.05;  // m
+    if (m.xy_rmse_m > kBad) {
+      trial.flight.name = "random flight " + std::to_string(i) + " in " + trial.flight.place.name;
+      printFilterRow(trial, m, options);
+    }
     flights.push_back(m);
   }
   std::printf(

@@ -81,8 +81,14 @@ struct FilterOutput {
 
   /// Velocity in base, as nav_msgs/Odometry's twist has it, m/s.
   Eigen::Vector3d velocityInBase() const { return map_T_base.linear().transpose() * velocity; }
-  /// odom_T_base seen from above: what Mapper::process takes as odometry.
+  /// odom_T_base seen from above: PlanarScan::predicted.
   Pose2 odomPose() const;
+
+  /// Whether roll and pitch are known well enough for a projector (AttitudeBuffer::add), and the
+  /// velocity for the mapper (odomPose). A vague prediction would lead the mapper along what the
+  /// scans do not constrain, and its pose would then confirm the prediction.
+  bool givesAttitude() const;
+  bool givesPrediction() const;
 };
 
 /// Covariance of (x, y, z, rotation about x, y, z) in map: what nav_msgs/Odometry and

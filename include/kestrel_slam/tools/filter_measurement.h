@@ -26,8 +26,9 @@ struct FilterMeasurement {
   std::vector<double> nees;     ///< of the 15 states, one a second
   std::vector<std::array<double, 5>> block_nees;  ///< of every three of them, in their order
 
-  std::size_t scans = 0, lost = 0, searched = 0, fallbacks = 0;  ///< of the mapper
-  double iterations = 0.0;                                       ///< mean of a scan
+  /// Of the mapper; fallbacks: scans whose first prediction fitted badly.
+  std::size_t scans = 0, lost = 0, searched = 0, fallbacks = 0;
+  double iterations = 0.0;     ///< mean of a scan
   double mapper_rmse_m = 0.0;  ///< of the mapper's poses that are not lost, in the same map
   FilterStatus status;
 };

@@ -52,6 +52,7 @@ class FilteredMapping {
     PoseMeasurement pose;
   };
 
+  void chooseAttitude();
   void deliverPoses(double now);
   void processScans(double now);
   bool process(const WaitingScan& waiting, double now);
@@ -62,6 +63,8 @@ class FilteredMapping {
   ScanProjector projector_;
   AttitudeTracker tracker_;
   AttitudeBuffer filtered_attitude_;
+  bool filter_gives_attitude_ = false;
+  bool heading_jumps_ = false;  ///< since the last scan
   HeightTracker height_;
   Mapper mapper_;
   std::deque<WaitingScan> scans_;
