@@ -85,6 +85,13 @@ TEST_F(MapRecordingTest, TheOutputFolderIsNamedAfterTheRecording) {
   EXPECT_TRUE(fs::exists(folder_.file("flight_map/map.pgm")));
 }
 
+TEST_F(MapRecordingTest, TakesTheMountingOfTheLaserOnRequest) {
+  ASSERT_EQ(map("--laser-pose 0.3,0,90" + outputs("out")).code, 0);
+  const Pose2 last = readTum(folder_.file("out/trajectory.tum")).back().pose;
+  EXPECT_NEAR(last.x, 0.0, 0.03);
+  EXPECT_NEAR(last.y, 2.0, 0.03);  // the laser's ahead is the vehicle's left
+}
+
 TEST_F(MapRecordingTest, UsesOdometryOnRequest) {
   ASSERT_EQ(map("--odometry use" + outputs("out")).code, 0);
   EXPECT_EQ(nlohmann::json::parse(read("out/stats.json"))["odometry"], "use");
