@@ -132,6 +132,8 @@ std::vector<Parameter> projectorParametersOf(SlamConfig& config) {
           "beams that meet the vehicle's frame: from:to, from:to in degrees, in the laser's frame"),
       text("mirror_angles", &projector.mirror_angles,
            "beams that a mirror bends down to measure the height: from:to, from:to in degrees"),
+      text("range_correction", &projector.range_correction,
+           "what a 2D laser measures too little: range:metres, range:metres, linear between"),
       number("mirror_distance", "m", &projector.mirror_distance_m, 0.0, 1.0,
              "from the laser to the mirror"),
       number("mixed_pixel_jump", "m", &projector.mixed_pixel_jump_m, 0.0, 10.0,

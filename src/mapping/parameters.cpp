@@ -11,6 +11,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "kestrel_slam/sensor/range_correction.h"
+
 namespace kestrel_slam {
 namespace {
 
@@ -212,6 +214,7 @@ void validate(const SlamConfig& config) {
        {config.projector.ignored_angles, config.projector.mirror_angles}) {
     parseAngleRanges(angles);
   }
+  RangeCorrection(config.projector.range_correction);
   requireLess("map_min_probability", config.mapper.grid.min_probability, "map_max_probability",
               config.mapper.grid.max_probability);
 }

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <locale>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "pair_list.h"
 
 namespace kestrel_slam {
 namespace {
@@ -33,15 +32,11 @@ double angleOf(const LaserScan& scan, std::size_t i) {
 }  // namespace
 
 std::vector<AngleRange> parseAngleRanges(const std::string& text) {
+  const auto pairs = parsePairs(text);
+  if (!pairs) refuse(text);
   std::vector<AngleRange> ranges;
-  std::istringstream list(text);
-  for (std::string item; std::getline(list, item, ',');) {
-    std::istringstream stream(item);
-    stream.imbue(std::locale::classic());
-    double from = 0.0, to = 0.0;
-    char colon = 0;
-    const bool read = static_cast<bool>(stream >> from >> colon >> to >> std::ws) || stream.eof();
-    if (!read || colon != ':' || !stream.eof() || !(from < to)) refuse(text);
+  for (const auto& [from, to] : *pairs) {
+    if (!(from < to)) refuse(text);
     ranges.push_back({degToRad(from), degToRad(to)});
   }
   return ranges;

@@ -209,7 +209,8 @@ std::vector<Eigen::Vector3f> someReturns(const LaserScan& scan, const SweepFrame
 ScanProjector::ScanProjector(const ProjectorConfig& config)
     : config_(config),
       ignored_(parseAngleRanges(config.ignored_angles)),
-      mirror_(parseAngleRanges(config.mirror_angles)) {}
+      mirror_(parseAngleRanges(config.mirror_angles)),
+      range_correction_(config.range_correction) {}
 
 SweepTimes sweepTimes(const LaserScan& scan) {
   const double beams = static_cast<double>(std::max<std::size_t>(scan.ranges.size(), 1) - 1);
@@ -220,6 +221,15 @@ SweepTimes sweepTimes(const LaserScan& scan) {
 
 Projection ScanProjector::project(const LaserScan& scan, const Eigen::Isometry3d& base_T_laser,
                                   const VehicleState& vehicle) {
+  if (range_correction_.isEmpty()) return projectCorrected(scan, base_T_laser, vehicle);
+  LaserScan corrected = scan;
+  for (float& range : corrected.ranges) range = range_correction_.corrected(range);
+  return projectCorrected(corrected, base_T_laser, vehicle);
+}
+
+Projection ScanProjector::projectCorrected(const LaserScan& scan,
+                                           const Eigen::Isometry3d& base_T_laser,
+                                           const VehicleState& vehicle) {
   if (auto problem = checkHeader(scan, base_T_laser, config_.beams)) return std::move(*problem);
   const SweepTimes times = sweepTimes(scan);
   const SweepFrames frames(times, scan.stamp, base_T_laser, vehicle);

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/map/map_io.h"
 #include "kestrel_slam/tools/claims.h"
@@ -21,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kJsonIndent = 2;
+constexpr int kPoseNumbers = 3;  // x, y, yaw
 
 volatile std::sig_atomic_t stop_requested = 0;
 
@@ -52,6 +54,12 @@ void addRunOptions(CLI::App& app, RunOptions& run) {
       ->capture_default_str();
 }
 
+Eigen::Isometry3d mountingOf(const std::vector<double>& x_y_yaw) {
+  Eigen::Isometry3d mounting(Eigen::Translation3d(x_y_yaw[0], x_y_yaw[1], 0.0));
+  mounting.rotate(Eigen::AngleAxisd(degToRad(x_y_yaw[2]), Eigen::Vector3d::UnitZ()));
+  return mounting;
+}
+
 }  // namespace
 
 void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
@@ -68,6 +76,11 @@ void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
   app.add_option("--set", arguments.settings, "name=value: a parameter, after those of --config")
       ->expected(1)
       ->take_all();
+  app.add_option(
+         "--laser-pose", arguments.laser_pose,
+         "x,y,yaw in m and degrees: where the laser sits, in place of what the recording says")
+      ->delimiter(',')
+      ->expected(kPoseNumbers);
   addTopicOptions(app, arguments.topics);
   addRunOptions(app, arguments.run);
   app.add_flag("--no-timing", arguments.no_timing,
@@ -137,6 +150,7 @@ OfflineRun mapVisibly(Recording& recording, const SlamConfig& config,
   RunOptions options = arguments.run;
   options.use_odometry = arguments.odometry == "use";
   options.use_imu = arguments.imu == "use";
+  if (!arguments.laser_pose.empty()) options.base_T_laser = mountingOf(arguments.laser_pose);
   ProgressBar bar(stderr, ::isatty(STDERR_FILENO) == 1);
   OfflineRun run = runOffline(recording, config, options, [&](const OfflineProgress& progress) {
     if (!arguments.quiet) bar.update(progress);

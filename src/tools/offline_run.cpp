@@ -137,9 +137,9 @@ class Runner {
       vehicle.velocity = velocity_;
       vehicle.height_m = height_.height(scan.scan.stamp);
     }
-    const Projection projection = scan.cloud
-                                      ? projector_.project(*scan.cloud, scan.base_T_laser, vehicle)
-                                      : projector_.project(scan.scan, scan.base_T_laser, vehicle);
+    const Eigen::Isometry3d mounting = options_.base_T_laser.value_or(scan.base_T_laser);
+    const Projection projection = scan.cloud ? projector_.project(*scan.cloud, mounting, vehicle)
+                                             : projector_.project(scan.scan, mounting, vehicle);
     height_.addProjection(scan.scan.stamp, projection);
     return projection;
   }

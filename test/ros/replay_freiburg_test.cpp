@@ -1,8 +1,6 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include <cstdlib>
-#include <filesystem>
 #include <string>
 
 #include "../tools/temporary_folder.h"
@@ -18,22 +16,14 @@ namespace {
 constexpr double kDuration = 150.0;  // s
 constexpr char kRate[] = "8";
 
-std::string dataFile(const std::string& name) {
-  const char* data = std::getenv("KESTREL_DATA");
-  const std::string folder = data != nullptr ? data : KESTREL_SOURCE_DIR "/../shared/data";
-  return folder + "/freiburg/" + name;
-}
-
 /// Freiburg building 79 as a bag, from `rosbag play` through the live node, with its odometry
 /// frame: the poses of the topic against the reference relations, and tf against the poses.
 TEST(ReplayFreiburg, Building79) {
-  if (!std::filesystem::exists(dataFile("fr079.clf.bz2"))) {
-    GTEST_SKIP() << dataFile("fr079.clf.bz2")
-                 << " is absent; set KESTREL_DATA to the folder of the data";
-  }
+  const std::string data = dataFolder();
+  SKIP_WITHOUT_DATA(data);
   const TemporaryFolder folder;
   const std::string bag = folder.file("fr079.bag");
-  writeBag(bag, *openRecording(dataFile("fr079.clf.bz2")), BagStamps::kRecorded);
+  writeBag(bag, *openRecording(data + "/freiburg/fr079.clf.bz2"), BagStamps::kRecorded);
 
   MapperClient client;
   Trajectory trajectory;
@@ -65,7 +55,7 @@ TEST(ReplayFreiburg, Building79) {
   EXPECT_EQ(client.parents["base_link"], std::set<std::string>{"odom"});
 
   const RelationEvaluation errors =
-      evaluateRelations(trajectory, readRelations(dataFile("fr079.relations")));
+      evaluateRelations(trajectory, readRelations(data + "/freiburg/fr079.relations"));
   EXPECT_GT(errors.all.translation_m.count, 100U);
   EXPECT_LT(errors.all.translation_m.mean, 0.035);
   EXPECT_LT(errors.all.rotation_deg.mean, 0.6);

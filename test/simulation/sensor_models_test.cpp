@@ -7,41 +7,12 @@
 #include <stdexcept>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "simulation/steady_motion.h"
 
 namespace kestrel_slam {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// Starts at `start`, flies and spins at constant rates, tilted as it started.
-class SteadyMotion : public Motion {
- public:
-  Eigen::Isometry3d start = Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 1.0));
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-  double yaw_rate = 0.0;
-
-  double duration() const override { return kInfinity; }
-  TrueState at(double time) const override {
-    TrueState state;
-    state.world_T_base.linear() =
-        Eigen::AngleAxisd(yaw_rate * time, Eigen::Vector3d::UnitZ()) * start.linear();
-    state.world_T_base.translation() = start.translation() + velocity * time;
-    return state;
-  }
-};
-
-const Eigen::Isometry3d kNoOffset = Eigen::Isometry3d::Identity();
-
-World worldOf(std::vector<Box> boxes) {
-  World::Parts parts;
-  parts.boxes = std::move(boxes);
-  return World(std::move(parts));
-}
-
-/// One endless wall, its face at x = `distance`.
-World wallAt(double distance, Material material = Material::kMatt) {
-  return worldOf({{{distance + 0.5, 0, 1.5}, {1.0, 500.0, 3.0}, 0.0, material}});
-}
 
 LaserScan scan(const LaserModel& laser, const World& world, const Motion& motion = SteadyMotion(),
                double time = 0.0, std::uint64_t seed = 1) {
@@ -78,9 +49,6 @@ Statistics statistics(const LaserScan& scan) {
   result.sigma = std::sqrt(squares / result.valid - result.mean * result.mean);
   return result;
 }
-
-// ---- truth
-// ---------------------------------------------------------------------------------------
 
 TEST(SensorModels, idealBeamsMeetThePlaneWhereTheyShould) {
   const LaserModel laser = laserModel("ideal");
@@ -156,9 +124,6 @@ TEST(SensorModels, everyBeamIsCastFromWhereTheLaserIsAtItsOwnTime) {
   }
   EXPECT_GT(compared, 500);
 }
-
-// ---- errors
-// --------------------------------------------------------------------------------------
 
 TEST(SensorModels, rangeNoiseHasTheDataSheetsSize) {
   const LaserModel laser = staring(laserModel("utm30lx"), 20000);
@@ -243,9 +208,6 @@ TEST(SensorModels, anEdgeBeforeNothingIsNotMixed) {
   }
 }
 
-// ---- determinism
-// ---------------------------------------------------------------------------------
-
 TEST(SensorModels, theSameSeedGivesTheSameScan) {
   const LaserModel& laser = laserModel("utm30lx");
   const auto bits = [&](std::uint64_t seed) {
@@ -273,70 +235,6 @@ TEST(SensorModels, aFarWallDoesNotChangeTheNextBeam) {
   EXPECT_GT(different, 8);  // 0.1 m at 2 m are 2.9 deg: 12 beams
   EXPECT_LT(different, 16);
 }
-
-// ---- lidar
-// ---------------------------------------------------------------------------------------
-
-TEST(SensorModels, aLidarsPointsLieOnTheWallAndTheFloor) {
-  LidarModel lidar = lidarModels().front();
-  lidar.errors = BeamErrors();
-  Random random(1);
-  const PointCloud cloud = sweep(lidar, wallAt(5.0), SteadyMotion(), kNoOffset, 7.0, random);
-  EXPECT_EQ(cloud.stamp, 7.0);
-  ASSERT_EQ(cloud.points.size(), 16u * 1800u);
-  int wall = 0, floor = 0, ceiling = 0, none = 0;
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    const PointCloud::Point& point = cloud.points[i];
-    EXPECT_NEAR(point.time, static_cast<double>(i / 16) / 18000.0, 1e-7);
-    if (std::isnan(point.x)) {
-      EXPECT_EQ(i % 16, 8u);  // one degree upwards: the ceiling is 115 m away
-      ++none;
-      continue;
-    }
-    const bool on_wall = std::abs(point.x - 5.0) < 1e-4, on_floor = std::abs(point.z + 1.0) < 1e-4;
-    const bool on_ceiling = std::abs(point.z - 2.0) < 1e-4;
-    EXPECT_TRUE(on_wall || on_floor || on_ceiling);
-    wall += on_wall;
-    floor += on_floor;
-    ceiling += on_ceiling;
-    const double elevation = std::atan2(point.z, std::hypot(point.x, point.y));
-    EXPECT_NEAR(elevation, lidar.elevations[i % 16], 1e-6);
-  }
-  EXPECT_GT(wall, 5000);
-  EXPECT_GT(floor, 5000);
-  EXPECT_GT(ceiling, 5000);
-  EXPECT_GT(none, 800);
-  EXPECT_LT(none, 1000);  // about half a turn
-}
-
-TEST(SensorModels, aLidarTurnsClockwiseFromItsBack) {
-  LidarModel lidar = lidarModels().front();
-  Random random(1);
-  const World world = worldOf({{{-3, 0, 1}, {1, 1, 2}}, {{0, 3, 1}, {1, 1, 2}}});
-  const PointCloud cloud = sweep(lidar, world, SteadyMotion(), kNoOffset, 0.0, random);
-  const auto level_ring = [&](std::size_t column) { return cloud.points[column * 16 + 8]; };
-  EXPECT_NEAR(level_ring(2).x, -2.5, 0.1);
-  EXPECT_NEAR(level_ring(452).y, 2.5, 0.1);  // a quarter of a turn later it looks to the left
-}
-
-TEST(SensorModels, aLidarsColumnsAreCastAtTheirOwnTime) {
-  LidarModel lidar = lidarModels().front();
-  lidar.errors = BeamErrors();
-  SteadyMotion motion;
-  motion.velocity = {3.0, 0.0, 0.0};
-  Random random(1);
-  const PointCloud cloud = sweep(lidar, wallAt(5.0), motion, kNoOffset, 0.0, random);
-  int compared = 0;
-  for (const PointCloud::Point& point : cloud.points) {
-    if (std::isnan(point.x) || point.x < 4.0F || std::abs(point.z) > 0.9F) continue;
-    EXPECT_NEAR(point.x, 5.0 - 3.0 * point.time, 1e-5);
-    ++compared;
-  }
-  EXPECT_GT(compared, 2000);
-}
-
-// ---- the models
-// ----------------------------------------------------------------------------------
 
 TEST(SensorModels, areFoundByName) {
   for (const char* name : {"utm30lx", "urg04lx", "sick180", "alasca", "ideal"}) {

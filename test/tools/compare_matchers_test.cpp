@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/matching/matcher.h"
 #include "kestrel_slam/tools/trajectory.h"
 #include "kestrel_slam/tools/version.h"
-#include "tools/room_log.h"
+#include "tools/room_log_test.h"
 #include "tools/run_command.h"
-#include "tools/temporary_folder.h"
 
 namespace kestrel_slam {
 namespace {
@@ -18,19 +16,15 @@ namespace fs = std::filesystem;
 
 const std::string kTool = KESTREL_TOOL_DIR "/compare_matchers ";
 
-class CompareMatchersTest : public ::testing::Test {
+constexpr int kScans = 25;
+
+class CompareMatchersTest : public RoomLogTest {
  protected:
-  void SetUp() override { log_ = folder_.write("flight.clf", RoomFlight::carmenLog(kScans)); }
+  CompareMatchersTest() : RoomLogTest(kScans) {}
 
   Outcome compare(const std::string& arguments) {
     return runCommand(kTool + log_ + " " + arguments);
   }
-  std::string outputs(const std::string& name) { return " --output " + folder_.file(name); }
-  std::string read(const std::string& name) { return readFile(folder_.file(name)); }
-
-  static constexpr int kScans = 25;
-  TemporaryFolder folder_;
-  std::string log_;
 };
 
 TEST_F(CompareMatchersTest, EveryMatcherMapsTheRecording) {

@@ -4,14 +4,12 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/map/map_io.h"
 #include "kestrel_slam/tools/parameters_yaml.h"
 #include "kestrel_slam/tools/trajectory.h"
 #include "kestrel_slam/tools/version.h"
-#include "tools/room_log.h"
+#include "tools/room_log_test.h"
 #include "tools/run_command.h"
-#include "tools/temporary_folder.h"
 
 namespace kestrel_slam {
 namespace {
@@ -23,17 +21,13 @@ constexpr std::array<const char*, 5> kOutputs = {"map.pgm", "map.yaml", "traject
 
 const std::string kTool = KESTREL_TOOL_DIR "/map_recording ";
 
-class MapRecordingTest : public ::testing::Test {
+constexpr int kScans = 41;
+
+class MapRecordingTest : public RoomLogTest {
  protected:
-  void SetUp() override { log_ = folder_.write("flight.clf", RoomFlight::carmenLog(kScans)); }
+  MapRecordingTest() : RoomLogTest(kScans) {}
 
   Outcome map(const std::string& arguments) { return runCommand(kTool + log_ + " " + arguments); }
-  std::string outputs(const std::string& name) { return " --output " + folder_.file(name); }
-  std::string read(const std::string& name) { return readFile(folder_.file(name)); }
-
-  static constexpr int kScans = 41;
-  TemporaryFolder folder_;
-  std::string log_;
 };
 
 TEST_F(MapRecordingTest, WritesEverythingAndSaysWhere) {
@@ -89,6 +83,13 @@ TEST_F(MapRecordingTest, TheOutputFolderIsNamedAfterTheRecording) {
   const Outcome outcome = runCommand("cd " + folder_.file("") + " && " + kTool + "flight.clf");
   ASSERT_EQ(outcome.code, 0) << outcome.output;
   EXPECT_TRUE(fs::exists(folder_.file("flight_map/map.pgm")));
+}
+
+TEST_F(MapRecordingTest, TakesTheMountingOfTheLaserOnRequest) {
+  ASSERT_EQ(map("--laser-pose 0.3,0,90" + outputs("out")).code, 0);
+  const Pose2 last = readTum(folder_.file("out/trajectory.tum")).back().pose;
+  EXPECT_NEAR(last.x, 0.0, 0.03);
+  EXPECT_NEAR(last.y, 2.0, 0.03);  // the laser's ahead is the vehicle's left
 }
 
 TEST_F(MapRecordingTest, UsesOdometryOnRequest) {

@@ -32,9 +32,10 @@ struct ProjectorConfig {
   double ceiling_m = 0.0;  ///< height of the ceiling over the floor; 0: unknown
   double vehicle_radius_m = 0.0;  ///< end points within this radius are the vehicle's own frame
   double mixed_pixel_jump_m =
-      0.1;                     ///< a beam between two jumps of range this large is mixed; 0: off
-  std::string ignored_angles;  ///< "from:to, from:to" in degrees: beams that meet the frame
-  std::string mirror_angles;   ///< the same: beams that a mirror bends down
+      0.1;                       ///< a beam between two jumps of range this large is mixed; 0: off
+  std::string ignored_angles;    ///< "from:to, from:to" in degrees: beams that meet the frame
+  std::string mirror_angles;     ///< the same: beams that a mirror bends down
+  std::string range_correction;  ///< "range:correction, …" in m: the laser's known error
   double mirror_distance_m = 0.1;  ///< from the laser to the mirror
   int azimuth_bins = 1080;         ///< of a 3D lidar's slice
 };

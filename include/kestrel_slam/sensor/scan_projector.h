@@ -10,6 +10,7 @@
 #include "kestrel_slam/sensor/level_surfaces.h"
 #include "kestrel_slam/sensor/point_cloud.h"
 #include "kestrel_slam/sensor/projection.h"
+#include "kestrel_slam/sensor/range_correction.h"
 
 namespace kestrel_slam {
 
@@ -28,7 +29,7 @@ struct VehicleState {
 /// ceiling.
 class ScanProjector {
  public:
-  /// Throws std::invalid_argument where the configuration's angles cannot be read.
+  /// Throws std::invalid_argument where the configuration's angles or corrections cannot be read.
   explicit ScanProjector(const ProjectorConfig& config);
 
   /// `base_T_laser`: the mounting of the laser, upside down or rotated at will.
@@ -42,8 +43,12 @@ class ScanProjector {
   const ProjectorConfig& config() const { return config_; }
 
  private:
+  Projection projectCorrected(const LaserScan& scan, const Eigen::Isometry3d& base_T_laser,
+                              const VehicleState& vehicle);
+
   ProjectorConfig config_;
   std::vector<AngleRange> ignored_, mirror_;
+  RangeCorrection range_correction_;
   LevelSurfaces surfaces_;
 };
 

@@ -24,7 +24,8 @@ struct MappingArguments {
   std::string imu = "use";
   std::vector<std::string> settings;  ///< name=value, after those of the file
   RecordingOptions topics;
-  RunOptions run;  ///< but the sensors, which are in the texts above
+  std::vector<double> laser_pose;  ///< x, y (m), yaw (degrees) of the laser; may be empty
+  RunOptions run;                  ///< but the sensors, which are in the texts above
   bool no_timing = false;
   bool quiet = false;
 };

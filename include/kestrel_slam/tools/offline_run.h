@@ -1,9 +1,11 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,6 +56,7 @@ struct OfflineRun {
 struct RunOptions {
   bool use_odometry = false;
   bool use_imu = true;  ///< roll, pitch and turn rate; without: the vehicle is taken to be level
+  std::optional<Eigen::Isometry3d> base_T_laser;  ///< in place of what the recording says
   Perturbation perturbation;
   std::size_t max_scans = std::numeric_limits<std::size_t>::max();  ///< only the first so many
   /// Sees every scan that the mapper processed, and what became of it.

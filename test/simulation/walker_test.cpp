@@ -1,0 +1,90 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/simulation/world.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kFar = 1e6;  // m
+
+World worldWith(const Walker& walker) {
+  World::Parts parts;
+  parts.walkers.push_back(walker);
+  return World(std::move(parts));
+}
+
+double distance(const World& world, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                double time = 0.0) {
+  return world.cast(origin, direction, time, kFar).distance;
+}
+
+TEST(Walker, aWalkerGoesAroundItsPolygon) {
+  const Walker walker = {{{0, 0}, {4, 0}, {4, 3}}, 1.0, 0.0};  // 3-4-5: 12 m around
+  EXPECT_TRUE(walker.at(0.0).isApprox(Eigen::Vector2d(0, 0)));
+  EXPECT_TRUE(walker.at(2.5).isApprox(Eigen::Vector2d(2.5, 0)));
+  EXPECT_TRUE(walker.at(5.0).isApprox(Eigen::Vector2d(4, 1)));
+  EXPECT_TRUE(walker.at(9.5).isApprox(Eigen::Vector2d(2, 1.5)));
+  EXPECT_TRUE(walker.at(12.0 + 2.5).isApprox(Eigen::Vector2d(2.5, 0)));
+  EXPECT_TRUE(walker.at(-1.0).isApprox(Eigen::Vector2d(0.8, 0.6)));
+  const Walker late = {walker.corners, 2.0, 3.0};
+  EXPECT_TRUE(late.at(1.0).isApprox(Eigen::Vector2d(4, 1)));
+}
+
+TEST(Walker, aWalkersTrunkIsWhereItWalksAndItsLegsBelow) {
+  const World world = worldWith({{{5, -10}, {5, 10}}, 1.0, 0.0});
+  // At 10 s it is at (5, 0), seen from the side.
+  EXPECT_NEAR(distance(world, {0, 0, 1.3}, {1, 0, 0}, 10.0), 5.0 - 0.2, 1e-12);
+  EXPECT_EQ(distance(world, {0, 0, 1.3}, {1, 0, 0}, 8.0), kInfinity);
+  EXPECT_NEAR(distance(world, {0, -2, 1.3}, {1, 0, 0}, 8.0), 5.0 - 0.2, 1e-12);
+  EXPECT_EQ(distance(world, {0, 0, 1.8}, {1, 0, 0}, 10.0), kInfinity);
+  EXPECT_NEAR(distance(world, {5, 0, 2.5}, {0, 0, -1}, 10.0), 2.5 - 1.75, 1e-12);
+  EXPECT_EQ(distance(world, {10, 0, 1.3}, {1, 0, 0}, 10.0), kInfinity);
+}
+
+/// Where legs are, seen by parallel beams at 0.3 m from the side: their midpoints in y.
+std::vector<double> legsSeen(const World& world, double time) {
+  std::vector<double> legs;
+  double begin = 0.0;
+  bool before = false;
+  for (double y = -1.0; y < 1.0; y += 0.001) {
+    const bool leg = std::isfinite(distance(world, {0, y, 0.3}, {1, 0, 0}, time));
+    if (leg && !before) begin = y;
+    if (before && !leg) legs.push_back((begin + y - 0.001) / 2.0);
+    before = leg;
+  }
+  return legs;
+}
+
+TEST(Walker, aWalkersLegsSwing) {
+  const World world = worldWith({{{5, -7}, {5, 7}}, 1.0, 0.0});
+  // A stride of 1.4 m: after five of them the legs are side by side, a quarter later far apart.
+  const std::vector<double> together = legsSeen(world, 7.0);
+  ASSERT_EQ(together.size(), 1u);
+  EXPECT_NEAR(together[0], 0.0, 0.002);
+  const std::vector<double> apart = legsSeen(world, 7.35);
+  ASSERT_EQ(apart.size(), 2u);
+  EXPECT_NEAR(apart[0], 0.35 - 0.25, 0.002);
+  EXPECT_NEAR(apart[1], 0.35 + 0.25, 0.002);
+}
+
+// ---- what is moved
+// ------------------------------------------------------------------------
+
+TEST(Walker, needsAWay) { EXPECT_THROW(worldWith({{}, 1.0, 0.0}), std::invalid_argument); }
+
+TEST(Walker, tellsTheDistanceToItsWay) {
+  const Walker square{{{0.0, 0.0}, {2.0, 0.0}, {2.0, 2.0}, {0.0, 2.0}}};
+  EXPECT_DOUBLE_EQ(square.distanceToWay({1.0, 0.75}), 0.75);  // to the side below
+  EXPECT_DOUBLE_EQ(square.distanceToWay({-0.5, 1.0}), 0.5);   // to the last side, back to the start
+  EXPECT_DOUBLE_EQ(square.distanceToWay({5.0, 6.0}), 5.0);    // to a corner
+  EXPECT_EQ(Walker().distanceToWay({0.0, 0.0}), kInfinity);
+}
+
+}  // namespace
+}  // namespace kestrel_slam
