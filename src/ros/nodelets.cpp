@@ -6,6 +6,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "kestrel_slam/ros/mapper_node.h"
+#include "kestrel_slam/ros/pose_filter_node.h"
 #include "kestrel_slam/ros/scan_projector_node.h"
 
 namespace kestrel_slam {
@@ -30,8 +31,10 @@ class NodeletOf : public nodelet::Nodelet {
 
 class ScanProjectorNodelet : public NodeletOf<ScanProjectorNode> {};
 class MapperNodelet : public NodeletOf<MapperNode> {};
+class PoseFilterNodelet : public NodeletOf<PoseFilterNode> {};
 
 }  // namespace kestrel_slam
 
 PLUGINLIB_EXPORT_CLASS(kestrel_slam::ScanProjectorNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(kestrel_slam::MapperNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(kestrel_slam::PoseFilterNodelet, nodelet::Nodelet)

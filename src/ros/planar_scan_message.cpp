@@ -18,10 +18,12 @@ using sensor_msgs::PointField;
 
 /// One point of the message as it lies in memory.
 struct Point {
-  float x, y, z, hit, origin_x, origin_y, heading, speed_x, speed_y;
+  float x, y, z, hit, origin_x, origin_y, heading, speed_x, speed_y, predicted_x, predicted_y,
+      predicted_yaw;
 };
-constexpr const char* kFields[] = {"x",        "y",       "z",       "hit",    "origin_x",
-                                   "origin_y", "heading", "speed_x", "speed_y"};
+constexpr const char* kFields[] = {"x",        "y",           "z",           "hit",
+                                   "origin_x", "origin_y",    "heading",     "speed_x",
+                                   "speed_y",  "predicted_x", "predicted_y", "predicted_yaw"};
 constexpr std::size_t kFieldCount = sizeof kFields / sizeof kFields[0];
 static_assert(sizeof(Point) == kFieldCount * sizeof(float));
 
@@ -108,18 +110,24 @@ void describeFields(PointCloud2& message) {
   }
 }
 
-/// Nothing where the message has none: other programs may not know it.
+/// One number of the whole scan, that stands in all of its points. NaN where the message has no
+/// such field: other programs may not know it.
+double sharedValue(const PointCloud2& message, const std::string& name) {
+  const bool named = std::any_of(message.fields.begin(), message.fields.end(),
+                                 [&](const PointField& field) { return field.name == name; });
+  if (message.width == 0 || message.height == 0 || !named) return static_cast<double>(kNan);
+  return static_cast<double>(floatAt(message.data.data() + offsetOf(message, name)));
+}
+
 std::optional<Eigen::Vector2d> speedOf(const PointCloud2& message) {
-  const auto named = [&](const std::string& name) {
-    return std::any_of(message.fields.begin(), message.fields.end(),
-                       [&](const PointField& field) { return field.name == name; });
-  };
-  if (message.width == 0 || message.height == 0 || !named("speed_x") || !named("speed_y")) {
-    return std::nullopt;
-  }
-  const Eigen::Vector2d speed(floatAt(message.data.data() + offsetOf(message, "speed_x")),
-                              floatAt(message.data.data() + offsetOf(message, "speed_y")));
+  const Eigen::Vector2d speed(sharedValue(message, "speed_x"), sharedValue(message, "speed_y"));
   return speed.allFinite() ? std::optional(speed) : std::nullopt;
+}
+
+std::optional<Pose2> predictedOf(const PointCloud2& message) {
+  const Pose2 pose(sharedValue(message, "predicted_x"), sharedValue(message, "predicted_y"),
+                   sharedValue(message, "predicted_yaw"));
+  return pose.isFinite() ? std::optional(pose) : std::nullopt;
 }
 
 /// A nearer return hides a farther one, and any return what only clears.
@@ -143,11 +151,16 @@ sensor_msgs::PointCloud2Ptr toPlanarScanMessage(const PlanarScan& scan, const st
   message->data.resize(scan.rays.size() * sizeof(Point));
   const float heading = scan.heading ? static_cast<float>(*scan.heading) : kNan;
   const Eigen::Vector2f speed = scan.speed.value_or(Eigen::Vector2d(kNan, kNan)).cast<float>();
+  Eigen::Vector3f predicted = Eigen::Vector3f::Constant(kNan);
+  if (scan.predicted) {
+    predicted =
+        Eigen::Vector3d(scan.predicted->x, scan.predicted->y, scan.predicted->theta).cast<float>();
+  }
   std::uint8_t* place = message->data.data();
   for (const PlanarRay& ray : scan.rays) {
-    const Point point{ray.end.x(),    ray.end.y(),    0.0F,    ray.hit ? 1.0F : 0.0F,
-                      ray.origin.x(), ray.origin.y(), heading, speed.x(),
-                      speed.y()};
+    const Point point{ray.end.x(),    ray.end.y(),    0.0F,          ray.hit ? 1.0F : 0.0F,
+                      ray.origin.x(), ray.origin.y(), heading,       speed.x(),
+                      speed.y(),      predicted.x(),  predicted.y(), predicted.z()};
     std::memcpy(place, &point, sizeof point);
     place += sizeof point;
   }
@@ -161,6 +174,7 @@ PlanarScan fromPlanarScanMessage(const sensor_msgs::PointCloud2& message) {
   PlanarScan scan;
   scan.stamp = scan.time = message.header.stamp.toSec();
   scan.speed = speedOf(message);
+  scan.predicted = predictedOf(message);
   scan.rays.reserve(static_cast<std::size_t>(message.width) * message.height);
   for (std::size_t row = 0; row < message.height; ++row) {
     const std::uint8_t* point = message.data.data() + row * message.row_step;

@@ -79,6 +79,7 @@ void ProjectorDiagnostics::fillScans(Status& status) const {
   status.add("topics", report_.topics);
   status.add("received", statistics.received);
   status.add("projected", statistics.projected);
+  status.add("projected by the filter", statistics.projected_filtered);
   status.add("projected without attitude", statistics.projected_level);
   for (const auto& [reason, count] : statistics.dropped) status.add("dropped: " + reason, count);
   const BeamCounts& beams = statistics.beams;

@@ -44,6 +44,9 @@ std::vector<Parameter> nodeParametersOf(ProjectorNodeConfig& config) {
            "topic of a range finder that looks down; where mirror_angles are given, of their "
            "height; empty: none"),
       text("odom_topic", &config.odom_topic, "topic of an odometry with the velocity; empty: none"),
+      text("filter_topic", &config.filter_topic,
+           "odometry of a pose filter, odom/filtered: its attitude, velocity and motion are used "
+           "while it knows them; empty: none"),
       choice(kAttitudeSource, &config.attitude_source, {"auto", "orientation", "raw", "tf", "none"},
              "the IMU's orientation, or its gyro and accelerometer (auto: what it gives); tf; or "
              "none for a laser that is always level"),

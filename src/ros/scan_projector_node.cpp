@@ -49,6 +49,11 @@ ScanProjectorNode::ScanProjectorNode(ros::NodeHandle nh, ros::NodeHandle private
       tracker_(config_.slam.attitude),
       mountings_(nh, config_.base_frame),
       tf_attitude_(mountings_.buffer(), config_.attitude_frame, config_.base_frame, tracker_),
+      filter_(nh, config_,
+              [this](const ros::Time& stamp) {
+                publishAttitude(stamp, &filter_.buffer());
+                processQueue();
+              }),
       height_(nh, config_, mountings_, tracker_.buffer()),
       velocity_(nh, config_, tracker_.buffer()),
       scan_publisher_(nh, config_),
@@ -126,7 +131,9 @@ ScanProjectorNode::Verdict ScanProjectorNode::judgeTfAttitude(const Sweep& sweep
 
 ScanProjectorNode::Verdict ScanProjectorNode::judgeImuAttitude(const Sweep& sweep) const {
   const AttitudeError error = tracker_.buffer().covers(sweep.times.first, sweep.times.last);
-  if (error == AttitudeError::kNone) return {Verdict::kProject, "", ""};
+  if (error == AttitudeError::kNone) {
+    return {waitsForFilter(sweep) ? Verdict::kWait : Verdict::kProject, "", ""};
+  }
   const bool may_come = error == AttitudeError::kEmpty || error == AttitudeError::kNotYet;
   const bool takes_level = config_.without_imu == "level";
   if (may_come && sweep.waiting.seconds() < config_.max_wait_s) {
@@ -138,6 +145,12 @@ ScanProjectorNode::Verdict ScanProjectorNode::judgeImuAttitude(const Sweep& swee
   if (!imu_->waitingFor().empty()) return {Verdict::kDrop, "imu-no-transform", imu_->waitingFor()};
   return {Verdict::kDrop, reasonOf(status.health, error),
           hasFailed(status.health) ? status.message : uncovered(sweep)};
+}
+
+/// A filter that runs needs its moment after the IMU; where it does not come, the IMU has to do.
+bool ScanProjectorNode::waitsForFilter(const Sweep& sweep) const {
+  return filter_.runs(sweep.times.last) && !filter_.covers(sweep.times) &&
+         sweep.waiting.seconds() < config_.max_wait_s;
 }
 
 /// How the time of a sweep lies to the attitudes.
@@ -157,21 +170,31 @@ std::string ScanProjectorNode::uncovered(const Sweep& sweep) const {
 void ScanProjectorNode::project(const Sweep& sweep, const Eigen::Isometry3d& base_T_laser,
                                 bool is_level) {
   const double stamp = toSeconds(sweep.stamp);
-  const VehicleState vehicle{is_level ? nullptr : &tracker_.buffer(), height_.height(stamp),
-                             velocity_.velocity(stamp)};
-  const Projection projection =
+  const bool is_filtered = !is_level && filter_.covers(sweep.times);
+  const AttitudeBuffer* attitude = is_level      ? nullptr
+                                   : is_filtered ? &filter_.buffer()
+                                                 : &tracker_.buffer();
+  const VehicleState vehicle{attitude, height_.height(stamp), velocity_.velocity(stamp)};
+  Projection projection =
       std::visit([&](const auto& data) { return projector_.project(data, base_T_laser, vehicle); },
                  sweep.data);
+  if (last_attitude_ != nullptr && attitude != last_attitude_) {  // heading and speed count from elsewhere now
+    projection.scan.heading.reset();
+    projection.scan.speed.reset();
+  }
+  if (attitude != nullptr) last_attitude_ = attitude;
+  if (is_filtered) projection.scan.predicted = filter_.predicted(stamp);
   if (projection.error != ScanError::kNone) {
     drop(sweep, toString(projection.error), projection.message);
     return;
   }
   ++statistics_.projected;
   if (is_level) ++statistics_.projected_level;
+  if (is_filtered) ++statistics_.projected_filtered;
   statistics_.beams = projection.counts;
   height_.add(projection);
   scan_publisher_.publish(sweep.stamp, projection);
-  if (!imu_) publishAttitude(sweep.stamp, is_level);
+  if (!imu_) publishAttitude(sweep.stamp, is_level ? nullptr : &tracker_.buffer());
 }
 
 void ScanProjectorNode::drop(const Sweep& sweep, const std::string& reason,
@@ -182,14 +205,15 @@ void ScanProjectorNode::drop(const Sweep& sweep, const std::string& reason,
 }
 
 void ScanProjectorNode::onAttitude(const ros::Time& stamp) {
-  publishAttitude(stamp, false);
+  if (!filter_.runs(toSeconds(stamp))) publishAttitude(stamp, &tracker_.buffer());
   processQueue();
 }
 
-void ScanProjectorNode::publishAttitude(const ros::Time& stamp, bool is_level) {
+/// `attitudes`: null where the vehicle is taken to be level.
+void ScanProjectorNode::publishAttitude(const ros::Time& stamp, const AttitudeBuffer* attitudes) {
   Attitude attitude;
   const double time = toSeconds(stamp);
-  if (!is_level && tracker_.buffer().lookup(time, attitude) != AttitudeError::kNone) return;
+  if (attitudes != nullptr && attitudes->lookup(time, attitude) != AttitudeError::kNone) return;
   attitude_publisher_.publish(stamp, attitude.stabilized_R_base, height_.height(time));
 }
 

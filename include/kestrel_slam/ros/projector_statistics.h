@@ -13,6 +13,7 @@ namespace kestrel_slam {
 struct ProjectorStatistics {
   std::size_t received = 0;
   std::size_t projected = 0;
+  std::size_t projected_filtered = 0;          ///< with the attitude of a pose filter
   std::size_t projected_level = 0;             ///< of them, without an attitude
   std::map<std::string, std::size_t> dropped;  ///< by reason
   std::size_t dropped_lately = 0;              ///< since the last report

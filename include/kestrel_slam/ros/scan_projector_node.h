@@ -7,6 +7,7 @@
 #include <string>
 
 #include "kestrel_slam/ros/attitude_publisher.h"
+#include "kestrel_slam/ros/filter_input.h"
 #include "kestrel_slam/ros/height_input.h"
 #include "kestrel_slam/ros/imu_input.h"
 #include "kestrel_slam/ros/mountings.h"
@@ -44,6 +45,7 @@ class ScanProjectorNode {
   void enqueue(Sweep sweep);
   void processQueue();
   bool handle(const Sweep& sweep);
+  bool waitsForFilter(const Sweep& sweep) const;
   Verdict judge(const Sweep& sweep);
   Verdict judgeTfAttitude(const Sweep& sweep);
   Verdict judgeImuAttitude(const Sweep& sweep) const;
@@ -51,7 +53,7 @@ class ScanProjectorNode {
   void project(const Sweep& sweep, const Eigen::Isometry3d& base_T_laser, bool is_level);
   void drop(const Sweep& sweep, const std::string& reason, const std::string& sentence);
   void onAttitude(const ros::Time& stamp);
-  void publishAttitude(const ros::Time& stamp, bool is_level);
+  void publishAttitude(const ros::Time& stamp, const AttitudeBuffer* attitudes);
   ProjectorReport report() const;
   void describeAttitude(ProjectorReport& report) const;
 
@@ -65,6 +67,8 @@ class ScanProjectorNode {
   std::string tf_error_;     ///< an attitude that tf lacks
 
   TfAttitude tf_attitude_;
+  FilterInput filter_;
+  const AttitudeBuffer* last_attitude_ = nullptr;  ///< of the sweep before, if any
   HeightInput height_;
   VelocityInput velocity_;
   PlanarScanPublisher scan_publisher_;
