@@ -27,6 +27,7 @@ void LatencyRecord::sent(const LiveMessage& message) {
     const ros::WallTime complete = is_complete ? now : ros::WallTime();
     scans_[(*scan)->header.stamp] = {end, now, complete, ros::WallTime()};
   } else if (const auto* imu = std::get_if<sensor_msgs::ImuPtr>(&message)) {
+    imu_sent_[(*imu)->header.stamp] = now;
     imu_until_ = std::max(imu_until_, (*imu)->header.stamp);
     for (auto entry = scans_.rbegin(); entry != scans_.rend(); ++entry) {
       if (!entry->second.complete.isZero()) break;
@@ -41,6 +42,21 @@ void LatencyRecord::poseReceived(const ros::Time& stamp) {
   if (scan != scans_.end() && scan->second.posed.isZero()) {
     scan->second.posed = ros::WallTime::now();
   }
+}
+
+void LatencyRecord::stateReceived(const ros::Time& stamp) {
+  const Lock lock(mutex_);
+  const auto imu = imu_sent_.find(stamp);
+  if (imu == imu_sent_.end()) return;
+  from_imu_.push_back(kMsPerSecond * (ros::WallTime::now() - imu->second).toSec());
+  imu_sent_.erase(imu);
+}
+
+std::vector<double> LatencyRecord::fromImu() const {
+  const Lock lock(mutex_);
+  std::vector<double> result = from_imu_;
+  std::sort(result.begin(), result.end());
+  return result;
 }
 
 std::size_t LatencyRecord::sentScans() const {

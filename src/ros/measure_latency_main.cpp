@@ -1,6 +1,7 @@
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <nav_msgs/OccupancyGrid.h>
+#include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
 
 #include <cstdio>
@@ -20,7 +21,8 @@ constexpr char kUsage[] =
     "measure_latency BAG: plays laser, IMU and range finder of a bag as if the vehicle flew now, "
     "to\n"
     "nodes that already run (roslaunch kestrel_slam mav.launch), and measures how long every scan\n"
-    "takes to its pose on `poseupdate`. Exit code: 0, or 1 where no pose came.\n";
+    "takes to its pose on `poseupdate`, and every IMU message to its state on `odom/filtered`.\n"
+    "Exit code: 0, or 1 where no pose came.\n";
 constexpr std::uint32_t kQueue = 1000;
 constexpr double kConnectWithin = 20.0;  // s
 constexpr double kWaitAtEnd = 2.0;       // s; for the last poses and diagnostics
@@ -86,6 +88,10 @@ int run(const std::string& bag) {
       };
   const ros::Subscriber poses = nh.subscribe<geometry_msgs::PoseWithCovarianceStamped>(
       "poseupdate", kQueue, on_pose, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+  const boost::function<void(const nav_msgs::Odometry&)> on_state =
+      [&](const nav_msgs::Odometry& message) { record.stateReceived(message.header.stamp); };
+  const ros::Subscriber states = nh.subscribe<nav_msgs::Odometry>(
+      "odom/filtered", kQueue, on_state, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   // Somebody who looks at the map: publishing it must not delay the poses.
   const boost::function<void(const nav_msgs::OccupancyGridConstPtr&)> on_map =
       [](const nav_msgs::OccupancyGridConstPtr&) {};

@@ -67,6 +67,18 @@ TEST(LatencyRecord, WithoutAnImuEveryScanIsComplete) {
   EXPECT_EQ(record.incomplete(), 0U);
 }
 
+TEST(LatencyRecord, CountsFromTheImuToTheStateOfItsStamp) {
+  LatencyRecord record(true);
+  record.sent(imuAt(10.0));
+  record.sent(imuAt(10.1));
+  pause();
+  record.stateReceived(ros::Time(10.1));
+  record.stateReceived(ros::Time(10.1));  // the first one counts
+  record.stateReceived(ros::Time(99.0));  // of nobody's message
+  ASSERT_EQ(record.fromImu().size(), 1U);
+  EXPECT_GE(record.fromImu().front(), 1000.0 * kPause);
+}
+
 TEST(Quantile, IsTheSmallestValueThatEnoughLieBelow) {
   std::vector<double> values;
   for (int i = 1; i <= 200; ++i) values.push_back(i);

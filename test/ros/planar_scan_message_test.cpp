@@ -26,6 +26,7 @@ PlanarScan threeRays() {
   scan.stamp = kStamp.toSec();
   scan.heading = 7.25;
   scan.speed = Eigen::Vector2d(1.5, -0.5);
+  scan.predicted = Pose2(0.75, -0.25, 0.5);
   scan.rays = {{{0.125F, -0.25F}, {3.0F, 4.0F}, true},
                {{0.0F, 0.0F}, {0.0F, 10.0F}, false},
                {{0.5F, 0.5F}, {-2.0F, 0.5F}, true}};
@@ -37,6 +38,7 @@ PointCloud2 message() { return *toPlanarScanMessage(threeRays(), "base_stabilize
 void expectEqual(const PlanarScan& a, const PlanarScan& b) {
   EXPECT_EQ(a.heading, b.heading);
   EXPECT_EQ(a.speed, b.speed);
+  EXPECT_EQ(a.predicted, b.predicted);
   ASSERT_EQ(a.rays.size(), b.rays.size());
   for (std::size_t i = 0; i < a.rays.size(); ++i) {
     EXPECT_EQ(a.rays[i].origin, b.rays[i].origin) << i;
@@ -76,8 +78,10 @@ TEST(PlanarScanMessage, WithoutAGyroThereIsNoHeading) {
 TEST(PlanarScanMessage, WithoutAnAccelerometerThereIsNoSpeed) {
   PlanarScan scan = threeRays();
   scan.speed.reset();
+  scan.predicted.reset();
   const auto cloud = toPlanarScanMessage(scan, "base_stabilized", kStamp);
   EXPECT_FALSE(fromPlanarScanMessage(*cloud).speed);
+  EXPECT_FALSE(fromPlanarScanMessage(*cloud).predicted);
   EXPECT_EQ(fromPlanarScanMessage(*cloud).heading, scan.heading);
 }
 
@@ -87,11 +91,19 @@ TEST(PlanarScanMessage, HasTheDocumentedFields) {
   EXPECT_EQ(cloud.header.stamp, kStamp);
   EXPECT_EQ(cloud.width * cloud.height, 3U);
   EXPECT_EQ(cloud.data.size(), 3U * cloud.point_step);
-  const std::pair<const char*, float> expected[] = {
-      {"x", 3.0F},        {"y", 4.0F},          {"z", 0.0F},
-      {"hit", 1.0F},      {"origin_x", 0.125F}, {"origin_y", -0.25F},
-      {"heading", 7.25F}, {"speed_x", 1.5F},    {"speed_y", -0.5F}};
-  EXPECT_EQ(cloud.fields.size(), 9U);
+  const std::pair<const char*, float> expected[] = {{"x", 3.0F},
+                                                    {"y", 4.0F},
+                                                    {"z", 0.0F},
+                                                    {"hit", 1.0F},
+                                                    {"origin_x", 0.125F},
+                                                    {"origin_y", -0.25F},
+                                                    {"heading", 7.25F},
+                                                    {"speed_x", 1.5F},
+                                                    {"speed_y", -0.5F},
+                                                    {"predicted_x", 0.75F},
+                                                    {"predicted_y", -0.25F},
+                                                    {"predicted_yaw", 0.5F}};
+  EXPECT_EQ(cloud.fields.size(), 12U);
   for (const auto& [name, value] : expected) {
     EXPECT_EQ(*sensor_msgs::PointCloud2ConstIterator<float>(cloud, name), value) << name;
   }
@@ -121,7 +133,8 @@ TEST(PlanarScanMessage, ReadsAnyLayout) {
   cloud.row_step = cloud.point_step + 5;
   cloud.data.assign(3 * cloud.row_step, 0xff);
   PlanarScan scan = threeRays();
-  scan.speed.reset();  // has no field
+  scan.speed.reset();      // has no field,
+  scan.predicted.reset();  // neither has this
   for (std::size_t i = 0; i < 3; ++i) {
     const PlanarRay& ray = scan.rays[i];
     const float values[] = {

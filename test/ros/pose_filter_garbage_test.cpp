@@ -147,7 +147,7 @@ TEST_F(PoseFilterGarbage, PosesThatAreNone) {
     pose.pose.covariance[0] = -1.0;
     pose_.publish(pose);
   });
-  expectDiagnosis("pose: too late", [&] { pose_.publish(poseAt(now_ - 3600.0)); });
+  expectDiagnosis("pose: too old", [&] { pose_.publish(poseAt(now_ - 3600.0)); });
 }
 
 TEST_F(PoseFilterGarbage, HeightsThatAreNone) {

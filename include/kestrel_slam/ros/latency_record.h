@@ -21,6 +21,7 @@ class LatencyRecord {
 
   void sent(const LiveMessage& message);
   void poseReceived(const ros::Time& stamp);
+  void stateReceived(const ros::Time& stamp);  ///< of the pose filter
 
   std::size_t sentScans() const;
   std::size_t poses() const;
@@ -33,6 +34,8 @@ class LatencyRecord {
   /// From the publication of all that a pose needs, which is the scan and an IMU message that is
   /// not older than its last beam, to the pose, ms, ascending.
   std::vector<double> fromLastInput() const;
+  /// From the publication of an IMU message to the pose filter's state, ms, ascending.
+  std::vector<double> fromImu() const;
 
  private:
   struct Scan {
@@ -47,6 +50,8 @@ class LatencyRecord {
   const bool needs_imu_;
   mutable std::mutex mutex_;
   std::map<ros::Time, Scan> scans_;  ///< by stamp
+  std::map<ros::Time, ros::WallTime> imu_sent_;  ///< those without a state yet
+  std::vector<double> from_imu_;                 ///< ms
   ros::Time imu_until_;
 };
 
