@@ -38,9 +38,12 @@ struct FilterState {
   double ground = 0.0;
   StateMatrix covariance = StateMatrix::Zero();
 
-  bool anchored = false;          ///< the place in map is known
-  double aided_stamp = -1e18;     ///< of the last pose or position that was accepted, s
-  double rejected_since = -1.0;   ///< stamp of the first pose rejected in a row; < 0: none
+  bool anchored = false;                ///< the place in map is known
+  double aided_stamp = -1e18;           ///< of the last pose or position that was accepted, s
+  double rejected_since = -1.0;         ///< stamp of the first pose rejected in a row; < 0: none
+  double height_rejected_since = -1.0;  ///< the same of readings of the range finder
+  double range_stamp = -1e18;           ///< of the last of them, s,
+  double range_m = 0.0;                 ///< and how far down it saw, m
   double step_height = 0.0;       ///< ground that rejected readings of the range finder suggest, m
   std::size_t step_readings = 0;  ///< how many in a row
 };

@@ -55,6 +55,8 @@ const char* toString(FilterHealth health) {
   return "unknown";
 }
 
+double FilterOutput::yaw() const { return yawOf(Eigen::Quaterniond(map_T_base.linear())); }
+
 Pose2 FilterOutput::odomPose() const {
   return {odom_T_base.translation().x(), odom_T_base.translation().y(),
           yawOf(Eigen::Quaterniond(odom_T_base.linear()))};

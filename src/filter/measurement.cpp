@@ -21,6 +21,9 @@ constexpr double kAnyCorrelation = 2.0;
 const double kMinCosine = std::cos(degToRad(45.0));
 /// Two levels of the ground that differ by less are the same, m.
 constexpr double kSameLevel = 0.1;
+/// Faster changes of what is below are steps, m/s; and after this long anything may have changed,
+/// s.
+constexpr double kMaxClimb = 3.0, kForgetRange_s = 1.0;
 /// How far the floor may be off level where it is recognised again, m.
 constexpr double kFloorSigma = 0.01;
 /// A pose that is taken over: nothing was known before.
@@ -140,35 +143,70 @@ Verdict applyPose(const Measurement& m, const PoseFilterConfig& config, FilterSt
   return verdict;
 }
 
-/// The floor is at 0. A reading that fits neither the present ground nor the floor is a step where
-/// the next ones agree with it.
+/// Whether the ground jumps below the vehicle: no vehicle climbs as fast.
+bool isJump(double stamp, double down_m, const FilterState& state) {
+  const double seconds = stamp - state.range_stamp;
+  return seconds > kForgetRange_s ||
+         std::abs(down_m - state.range_m) > kMaxClimb * std::abs(seconds) + kSameLevel;
+}
+
+void forget(int index, double variance, FilterState& state) {
+  state.covariance.row(index).setZero();
+  state.covariance.col(index).setZero();
+  state.covariance(index, index) = variance;
+}
+
+/// The ground is the floor where the reading fits that, else another level that is learnt.
+void stepTo(const Measurement& m, double ground, const PoseFilterConfig& config,
+            FilterState& state) {
+  const auto noise = m.covariance.topLeftCorner<1, 1>();
+  state.ground = 0.0;
+  forget(kGround, square(kFloorSigma), state);
+  if (!passes<1>(linearizeRange(m, state), noise, 1.0, config, state)) {
+    state.ground = ground;
+    forget(kGround, square(config.height.range_max_m), state);
+  }
+  update<1>(linearizeRange(m, state), noise, state);
+}
+
+/// The filter's height is wrong: it is taken from the range finder.
+void anchorHeight(const Measurement& m, FilterState& state) {
+  forget(kPosition + 2, square(kUnknownM), state);
+  forget(kVelocity + 2, square(kMaxClimb), state);
+  update<1>(linearizeRange(m, state), m.covariance.topLeftCorner<1, 1>(), state);
+}
+
+/// The floor is at 0. Where a reading does not fit, either the ground has jumped and the next
+/// readings agree with it, or the filter is wrong.
 Verdict applyRange(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
   const double cosine = (state.map_R_base * Eigen::Vector3d::UnitZ()).z();
   if (cosine < kMinCosine) return {"tilted"};
   const auto noise = m.covariance.topLeftCorner<1, 1>();
+  const double down = m.value.x() * cosine, ground = state.position.z() - down;
+  const bool jump = isJump(m.stamp, down, state);
+  state.range_stamp = m.stamp;
+  state.range_m = down;
   if (passes<1>(linearizeRange(m, state), noise, 1.0, config, state)) {
     update<1>(linearizeRange(m, state), noise, state);
     state.step_readings = 0;
+    state.height_rejected_since = -1.0;
     return {};
   }
-  const double ground = state.position.z() - m.value.x() * cosine;
   const bool agrees = state.step_readings > 0 && std::abs(ground - state.step_height) < kSameLevel;
-  state.step_readings = agrees ? state.step_readings + 1 : 1;
+  state.step_readings = agrees ? state.step_readings + 1 : jump ? 1 : 0;
   state.step_height = ground;
-  if (state.step_readings < config.height.step_readings) return {"step below"};
-  state.step_readings = 0;
-  StateMatrix& p = state.covariance;
-  p.row(kGround).setZero();
-  p.col(kGround).setZero();
-  state.ground = 0.0;
-  p(kGround, kGround) = square(kFloorSigma);
-  const Linearized<1> floor = linearizeRange(m, state);
-  if (!passes<1>(floor, noise, 1.0, config, state)) {
-    state.ground = ground;
-    p(kGround, kGround) = square(config.height.range_max_m);
+  if (state.height_rejected_since < 0.0) state.height_rejected_since = m.stamp;
+  const bool steps = state.step_readings >= config.height.step_readings;
+  const bool wrong = m.stamp - state.height_rejected_since >= config.gate.anchor_after_s;
+  if (!steps && !wrong) return {state.step_readings > 0 ? "step below" : kGated};
+  if (steps) {
+    stepTo(m, ground, config, state);
+  } else {
+    anchorHeight(m, state);
   }
-  update<1>(linearizeRange(m, state), noise, state);
-  return {};
+  state.step_readings = 0;
+  state.height_rejected_since = -1.0;
+  return {"", !steps};
 }
 
 /// Smooth flight at constant speed looks the same to an IMU.

@@ -23,7 +23,7 @@ struct Measurement {
 /// What became of a measurement: accepted where `reason` is empty.
 struct Verdict {
   std::string reason;
-  bool anchored = false;  ///< the pose was taken over as it is
+  bool anchored = false;  ///< the pose or height was taken over as it is
 };
 
 /// Applies `measurement` to the state, which has to be that of its stamp. Rejected measurements

@@ -1,12 +1,15 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "kestrel_slam/simulation/flight_plan.h"
 #include "kestrel_slam/tools/consistency.h"
 #include "kestrel_slam/tools/filter_measurement.h"
+#include "kestrel_slam/tools/recorded_filter.h"
+#include "kestrel_slam/tools/reference.h"
 #include "kestrel_slam/tools/run_tool.h"
 
 namespace kestrel_slam {
@@ -21,6 +24,8 @@ struct Options {
   double cost_s = 100.0;
   std::string only;
   bool counts = false;
+  std::vector<std::string> bags;
+  std::string reference_topic;
 };
 
 bool isWanted(const Options& options, const std::string& name) {
@@ -199,7 +204,40 @@ void flyAtRandom(const Options& options) {
   printConsistency(flights);
 }
 
+void printErrors(const std::string& name, const char* who, const char* coupling,
+                 const MovingErrors& errors) {
+  std::printf("| %s | %s | %s | %zu | %.3f m | %.3f m/s |\n", name.c_str(), who, coupling,
+              errors.count, errors.position_rmse_m, errors.velocity_rmse);
+  std::fflush(stdout);
+}
+
+/// Recordings with motion capture: the mapper alone, and the filter.
+void compareWithMotionCapture(const Options& options) {
+  std::printf(
+      "\n| recording | pose of | filter gives | poses | position rmse | velocity rmse "
+      "|\n|---|---|---|---|---|---|\n");
+  for (const std::string& path : options.bags) {
+    const std::string name = std::filesystem::path(path).filename().string();
+    const Trajectory reference = readReference(path, options.reference_topic);
+    for (const bool coupled : {false, true}) {
+      CouplingOptions coupling;
+      coupling.attitude = coupling.prediction = coupled;
+      const auto recording = openRecording(path);
+      const RecordedFilterRun run =
+          runFiltered(*recording, SlamConfig(), PoseFilterConfig(), coupling);
+      const char* how = coupled ? "prediction and attitude" : "nothing";
+      printErrors(name, "mapper", how, compareWithReference(run.mapper, reference));
+      printErrors(name, "filter", how, compareWithReference(run.filter, reference));
+      if (options.counts) printCounts(run.status);
+    }
+  }
+}
+
 void run(const Options& options) {
+  if (!options.bags.empty()) {
+    compareWithMotionCapture(options);
+    return;
+  }
   flyWithTruth(options);
   compareCoupling(options);
   if (options.random_flights > 0) flyAtRandom(options);
@@ -228,5 +266,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--only", options.only, "only the flights whose name contains this text");
   app.add_flag("--counts", options.counts, "what became of every sensor's measurements");
+  app.add_option("--recording", options.bags,
+                 "instead of flying: recordings with IMU and motion capture");
+  app.add_option("--reference-topic", options.reference_topic, "of the motion capture");
   return runTool("measure_filter", app, argc, argv, [&] { run(options); });
 }

@@ -81,6 +81,7 @@ struct FilterOutput {
 
   /// Velocity in base, as nav_msgs/Odometry's twist has it, m/s.
   Eigen::Vector3d velocityInBase() const { return map_T_base.linear().transpose() * velocity; }
+  double yaw() const;  ///< of the base in map, rad
   /// odom_T_base seen from above: PlanarScan::predicted.
   Pose2 odomPose() const;
 
@@ -120,10 +121,10 @@ struct FilterStatus {
   std::string message;  ///< a sentence for the user: what is wrong, with values, and what to do
   SensorCounts imu;
   std::array<SensorCounts, kFilterSensors> sensors;  ///< by FilterSensor
-  std::size_t anchors = 0;                           ///< poses taken over after a jump of the map
-  std::map<std::string, std::size_t> resets;         ///< by reason
-  double imu_rate_hz = 0.0;                          ///< smoothed
-  bool started_in_air = false;                       ///< the last start was no standstill
+  std::size_t anchors = 0;                    ///< poses and heights taken over against the filter
+  std::map<std::string, std::size_t> resets;  ///< by reason
+  double imu_rate_hz = 0.0;                   ///< smoothed
+  bool started_in_air = false;                ///< the last start was no standstill
   const SensorCounts& of(FilterSensor sensor) const {
     return sensors[static_cast<std::size_t>(sensor)];
   }
