@@ -26,7 +26,7 @@ bool isUsable(const PlanarScan& scan) {
   return std::all_of(scan.rays.begin(), scan.rays.end(),
                      [](const PlanarRay& ray) { return isUsable(ray); }) &&
          (!scan.heading || std::isfinite(*scan.heading)) &&
-         (!scan.speed || scan.speed->allFinite());
+         (!scan.speed || scan.speed->allFinite()) && (!scan.predicted || isUsable(*scan.predicted));
 }
 
 /// The scan without its broken rays.
@@ -37,6 +37,7 @@ PlanarScan repaired(const PlanarScan& scan) {
                     result.rays.end());
   if (result.heading && !std::isfinite(*result.heading)) result.heading.reset();
   if (result.speed && !result.speed->allFinite()) result.speed.reset();
+  if (result.predicted && !isUsable(*result.predicted)) result.predicted.reset();
   return result;
 }
 

@@ -24,6 +24,10 @@ constexpr double kTurnNoise = 0.1;     // rad
 /// Lost for longer than this in a row, the vehicle may have been turned by hand.
 constexpr int kTrustedLostScans = 40;
 
+/// What a pose filter says of a longer absence, or of a faster vehicle, is no prediction.
+constexpr double kMaxPredicted_s = 5.0;
+constexpr double kMaxPredictedSpeed = 10.0;  // m/s
+
 /// Time constant of the velocity, s.
 constexpr double kVelocityTime = 0.15;
 
@@ -69,7 +73,14 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
     const auto place = lost_scans_ > 0 ? result.starts.begin() : result.starts.end();
     result.starts.insert(place, pose_ * (odom_->inverse() * *odom_T_base));
   }
-  result.turn_known = has_turn && lost_scans_ < kTrustedLostScans;
+  const std::optional<Pose2> moved = predictedSince(scan);
+  if (moved) {
+    // Where that fits badly it is rarely for the start: our own prediction and none have to do.
+    result.starts.resize(2);
+    result.starts.insert(result.starts.begin(), pose_ * *moved);
+    result.trusted = lost_scans_ == 0 && !placed_ && scan.time - time_ <= gap_s_;
+  }
+  result.turn_known = (has_turn || moved) && lost_scans_ < kTrustedLostScans;
   result.lost = lost_scans_ > 0 || scan.time - time_ > gap_s_;
   result.search_all_round = result.lost && !result.turn_known;
   if (result.lost) {
@@ -90,6 +101,16 @@ std::optional<double> MotionModel::turnSince(const PlanarScan& scan) const {
   return std::abs(turn) <= kMaxTurnRate * seconds + kTurnNoise ? std::optional(turn) : std::nullopt;
 }
 
+/// The motion since the last scan by a pose filter: the best that there is.
+std::optional<Pose2> MotionModel::predictedSince(const PlanarScan& scan) const {
+  const double seconds = scan.time - time_;
+  if (!predicted_ || !scan.predicted || !(seconds <= kMaxPredicted_s)) return std::nullopt;
+  const Pose2 moved = predicted_->inverse() * *scan.predicted;
+  const bool possible = moved.distance() <= kMaxPredictedSpeed * std::max(0.0, seconds) &&
+                        std::abs(moved.theta) <= kMaxTurnRate * seconds + kTurnNoise;
+  return possible ? std::optional(moved) : std::nullopt;
+}
+
 /// What the accelerometer says of the velocity since the last scan, in map, m/s.
 Eigen::Vector2d MotionModel::gainedSpeed(const PlanarScan& scan) const {
   if (!turnSince(scan) || !speed_ || !scan.speed) return Eigen::Vector2d::Zero();
@@ -98,6 +119,7 @@ Eigen::Vector2d MotionModel::gainedSpeed(const PlanarScan& scan) const {
 
 Carrier MotionModel::carrierOf(const PlanarScan& scan,
                                const std::optional<Pose2>& odom_T_base) const {
+  if (predictedSince(scan)) return Carrier::kAccelerometer;
   if (odom_ && odom_T_base) return Carrier::kOdometry;
   return turnSince(scan) && speed_ && scan.speed ? Carrier::kAccelerometer : Carrier::kVelocity;
 }
@@ -106,9 +128,10 @@ std::optional<Pose2> MotionModel::carried(const MatchRequest& request, const Pla
                                           const std::optional<Pose2>& odom_T_base) const {
   const double seconds = scan.time - time_;
   if (lost_scans_ > 0 || placed_ || !(seconds >= 0.0) || seconds > gap_s_) return std::nullopt;
+  const Pose2& predicted = request.starts.front();
+  if (predictedSince(scan)) return predicted;
   if (odom_ && odom_T_base) return pose_ * (odom_->inverse() * *odom_T_base);
   // The motion of the last scan alone would carry its noise on as speed.
-  const Pose2& predicted = request.starts.front();
   const Eigen::Vector2d moved =
       pose_.translation() + seconds * (velocity_ + 0.5 * gainedSpeed(scan));
   return Pose2(moved.x(), moved.y(), predicted.theta);
@@ -150,6 +173,7 @@ void MotionModel::updateVelocity(const Pose2& next, const PlanarScan& scan, bool
 void MotionModel::remember(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                            bool lost) {
   odom_ = odom_T_base;
+  predicted_ = scan.predicted;
   heading_ = scan.heading;
   speed_ = scan.speed;
   time_ = scan.time;
@@ -160,6 +184,7 @@ void MotionModel::setPose(const Pose2& map_T_base) {
   pose_ = map_T_base;
   motion_ = Pose2();
   odom_.reset();
+  predicted_.reset();
   heading_.reset();
   velocity_.setZero();
   placed_ = true;

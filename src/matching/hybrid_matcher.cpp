@@ -91,6 +91,7 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
   for (std::size_t i = first; i < request.starts.size() && best.fit.score < config_.good_score;
        ++i) {
     Candidate other = refine(map, request, request.starts[i]);
+    ++result.fallbacks;
     result.iterations += other.descent.iterations;
     const double margin = request.trusted ? jumpMargin(config_, request, other.descent.pose) : 0.0;
     if (other.preferred > best.preferred + margin) best = other;

@@ -131,6 +131,7 @@ struct FlightSimulator::State {
   const Motion& motion;
   const VehicleModel vehicle;
   const std::uint64_t seed;
+  std::unique_ptr<ImuSimulator> imu;
   std::vector<Stream> streams;  ///< of messages that arrive at once, that of the first comes first
 };
 
@@ -179,9 +180,9 @@ void FlightSimulator::State::addTruth() {
 
 void FlightSimulator::State::addAttitudeSensors() {
   if (!vehicle.imu) return;
-  auto imu = std::make_shared<ImuSimulator>(*vehicle.imu, vehicle.base_R_imu, seedOf(kImu));
+  imu = std::make_unique<ImuSimulator>(*vehicle.imu, vehicle.base_R_imu, seedOf(kImu));
   add(kImu, vehicle.imu->rate_hz, vehicle.imu->latency_s,
-      [this, imu](double time) { return imu->next(motion.at(time)); });
+      [this](double time) { return imu->next(motion.at(time)); });
 }
 
 void FlightSimulator::State::addHeightSensors() {
@@ -234,6 +235,11 @@ FlightSimulator::FlightSimulator(const World& world, const Motion& motion,
 }
 
 FlightSimulator::~FlightSimulator() = default;
+
+TrueBiases FlightSimulator::imuBiases() const {
+  if (!state_->imu) return {};
+  return {state_->imu->gyroBias(), state_->imu->accelerometerBias()};
+}
 
 bool FlightSimulator::next(FlightEvent& event) {
   Stream* first = nullptr;

@@ -18,6 +18,9 @@ class ImuSimulator {
   /// The next reading, in the state `truth`; its stamp is not set.
   ImuSample next(const TrueState& truth);
 
+  const Eigen::Vector3d& gyroBias() const { return gyro_bias_; }                    ///< in the IMU
+  const Eigen::Vector3d& accelerometerBias() const { return accelerometer_bias_; }  ///< the same
+
  private:
   Eigen::Vector3d normal(double sigma);
   /// One step of a Gauss-Markov process with the attitude's correlation time.

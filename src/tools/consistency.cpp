@@ -35,12 +35,12 @@ double neesOf(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
   return error.dot(covariance.ldlt().solve(error));
 }
 
-std::pair<double, double> meanNeesBand(std::size_t count) {
-  constexpr double kFreedom = 3.0, kQuantile = 1.959964;  // of the normal distribution, 97.5 %
-  const double n = kFreedom * static_cast<double>(std::max<std::size_t>(count, 1));
+std::pair<double, double> meanNeesBand(std::size_t count, double freedom) {
+  constexpr double kQuantile = 1.959964;  // of the normal distribution, 97.5 %
+  const double n = freedom * static_cast<double>(std::max<std::size_t>(count, 1));
   const double c = 2.0 / (9.0 * n);
   const auto quantile = [&](double z) {
-    return kFreedom * std::pow(1.0 - c + z * std::sqrt(c), 3.0);
+    return freedom * std::pow(1.0 - c + z * std::sqrt(c), 3.0);
   };
   return {quantile(-kQuantile), quantile(kQuantile)};
 }

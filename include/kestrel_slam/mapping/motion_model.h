@@ -14,8 +14,8 @@ namespace kestrel_slam {
 bool isUsable(const Pose2& pose);
 
 /// The motion of the vehicle up to its last scan, and the prediction of where the next one was
-/// taken (paper 002 eq. 5-6): from the velocity, the gyro's turn, the accelerometer and the
-/// odometry, whatever of them there is.
+/// taken (paper 002 eq. 5-6): from a pose filter, the velocity, the gyro's turn, the
+/// accelerometer and the odometry, whatever of them there is.
 class MotionModel {
  public:
   explicit MotionModel(const MapperConfig& config, const Pose2& map_T_base = Pose2());
@@ -52,6 +52,7 @@ class MotionModel {
 
  private:
   std::optional<double> turnSince(const PlanarScan& scan) const;
+  std::optional<Pose2> predictedSince(const PlanarScan& scan) const;
   Eigen::Vector2d gainedSpeed(const PlanarScan& scan) const;
   void updateVelocity(const Pose2& next, const PlanarScan& scan, bool unknown);
 
@@ -60,6 +61,7 @@ class MotionModel {
   Pose2 pose_;
   Pose2 motion_;                          ///< from the scan before the last one to the last one
   std::optional<Pose2> odom_;             ///< odom_T_base of the last scan
+  std::optional<Pose2> predicted_;        ///< of a pose filter, at the last scan
   std::optional<double> heading_;         ///< of the gyro, at the last scan, rad
   std::optional<Eigen::Vector2d> speed_;  ///< of the accelerometer, at the last scan
   Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();

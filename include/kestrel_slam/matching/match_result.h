@@ -22,6 +22,7 @@ struct MatchResult {
   double score = 0.0;  ///< fit of the beams that end in known space, 0 (none) to 1 (all on walls)
   double known = 0.0;  ///< share of the beams that end in known space, 0 to 1
   int iterations = 0;
+  int fallbacks = 0;  ///< predictions that were tried beside the first, as that fitted badly
   bool converged = false;
   bool searched = false;    ///< the exhaustive search ran
   bool degenerate = false;  ///< the scan does not constrain the direction below

@@ -4,6 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "kestrel_slam/geometry/pose2.h"
+
 namespace kestrel_slam {
 
 /// One beam in the gravity-aligned frame of the vehicle (x forward, y left, m), at the scan's
@@ -25,6 +27,8 @@ struct PlanarScan {
   /// Integrated horizontal acceleration at `stamp`, m/s, in the frame in which `heading` counts:
   /// only the difference between two scans has a meaning.
   std::optional<Eigen::Vector2d> speed;
+  /// odom_T_base of a pose filter at `stamp`: only the difference between two scans has a meaning.
+  std::optional<Pose2> predicted;
   std::vector<PlanarRay> rays;
 
   std::size_t hitCount() const {

@@ -97,6 +97,11 @@ struct Barometer {
 using FlightMessage =
     std::variant<LaserScan, PointCloud, ImuSample, HeightSample, Barometer, TruePose, TrueWalkers>;
 
+struct TrueBiases {
+  Eigen::Vector3d gyro = Eigen::Vector3d::Zero();           ///< rad/s, in the IMU
+  Eigen::Vector3d accelerometer = Eigen::Vector3d::Zero();  ///< m/s²
+};
+
 struct FlightEvent {
   double stamp = 0.0;    ///< of the message, s
   double arrival = 0.0;  ///< when it reaches the computer, s
@@ -119,6 +124,9 @@ class FlightSimulator {
 
   /// False at the end.
   bool next(FlightEvent& event);
+
+  /// Of the IMU now; zero without one.
+  TrueBiases imuBiases() const;
 
  private:
   struct State;

@@ -15,8 +15,9 @@ namespace kestrel_slam {
 double neesOf(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance);
 constexpr std::pair<double, double> kNeesBand = {0.2158, 9.3484};
 
-/// The 95 % band of the mean of `count` independent values (Wilson and Hilferty's approximation).
-std::pair<double, double> meanNeesBand(std::size_t count);
+/// The 95 % band of the mean of `count` independent values with so many degrees of freedom each
+/// (Wilson and Hilferty's approximation).
+std::pair<double, double> meanNeesBand(std::size_t count, double freedom = 3.0);
 
 /// A pose with its truth, both of them in map: the true motion is counted from the first pose,
 /// which defines the map.

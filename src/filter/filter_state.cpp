@@ -1,0 +1,146 @@
+#include "filter_state.h"
+
+#include "../sensor/attitude_estimator.h"
+#include "kestrel_slam/geometry/angles.h"
+
+namespace kestrel_slam {
+namespace {
+
+// A saturated reading tells hardly more than the direction.
+constexpr double kSaturatedGyroNoise = 1.0;            // rad/s/sqrt(Hz)
+constexpr double kSaturatedAccelerometerNoise = 10.0;  // m/s²/sqrt(Hz)
+
+// What a vehicle may do unseen in a gap, besides going on as before.
+constexpr double kGapRate = 0.5;          // rad/s
+constexpr double kGapAcceleration = 2.0;  // m/s²
+
+double square(double x) { return x * x; }
+
+/// The blocks of the transition that are neither zero nor one.
+struct Step {
+  Eigen::Matrix3d turn;       ///< of the orientation by the gyro's bias, negative
+  Eigen::Matrix3d lean;       ///< of the velocity by the orientation
+  Eigen::Matrix3d lean_bias;  ///< of the velocity by the gyro's bias
+};
+
+/// Rotation in the middle of the step.
+Eigen::Quaterniond middle(const ImuInput& input, double dt, const FilterState& state) {
+  return state.map_R_base * rotationBy(0.5 * dt * (input.rate - state.gyro_bias));
+}
+
+Step stepOf(const FilterState& state, const ImuInput& input, double dt) {
+  const Eigen::Matrix3d map_R_middle = middle(input, dt, state).toRotationMatrix();
+  const Eigen::Vector3d force = map_R_middle * (input.force - state.accelerometer_bias);
+  Step step;
+  step.turn = dt * map_R_middle;
+  step.lean = -dt * skew(force);
+  step.lean_bias = -0.5 * step.lean * step.turn;
+  return step;
+}
+
+/// Left multiplication of `matrix` with the transition; the rows of the biases stay.
+void multiply(const Step& step, double dt, StateMatrix& matrix) {
+  using Rows = Eigen::Matrix<double, 3, kStateDim>;
+  const Rows gained = step.lean * matrix.middleRows<3>(kOrientation) +
+                      step.lean_bias * matrix.middleRows<3>(kGyroBias) -
+                      step.turn * matrix.middleRows<3>(kAccelerometerBias);
+  matrix.middleRows<3>(kPosition) += dt * matrix.middleRows<3>(kVelocity) + 0.5 * dt * gained;
+  matrix.middleRows<3>(kVelocity) += gained;
+  matrix.middleRows<3>(kOrientation) -= step.turn * matrix.middleRows<3>(kGyroBias);
+}
+
+void addNoise(const ImuInput& input, double dt, const PoseFilterConfig& config, StateMatrix& p) {
+  const ImuNoiseConfig& noise = config.noise;
+  const double gyro = square(input.rate_saturated ? kSaturatedGyroNoise : noise.gyro_noise);
+  const double accelerometer =
+      square(input.force_saturated ? kSaturatedAccelerometerNoise : noise.accelerometer_noise);
+  const double gyro_walk = square(noise.gyro_bias_walk) * dt;
+  const double accelerometer_walk = square(noise.accelerometer_bias_walk) * dt;
+  for (int i = 0; i < 3; ++i) {
+    p(kOrientation + i, kOrientation + i) += gyro * dt;
+    p(kVelocity + i, kVelocity + i) += accelerometer * dt;
+    p(kPosition + i, kPosition + i) += accelerometer * dt * dt * dt / 3.0;
+    p(kPosition + i, kVelocity + i) += 0.5 * accelerometer * dt * dt;
+    p(kVelocity + i, kPosition + i) += 0.5 * accelerometer * dt * dt;
+    p(kGyroBias + i, kGyroBias + i) += gyro_walk;
+    p(kAccelerometerBias + i, kAccelerometerBias + i) += accelerometer_walk;
+  }
+  p(kBarometerOffset, kBarometerOffset) += square(config.height.barometer_drift) * dt;
+}
+
+}  // namespace
+
+Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d result;
+  result << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return result;
+}
+
+StateMatrix transition(const FilterState& state, const ImuInput& input, double dt) {
+  StateMatrix result = StateMatrix::Identity();
+  multiply(stepOf(state, input, dt), dt, result);
+  return result;
+}
+
+void moveEstimate(const ImuInput& input, double dt, FilterState& state) {
+  const Eigen::Vector3d gravity(0.0, 0.0, kGravity);
+  const Eigen::Vector3d acceleration =
+      middle(input, dt, state) * (input.force - state.accelerometer_bias) - gravity;
+  state.map_R_base =
+      (state.map_R_base * rotationBy(dt * (input.rate - state.gyro_bias))).normalized();
+  state.position += dt * state.velocity + 0.5 * dt * dt * acceleration;
+  state.velocity += dt * acceleration;
+  state.stamp += dt;
+}
+
+void propagate(const ImuInput& input, double dt, const PoseFilterConfig& config,
+               FilterState& state) {
+  const Step step = stepOf(state, input, dt);
+  multiply(step, dt, state.covariance);
+  state.covariance.transposeInPlace();  // symmetric before: now the other side
+  multiply(step, dt, state.covariance);
+  addNoise(input, dt, config, state.covariance);
+  moveEstimate(input, dt, state);
+}
+
+void addGap(double dt, FilterState& state) {
+  const double turned = square(kGapRate * dt), gained = square(kGapAcceleration * dt);
+  for (int i = 0; i < 3; ++i) {
+    state.covariance(kOrientation + i, kOrientation + i) += turned;
+    state.covariance(kVelocity + i, kVelocity + i) += gained;
+    state.covariance(kPosition + i, kPosition + i) += 0.25 * gained * dt * dt;
+  }
+}
+
+void inject(const StateVector& error, FilterState& state) {
+  state.map_R_base = (rotationBy(error.segment<3>(kOrientation)) * state.map_R_base).normalized();
+  state.position += error.segment<3>(kPosition);
+  state.velocity += error.segment<3>(kVelocity);
+  state.gyro_bias += error.segment<3>(kGyroBias);
+  state.accelerometer_bias += error.segment<3>(kAccelerometerBias);
+  state.barometer_offset += error(kBarometerOffset);
+  state.ground += error(kGround);
+}
+
+StateVector errorBetween(const FilterState& estimate, const FilterState& truth) {
+  StateVector error;
+  const Eigen::AngleAxisd turn(truth.map_R_base * estimate.map_R_base.conjugate());
+  const double angle = normalizeAngle(turn.angle());
+  error.segment<3>(kOrientation) = angle * turn.axis();
+  error.segment<3>(kPosition) = truth.position - estimate.position;
+  error.segment<3>(kVelocity) = truth.velocity - estimate.velocity;
+  error.segment<3>(kGyroBias) = truth.gyro_bias - estimate.gyro_bias;
+  error.segment<3>(kAccelerometerBias) = truth.accelerometer_bias - estimate.accelerometer_bias;
+  error(kBarometerOffset) = truth.barometer_offset - estimate.barometer_offset;
+  error(kGround) = truth.ground - estimate.ground;
+  return error;
+}
+
+bool isHealthy(const FilterState& state) {
+  const bool finite = state.map_R_base.coeffs().allFinite() && state.position.allFinite() &&
+                      state.velocity.allFinite() && state.gyro_bias.allFinite() &&
+                      state.accelerometer_bias.allFinite() && state.covariance.allFinite();
+  return finite && (state.covariance.diagonal().array() >= 0.0).all();
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,94 @@
+#include "kestrel_slam/filter/filter_types.h"
+
+#include "kestrel_slam/sensor/attitude_buffer.h"
+
+namespace kestrel_slam {
+namespace {
+
+/// What the filter may be wrong by where others build on it: 0.6 degrees move the end of a beam of
+/// 10 m by 0.1 m in height; 0.2 m/s are 5 mm between two scans of 40 Hz.
+constexpr double kUsefulTilt = 0.01;  // rad
+constexpr double kUsefulSpeed = 0.2;  // m/s
+
+/// Whether the deviations of two states that follow each other are below `limit`.
+bool areKnown(const FilterCovariance& covariance, int first, double limit) {
+  return covariance.diagonal().segment<2>(first).maxCoeff() < limit * limit;
+}
+
+}  // namespace
+
+const char* toString(FilterSensor sensor) {
+  switch (sensor) {
+    case FilterSensor::kPose:
+      return "pose";
+    case FilterSensor::kRange:
+      return "range finder";
+    case FilterSensor::kFloorBeams:
+      return "floor beams";
+    case FilterSensor::kBarometer:
+      return "barometer";
+    case FilterSensor::kHeading:
+      return "heading";
+    case FilterSensor::kPosition:
+      return "position";
+    case FilterSensor::kGravityDirection:
+      return "gravity";
+    case FilterSensor::kZeroVelocity:
+      return "zero velocity";
+  }
+  return "unknown";
+}
+
+const char* toString(FilterHealth health) {
+  switch (health) {
+    case FilterHealth::kOk:
+      return "ok";
+    case FilterHealth::kCoasting:
+      return "coasting";
+    case FilterHealth::kInitialising:
+      return "initialising";
+    case FilterHealth::kNoImu:
+      return "no IMU";
+    case FilterHealth::kBadImu:
+      return "bad IMU";
+  }
+  return "unknown";
+}
+
+double FilterOutput::yaw() const { return yawOf(Eigen::Quaterniond(map_T_base.linear())); }
+
+Pose2 FilterOutput::odomPose() const {
+  return {odom_T_base.translation().x(), odom_T_base.translation().y(),
+          yawOf(Eigen::Quaterniond(odom_T_base.linear()))};
+}
+
+bool FilterOutput::givesAttitude() const { return areKnown(covariance, kOrientation, kUsefulTilt); }
+
+bool FilterOutput::givesPrediction() const { return areKnown(covariance, kVelocity, kUsefulSpeed); }
+
+Eigen::Matrix<double, 6, 6> poseCovariance(const FilterOutput& output) {
+  const FilterCovariance& p = output.covariance;
+  Eigen::Matrix<double, 6, 6> result;
+  result.topLeftCorner<3, 3>() = p.block<3, 3>(kPosition, kPosition);
+  result.topRightCorner<3, 3>() = p.block<3, 3>(kPosition, kOrientation);
+  result.bottomLeftCorner<3, 3>() = p.block<3, 3>(kOrientation, kPosition);
+  result.bottomRightCorner<3, 3>() = p.block<3, 3>(kOrientation, kOrientation);
+  return result;
+}
+
+Eigen::Matrix<double, 6, 6> twistCovariance(const FilterOutput& output, double gyro_sigma) {
+  // The velocity in base also turns with the error of the orientation: Rᵀ (dv + v x dtheta).
+  const Eigen::Matrix3d base_R_map = output.map_T_base.linear().transpose();
+  const Eigen::Vector3d& v = output.velocity;
+  Eigen::Matrix3d turned;
+  turned << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  Eigen::Matrix<double, 6, kFilterDim> jacobian = Eigen::Matrix<double, 6, kFilterDim>::Zero();
+  jacobian.block<3, 3>(0, kVelocity) = base_R_map;
+  jacobian.block<3, 3>(0, kOrientation) = base_R_map * turned;
+  jacobian.block<3, 3>(3, kGyroBias) = -Eigen::Matrix3d::Identity();
+  Eigen::Matrix<double, 6, 6> result = jacobian * output.covariance * jacobian.transpose();
+  result.diagonal().tail<3>().array() += gyro_sigma * gyro_sigma;
+  return result;
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+
+#include "../sensor/imu_validation.h"
+#include "../sensor/stamp_check.h"
+#include "filter_state.h"
+
+namespace kestrel_slam {
+
+/// One step of the IMU: the mean of its readings (trapezoidal) since the step before.
+struct ImuStep {
+  double stamp = 0.0;
+  double dt = 0.0;   ///< s; 0: the first reading
+  ImuInput mean;     ///< over the step
+  ImuInput reading;  ///< at its end
+};
+
+/// Validates samples of an IMU, turns them into the base, and thins those that come too densely.
+class ImuIntake {
+ public:
+  enum class Result { kStep, kMerged, kRejected, kClockSetBack };
+
+  explicit ImuIntake(const PoseFilterConfig& config);
+
+  /// kStep: `step` is set. kRejected: `fault` is. kClockSetBack: the sample begins a new time.
+  Result add(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu);
+
+  const ImuStep& step() const { return step_; }
+  const ImuFault& fault() const { return fault_; }  ///< of the last rejected sample
+  std::optional<double> newest() const;             ///< stamp of the last sample that was used
+  bool isBad() const { return bad_; }               ///< the last sample was rejected
+  double rate() const;                              ///< of the samples, smoothed, Hz
+
+ private:
+  bool isUsable(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu);
+  ImuInput inBase(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu) const;
+  Result accumulate(double stamp, const ImuInput& reading);
+
+  PoseFilterConfig config_;
+  FrozenCheck frozen_;
+  StampCheck stamps_;
+  ImuFault fault_;
+  bool bad_ = false;
+  ImuStep step_;
+  std::optional<double> last_stamp_;
+  ImuInput last_;
+  ImuInput sum_;           ///< times seconds, of the readings since the last step
+  double period_s_ = 0.0;  ///< smoothed
+};
+
+}  // namespace kestrel_slam

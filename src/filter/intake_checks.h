@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "kestrel_slam/filter/filter_types.h"
+#include "kestrel_slam/filter/pose_filter_config.h"
+#include "kestrel_slam/sensor/imu_sample.h"
+
+namespace kestrel_slam {
+
+/// Why a measurement cannot be used whatever the state is; empty where it can.
+std::string faultOf(const PoseMeasurement& measurement);
+std::string faultOf(const PositionMeasurement& measurement);
+std::string faultOf(const HeadingMeasurement& measurement);
+/// `only_positive`: a distance to the ground, up to `max_m`.
+std::string faultOf(const HeightSample& sample, bool only_positive, double max_m);
+
+/// Finite, symmetric and positive definite.
+bool isCovariance(const Eigen::Matrix3d& matrix);
+
+}  // namespace kestrel_slam

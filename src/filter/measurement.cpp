@@ -1,0 +1,271 @@
+#include "measurement.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "covariance_intersection.h"
+#include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/sensor/attitude_buffer.h"
+
+namespace kestrel_slam {
+namespace {
+
+const char* const kGated = "innovation gate";
+
+/// Errors of two estimates that may be correlated in any way: their difference has at most twice
+/// the sum of their covariances.
+constexpr double kAnyCorrelation = 2.0;
+
+/// A range finder that looks farther aside sees the walls.
+const double kMinCosine = std::cos(degToRad(45.0));
+/// Two levels of the ground that differ by less are the same, m.
+constexpr double kSameLevel = 0.1;
+/// Faster changes of what is below are steps, m/s; and after this long anything may have changed,
+/// s.
+constexpr double kMaxClimb = 3.0, kForgetRange_s = 1.0;
+/// How far the floor may be off level where it is recognised again, m.
+constexpr double kFloorSigma = 0.01;
+/// A pose that is taken over: nothing was known before.
+constexpr double kUnknownM = 1e3, kUnknownRad = 1e2;
+/// Error of the gyro's bias at a standstill, besides the noise of a second, rad/s.
+constexpr double kStandstillRate = 5e-4;
+
+/// A standstill is believed where the speed is known as well as this, m/s.
+constexpr double kKnownSpeed = 0.3;
+
+double square(double x) { return x * x; }
+
+void makeSymmetric(FilterState& state) {
+  state.covariance = (0.5 * (state.covariance + state.covariance.transpose())).eval();
+}
+
+template <int Rows>
+using Square = Eigen::Matrix<double, Rows, Rows>;
+
+template <int Rows>
+double mahalanobis(const Linearized<Rows>& z, const Square<Rows>& covariance) {
+  return z.innovation.dot(covariance.ldlt().solve(z.innovation));
+}
+
+template <int Rows>
+Square<Rows> predicted(const Linearized<Rows>& z, const FilterState& state) {
+  return z.jacobian * state.covariance * z.jacobian.transpose();
+}
+
+template <int Rows>
+bool passes(const Linearized<Rows>& z, const Square<Rows>& noise, double factor,
+            const PoseFilterConfig& config, const FilterState& state) {
+  const Square<Rows> covariance = factor * (predicted(z, state) + noise);
+  return mahalanobis(z, covariance) <= chiSquareQuantile(config.gate.probability, Rows);
+}
+
+template <int Rows>
+void update(const Linearized<Rows>& z, const Square<Rows>& noise, FilterState& state) {
+  const Eigen::Matrix<double, kStateDim, Rows> cross = state.covariance * z.jacobian.transpose();
+  const Square<Rows> inverse = (z.jacobian * cross + noise).inverse();
+  const Eigen::Matrix<double, kStateDim, Rows> gain = cross * inverse;
+  state.covariance -= gain * cross.transpose();
+  makeSymmetric(state);
+  inject(gain * z.innovation, state);
+}
+
+template <int Rows>
+Verdict updateGated(const Linearized<Rows>& z, const Square<Rows>& noise,
+                    const PoseFilterConfig& config, FilterState& state) {
+  if (!passes<Rows>(z, noise, 1.0, config, state)) return {kGated};
+  update<Rows>(z, noise, state);
+  return {};
+}
+
+/// Covariance intersection of one value takes the better of the two: errors of a magnetometer last.
+Verdict updateIntersected(const Linearized<1>& z, double variance, const PoseFilterConfig& config,
+                          FilterState& state) {
+  const double prior = predicted(z, state)(0);
+  if (!passes<1>(z, Square<1>(variance), kAnyCorrelation, config, state)) return {kGated};
+  if (prior > variance) update<1>(z, Square<1>(prior * variance / (prior - variance)), state);
+  return {};
+}
+
+/// What is measured is replaced by its intersection with the measurement; all the rest follows as
+/// far as it is correlated with that.
+void updateIntersected(const Linearized<3>& z, const Eigen::Matrix3d& measured,
+                       FilterState& state) {
+  const Eigen::Matrix<double, kStateDim, 3> cross = state.covariance * z.jacobian.transpose();
+  const Eigen::Matrix3d prior = z.jacobian * cross;
+  const Intersection fused = intersect(0.5 * (prior + prior.transpose()), measured);
+  if (fused.weight >= 1.0) return;
+  const Eigen::Matrix<double, kStateDim, 3> follow = cross * prior.inverse();
+  state.covariance += follow * (fused.covariance - prior) * follow.transpose();
+  makeSymmetric(state);
+  inject(follow * (fused.gain * z.innovation), state);
+}
+
+/// Takes a pose over as if nothing had been known of it. What the vehicle does relative to itself
+/// stays: with the yaw, the velocity turns.
+void anchor(const Measurement& m, FilterState& state) {
+  const double turn = normalizeAngle(m.value.z() - yawOf(state.map_R_base));
+  const Eigen::Quaterniond rotation(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
+  const Eigen::Matrix3d matrix = rotation.toRotationMatrix();
+  state.map_R_base = (rotation * state.map_R_base).normalized();
+  state.velocity = rotation * state.velocity;
+  state.position.head<2>() = m.value.head<2>();
+  for (const int block : {kOrientation, kPosition, kVelocity}) {
+    state.covariance.middleRows<3>(block) = matrix * state.covariance.middleRows<3>(block);
+    state.covariance.middleCols<3>(block) =
+        state.covariance.middleCols<3>(block) * matrix.transpose();
+  }
+  StateVector turned = StateVector::Zero();
+  turned(kOrientation + 2) = 1.0;
+  turned.segment<3>(kVelocity) = Eigen::Vector3d::UnitZ().cross(state.velocity);
+  state.covariance += square(kUnknownRad) * turned * turned.transpose();
+  state.covariance(kPosition, kPosition) += square(kUnknownM);
+  state.covariance(kPosition + 1, kPosition + 1) += square(kUnknownM);
+  update<3>(linearizePose(m, state), m.covariance, state);
+  state.anchored = true;
+}
+
+Verdict applyPose(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
+  const Linearized<3> z = linearizePose(m, state);
+  Verdict verdict;
+  if (!state.anchored || m.place) {
+    anchor(m, state);
+  } else if (passes<3>(z, m.covariance, kAnyCorrelation, config, state)) {
+    updateIntersected(z, m.covariance, state);
+  } else {
+    if (state.rejected_since < 0.0) state.rejected_since = m.stamp;
+    if (m.stamp - state.rejected_since < config.gate.anchor_after_s) return {kGated};
+    anchor(m, state);
+    verdict.anchored = true;
+  }
+  state.rejected_since = -1.0;
+  state.aided_stamp = m.stamp;
+  return verdict;
+}
+
+/// Whether the ground jumps below the vehicle: no vehicle climbs as fast.
+bool isJump(double stamp, double down_m, const FilterState& state) {
+  const double seconds = stamp - state.range_stamp;
+  return seconds > kForgetRange_s ||
+         std::abs(down_m - state.range_m) > kMaxClimb * std::abs(seconds) + kSameLevel;
+}
+
+void forget(int index, double variance, FilterState& state) {
+  state.covariance.row(index).setZero();
+  state.covariance.col(index).setZero();
+  state.covariance(index, index) = variance;
+}
+
+/// The ground is the floor where the reading fits that, else another level that is learnt.
+void stepTo(const Measurement& m, double ground, const PoseFilterConfig& config,
+            FilterState& state) {
+  const auto noise = m.covariance.topLeftCorner<1, 1>();
+  state.ground = 0.0;
+  forget(kGround, square(kFloorSigma), state);
+  if (!passes<1>(linearizeRange(m, state), noise, 1.0, config, state)) {
+    state.ground = ground;
+    forget(kGround, square(config.height.range_max_m), state);
+  }
+  update<1>(linearizeRange(m, state), noise, state);
+}
+
+/// The filter's height is wrong: it is taken from the range finder.
+void anchorHeight(const Measurement& m, FilterState& state) {
+  forget(kPosition + 2, square(kUnknownM), state);
+  forget(kVelocity + 2, square(kMaxClimb), state);
+  update<1>(linearizeRange(m, state), m.covariance.topLeftCorner<1, 1>(), state);
+}
+
+/// The floor is at 0. Where a reading does not fit, either the ground has jumped and the next
+/// readings agree with it, or the filter is wrong.
+Verdict applyRange(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
+  const double cosine = (state.map_R_base * Eigen::Vector3d::UnitZ()).z();
+  if (cosine < kMinCosine) return {"tilted"};
+  const auto noise = m.covariance.topLeftCorner<1, 1>();
+  const double down = m.value.x() * cosine, ground = state.position.z() - down;
+  const bool jump = isJump(m.stamp, down, state);
+  state.range_stamp = m.stamp;
+  state.range_m = down;
+  if (passes<1>(linearizeRange(m, state), noise, 1.0, config, state)) {
+    update<1>(linearizeRange(m, state), noise, state);
+    state.step_readings = 0;
+    state.height_rejected_since = -1.0;
+    return {};
+  }
+  const bool agrees = state.step_readings > 0 && std::abs(ground - state.step_height) < kSameLevel;
+  state.step_readings = agrees ? state.step_readings + 1 : jump ? 1 : 0;
+  state.step_height = ground;
+  if (state.height_rejected_since < 0.0) state.height_rejected_since = m.stamp;
+  const bool steps = state.step_readings >= config.height.step_readings;
+  const bool wrong = m.stamp - state.height_rejected_since >= config.gate.anchor_after_s;
+  if (!steps && !wrong) return {state.step_readings > 0 ? "step below" : kGated};
+  if (steps) {
+    stepTo(m, ground, config, state);
+  } else {
+    anchorHeight(m, state);
+  }
+  state.step_readings = 0;
+  state.height_rejected_since = -1.0;
+  return {"", !steps};
+}
+
+/// Smooth flight at constant speed looks the same to an IMU.
+Verdict applyStandstill(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
+  const double variance = state.covariance.diagonal().segment<3>(kVelocity).maxCoeff();
+  if (variance > square(kKnownSpeed)) return {"speed unknown"};
+  Square<6> noise = Square<6>::Zero();
+  noise.diagonal().head<3>().setConstant(square(config.motion.zero_velocity_sigma));
+  noise.diagonal().tail<3>().setConstant(square(config.noise.gyro_noise) + square(kStandstillRate));
+  return updateGated<6>(linearizeStandstill(m, state), noise, config, state);
+}
+
+/// Poses tell the velocity, and with it where up is, much better than a guess that the vehicle does
+/// not accelerate.
+Verdict applyGravity(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
+  if (m.stamp - state.aided_stamp < config.gate.coast_after_s) return {"not needed"};
+  return updateGated<3>(linearizeGravity(m, state), m.covariance, config, state);
+}
+
+Verdict applyPosition(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
+  const Verdict verdict = updateGated<3>(linearizePosition(m, state), m.covariance, config, state);
+  if (verdict.reason.empty()) state.aided_stamp = m.stamp;
+  return verdict;
+}
+
+}  // namespace
+
+double chiSquareQuantile(double probability, int freedom) {
+  // Inverse of the normal distribution: Abramowitz and Stegun 26.2.23.
+  const double tail = std::min(probability, 1.0 - probability);
+  const double t = std::sqrt(-2.0 * std::log(std::max(tail, 1e-300)));
+  const double size = t - (2.515517 + t * (0.802853 + t * 0.010328)) /
+                              (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
+  const double z = probability >= 0.5 ? size : -size;
+  const double c = 2.0 / (9.0 * freedom);
+  return freedom * std::pow(1.0 - c + z * std::sqrt(c), 3.0);
+}
+
+Verdict apply(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
+  const auto noise = m.covariance.topLeftCorner<1, 1>();
+  switch (m.sensor) {
+    case FilterSensor::kPose:
+      return applyPose(m, config, state);
+    case FilterSensor::kRange:
+      return applyRange(m, config, state);
+    case FilterSensor::kFloorBeams:
+      return updateGated<1>(linearizeFloorHeight(m, state), noise, config, state);
+    case FilterSensor::kBarometer:
+      return updateGated<1>(linearizeBarometer(m, state), noise, config, state);
+    case FilterSensor::kHeading:
+      return updateIntersected(linearizeHeading(m, state), noise(0), config, state);
+    case FilterSensor::kPosition:
+      return applyPosition(m, config, state);
+    case FilterSensor::kGravityDirection:
+      return applyGravity(m, config, state);
+    case FilterSensor::kZeroVelocity:
+      return applyStandstill(m, config, state);
+  }
+  return {"unknown sensor"};
+}
+
+}  // namespace kestrel_slam

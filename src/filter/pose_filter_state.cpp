@@ -1,0 +1,240 @@
+#include "pose_filter_state.h"
+
+#include <cmath>
+#include <sstream>
+
+#include "../sensor/attitude_estimator.h"
+#include "kestrel_slam/sensor/attitude_buffer.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kModerateRate = 3.0;   // rad/s; beyond, an IMU off the axis feels the turn
+constexpr double kFreshHeight_s = 0.5;  // an older range says nothing of the start
+
+double square(double x) { return x * x; }
+
+}  // namespace
+
+PoseFilter::State::State(const PoseFilterConfig& c)
+    : config(c),
+      imu(c),
+      initialiser(c),
+      timeline(c, [this](const auto& m, const auto& v) { judge(m, v); }) {}
+
+bool PoseFilter::State::addImu(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu) {
+  ++status.imu.received;
+  const ImuIntake::Result result = imu.add(sample, base_R_imu);
+  if (result == ImuIntake::Result::kRejected) {
+    ++status.imu.rejected[imu.fault().reason];
+    return false;
+  }
+  ++status.imu.accepted;
+  if (result == ImuIntake::Result::kMerged) return false;
+  if (result == ImuIntake::Result::kClockSetBack) {
+    timeline.clear();
+    reset("clock set back", false);
+  }
+  const ImuStep& step = imu.step();
+  reading = step.reading;
+  if (step.dt > config.imu.max_gap_s) {
+    if (!timeline.empty()) {
+      const FilterState learnt = timeline.newest().state;
+      reset("gap of the IMU", false);
+      initialiser.restart(learnt);
+    } else {
+      initialiser.restart();
+    }
+  }
+  if (timeline.empty()) return begin(step);
+  advance(step);
+  return !timeline.empty();
+}
+
+/// Collects samples; true where that was the last one that was needed.
+bool PoseFilter::State::begin(const ImuStep& step) {
+  std::optional<FilterState> state =
+      initialiser.add(step.stamp, step.reading.rate, step.reading.force);
+  if (!state) return false;
+  place(*state);
+  status.started_in_air = initialiser.startedInAir();
+  FilterState last;  // odom goes on where it was
+  if (last_known) last.map_R_base = Eigen::Quaterniond(last_known->map_T_base.linear());
+  odom.correct(last, *state);
+  timeline.begin(*state, odom.odomTBase(*state));
+  standstill.restart();
+  gravity_stamp = step.stamp;
+  publish();
+  return true;
+}
+
+/// The place in map where the filter starts: what was said, or where it was before.
+void PoseFilter::State::place(FilterState& state) {
+  if (last_known) {
+    state.position = last_known->map_T_base.translation();
+    const double yaw = yawOf(Eigen::Quaterniond(last_known->map_T_base.linear()));
+    state.map_R_base =
+        Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())) * state.map_R_base;
+  }
+  if (start_range && std::abs(start_range->stamp - state.stamp) < kFreshHeight_s) {
+    const double up = (state.map_R_base * Eigen::Vector3d::UnitZ()).z();
+    state.position.z() = start_range->value.x() * up;
+    state.covariance(kPosition + 2, kPosition + 2) = start_range->covariance(0, 0);
+  }
+  if (start) {
+    start->stamp = state.stamp;
+    apply(*start, config, state);
+    start.reset();
+  }
+}
+
+void PoseFilter::State::advance(const ImuStep& step) {
+  const FilterState before = timeline.newest().state;
+  FilterState predicted = before;
+  moveEstimate(step.mean, step.dt, predicted);
+  timeline.step(step.stamp, step.mean, step.dt > config.imu.silent_s);
+  if (!supervise()) return;
+  odom.advance(before, predicted, timeline.newest().state);
+  timeline.newest().odom_T_base = odom.odomTBase(timeline.newest().state);
+  publish();
+  addOwnMeasurements(step);
+}
+
+/// What the IMU itself says beyond the motion.
+void PoseFilter::State::addOwnMeasurements(const ImuStep& step) {
+  const std::optional<Eigen::Vector3d> mean =
+      standstill.add(step.dt, step.reading.rate, step.reading.force);
+  Measurement m;
+  m.stamp = step.stamp;
+  if (mean && config.motion.zero_velocity) {
+    m.sensor = FilterSensor::kZeroVelocity;
+    m.value = *mean;
+    add(m, "");
+  }
+  if (timeline.empty() || !(config.motion.gravity_sigma > 0.0)) return;
+  if (step.stamp - gravity_stamp < config.motion.gravity_period_s) return;
+  const bool is_gravity =
+      std::abs(step.mean.force.norm() - kGravity) <= config.motion.gravity_gate * kGravity;
+  if (!is_gravity || step.mean.rate.norm() > kModerateRate) return;
+  gravity_stamp = step.stamp;
+  m.sensor = FilterSensor::kGravityDirection;
+  m.value = step.mean.force;
+  m.covariance = square(config.motion.gravity_sigma) * Eigen::Matrix3d::Identity();
+  add(m, "");
+}
+
+bool PoseFilter::State::add(const Measurement& measurement, const std::string& fault) {
+  SensorCounts& counts = countsOf(measurement.sensor);
+  ++counts.received;
+  std::string reason = fault;
+  const bool running = !timeline.empty();
+  const FilterState before = running ? timeline.newest().state : FilterState();
+  if (reason.empty()) reason = timeline.insert(measurement);
+  if (!reason.empty()) {
+    ++counts.rejected[reason];
+    return false;
+  }
+  if (running && measurement.stamp <= before.stamp && supervise()) {
+    odom.correct(before, timeline.newest().state);
+    publish();
+  }
+  return true;
+}
+
+void PoseFilter::State::judge(const Measurement& measurement, const Verdict& verdict) {
+  SensorCounts& counts = countsOf(measurement.sensor);
+  if (verdict.reason.empty()) {
+    ++counts.accepted;
+  } else {
+    ++counts.rejected[verdict.reason];
+  }
+  if (!verdict.anchored) return;
+  ++status.anchors;
+  anchors.push_back(measurement.stamp);
+  while (anchors.front() < measurement.stamp - config.gate.diverged_s) anchors.pop_front();
+}
+
+/// Whether the filter can go on; else it begins anew.
+bool PoseFilter::State::supervise() {
+  const FilterState& state = timeline.newest().state;
+  if (!isHealthy(state)) {
+    reset("not finite", false);
+  } else if (state.gyro_bias.norm() > config.max_gyro_bias) {
+    reset("gyro bias too large", true);
+  } else if (state.accelerometer_bias.norm() > config.max_accelerometer_bias) {
+    reset("accelerometer bias too large", true);
+  } else if (anchors.size() >= config.gate.max_anchors) {
+    reset("diverged", true);
+  }
+  return !timeline.empty();
+}
+
+void PoseFilter::State::reset(const std::string& reason, bool distrustful) {
+  ++status.resets[reason];
+  stop();
+  if (distrustful) {
+    initialiser.restartDistrustful();
+  } else {
+    initialiser.restart();
+  }
+}
+
+void PoseFilter::State::stop() {
+  if (output) last_known = output;
+  output.reset();
+  timeline.clear();
+  standstill.restart();
+  anchors.clear();
+  start_range.reset();
+}
+
+void PoseFilter::State::publish() { output = outputOf(timeline.newest().state, reading); }
+
+FilterOutput PoseFilter::State::outputOf(const FilterState& state, const ImuInput& input) const {
+  FilterOutput out;
+  out.stamp = state.stamp;
+  out.map_T_base.linear() = state.map_R_base.toRotationMatrix();
+  out.map_T_base.translation() = state.position;
+  out.odom_T_base = odom.odomTBase(state);
+  out.map_T_odom = odom.mapTOdom(state);
+  out.velocity = state.velocity;
+  out.angular_velocity = input.rate - state.gyro_bias;
+  out.specific_force = input.force - state.accelerometer_bias;
+  out.gyro_bias = state.gyro_bias;
+  out.accelerometer_bias = state.accelerometer_bias;
+  out.covariance = state.covariance.topLeftCorner<kFilterDim, kFilterDim>();
+  out.covariance(0, 0) += square(config.noise.mounting_sigma_rad);
+  out.covariance(1, 1) += square(config.noise.mounting_sigma_rad);
+  out.ground_m = state.ground;
+  return out;
+}
+
+FilterHealth PoseFilter::State::health(double now) const {
+  if (imu.isBad() || !initialiser.complaint().empty()) return FilterHealth::kBadImu;
+  if (!imu.newest() || now - *imu.newest() > config.imu.silent_s) return FilterHealth::kNoImu;
+  if (timeline.empty()) return FilterHealth::kInitialising;
+  const double aided = timeline.newest().state.aided_stamp;
+  return now - aided > config.gate.coast_after_s ? FilterHealth::kCoasting : FilterHealth::kOk;
+}
+
+std::string PoseFilter::State::problem(FilterHealth health_now) const {
+  switch (health_now) {
+    case FilterHealth::kBadImu:
+      return imu.isBad() ? imu.fault().message : initialiser.complaint();
+    case FilterHealth::kNoImu:
+      return imu.newest() ? "the IMU is silent" : "no IMU sample has come yet";
+    case FilterHealth::kInitialising:
+      return "collecting IMU samples for the start";
+    case FilterHealth::kCoasting:
+      return "no pose or position is accepted: the position drifts";
+    case FilterHealth::kOk:
+      break;
+  }
+  if (imu.rate() >= config.imu.min_rate_hz || imu.rate() <= 0.0) return "";
+  std::ostringstream text;
+  text << "the IMU has " << imu.rate() << " Hz, at least " << config.imu.min_rate_hz
+       << " Hz are needed for fast motion";
+  return text.str();
+}
+
+}  // namespace kestrel_slam
