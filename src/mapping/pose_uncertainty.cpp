@@ -15,16 +15,16 @@ constexpr double kLostM = 1.0, kLostRad = 0.5;
 
 /// How well the map stands where the first scan began it: the raster of the cells and the errors of
 /// the attitude shift and turn what all later scans are compared with.
-constexpr double kFirstM = 0.005, kFirstRad = 0.0015;
+constexpr double kFirstM = 0.004, kFirstRad = 0.0008;
 /// Neighbouring scans err alike, so in the map their variances do not average out: a chain of scans
 /// grows as if each were this much worse. Calibrated on simulated flights (measure_flights).
-constexpr double kChainFactor = 9.0;
+constexpr double kChainFactor = 4.5;
 
 /// Standard deviation of the velocity where the scan stops telling it, m/s.
 constexpr double kFirstSpeed = 0.05;
 /// How fast it grows, m/s²: an accelerometer that is tilted by a third of a degree; a vehicle that
 /// changes its speed as it likes, up to kMaxSpeed, m/s.
-constexpr double kAccelerometerError = 0.05, kUnknownAcceleration = 0.5, kMaxSpeed = 1.0;
+constexpr double kAccelerometerError = 0.05, kUnknownAcceleration = 0.5, kMaxSpeed = 3.0;
 /// Share of the points that has to hold a direction before its drift is over: a few that seem to
 /// hold it for a moment are the noise of the walls.
 constexpr double kRegained = 0.03;
@@ -64,7 +64,7 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
                              Carrier carrier) {
   UncertainPose next{match.pose, map_.at(surface, points, match.pose), match.covariance};
   if (match.degenerate) open_direction_ = match.degenerate_direction;
-  const bool open = match.degenerate || (drifting_ && match.constraint < kRegained);
+  const bool open = match.degenerate || (drifting_ && match.constraint - match.noise < kRegained);
   if (open) {
     const Eigen::Vector2d& along = open_direction_;
     if (!drifting_) {

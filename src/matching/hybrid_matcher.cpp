@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "kestrel_slam/matching/covariance.h"
 #include "thinned.h"
@@ -27,6 +28,12 @@ constexpr float kStartPull = 1e-3F;
 constexpr double kMinResidualM = 0.01;
 /// Neighbouring beams err alike, so n beams are worth n over this.
 constexpr double kBeamCorrelation = 4.0;
+/// What does not fit pulls all one way (a person, a table's edge), so it does not average out over
+/// the beams: by this much, times its share, m. The Cauchy weight of scale s bounds it by s / 2.
+/// Calibrated on simulated flights (measure_flights).
+constexpr double kMisfitM = 0.011;
+/// Where no two places agree there are no walls but clutter, which does constrain the pose.
+constexpr double kMaxNoise = 0.05;
 /// Standard deviation along a direction that the scan does not constrain, m.
 constexpr double kUnconstrainedM = 0.5;
 /// Samples are taken this much farther away than the Hessian says: what is nearer than the raster
@@ -37,6 +44,35 @@ constexpr double kSampleSpread = 3.0;
 /// these points alone constrain both directions (see leastConstraint). That is no accident, however
 /// bad the rest fits: people, what was moved, or what covers a part of the view.
 constexpr double kHeldShare = 0.4, kHeldSigmaM = 0.03, kHeldConstraint = 0.1;
+
+/// Lines of surfels are compared at so many places of a scan to learn how noisy they are.
+constexpr std::size_t kNoiseSamples = 64;
+
+/// Variance of the direction of the walls' lines, rad²: half of what neighbouring places of the
+/// scan differ by, as the median of the squared sines, so that corners do not count. Of a share of
+/// points that constrain a direction, so much is no more than this noise.
+double directionVariance(const SurfelField& surface, const Points& points, const Pose2& pose) {
+  constexpr double kMedianOfSquare = 0.455;  // of the normal distribution, of its variance
+  const std::size_t samples = std::min(kNoiseSamples, points.size());
+  std::array<double, kNoiseSamples> squares{};
+  std::size_t count = 0;
+  std::optional<Eigen::Vector2d> before;  // twice the angle
+  for (std::size_t i = 0; i < samples; ++i) {
+    const Eigen::Vector2f& point = points[i * points.size() / samples];
+    const Surfel* wall =
+        surface.nearest((pose * Eigen::Vector2d(point.cast<double>())).cast<float>());
+    if (wall == nullptr) continue;
+    const Eigen::Vector3d shape = constraintOf(*wall).cast<double>();
+    const Eigen::Vector2d axis(shape.x() - shape.z(), 2.0 * shape.y());
+    if (axis.norm() < 1e-3) continue;  // a point
+    if (before) squares[count++] = 0.5 * (1.0 - before->dot(axis.normalized()));
+    before = axis.normalized();
+  }
+  if (count == 0) return 0.0;
+  auto* const middle = squares.begin() + count / 2;
+  std::nth_element(squares.begin(), middle, squares.begin() + count);
+  return 0.5 * *middle / kMedianOfSquare;
+}
 
 bool isHeld(const Fit& fit) {
   return fit.on_wall >= kHeldShare && fit.residual_variance <= kHeldSigmaM * kHeldSigmaM &&
@@ -165,11 +201,14 @@ void fillUncertainty(const Submap& map, const Points& points, float scale_m,
   const Eigen::Vector2d weakest = normals.eigenvectors().col(0);
   // Walls count a little along themselves as well (SurfelField), which is no constraint.
   const double along = kAlongWeight / (1.0 + kAlongWeight);
-  const double share = std::max(normals.eigenvalues()(0) - along, 0.0);
-  result.constraint = share;
+  result.constraint = std::max(normals.eigenvalues()(0) - along, 0.0);
+  result.noise = std::min(directionVariance(map.surface(), points, result.pose), kMaxNoise);
+  const double share = std::max(result.constraint - result.noise, 0.0);
   result.degenerate = share < config.degenerate_share;
+  const double misfit = kMisfitM * (1.0 - fit.score);
   const double variance =
-      kBeamCorrelation * std::max(fit.residual_variance, kMinResidualM * kMinResidualM);
+      kBeamCorrelation * std::max(fit.residual_variance, kMinResidualM * kMinResidualM) +
+      fit.known * static_cast<double>(points.size()) * misfit * misfit;
   const Eigen::Matrix3d hessian = at_pose.hessian.cast<double>();
   result.covariance = hessianCovariance(hessian, variance);
   if (config.covariance == "sampled") {
