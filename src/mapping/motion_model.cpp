@@ -128,13 +128,8 @@ std::optional<Pose2> MotionModel::carried(const MatchRequest& request, const Pla
                                           const std::optional<Pose2>& odom_T_base) const {
   const double seconds = scan.time - time_;
   if (lost_scans_ > 0 || placed_ || !(seconds >= 0.0) || seconds > gap_s_) return std::nullopt;
-  const Pose2& predicted = request.starts.front();
-  if (predictedSince(scan)) return predicted;
-  if (odom_ && odom_T_base) return pose_ * (odom_->inverse() * *odom_T_base);
-  // The motion of the last scan alone would carry its noise on as speed.
-  const Eigen::Vector2d moved =
-      pose_.translation() + seconds * (velocity_ + 0.5 * gainedSpeed(scan));
-  return Pose2(moved.x(), moved.y(), predicted.theta);
+  const bool by_odometry = odom_ && odom_T_base && !predictedSince(scan);
+  return by_odometry ? pose_ * (odom_->inverse() * *odom_T_base) : request.starts.front();
 }
 
 double MotionModel::secondsSince(const PlanarScan& scan) const {

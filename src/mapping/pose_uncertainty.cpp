@@ -64,7 +64,7 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
                              Carrier carrier) {
   UncertainPose next{match.pose, map_.at(surface, points, match.pose), match.covariance};
   if (match.degenerate) open_direction_ = match.degenerate_direction;
-  const bool open = match.degenerate || (drifting_ && match.constraint - match.noise < kRegained);
+  const bool open = match.degenerate || (drifting_ && match.constraint < kRegained);
   if (open) {
     const Eigen::Vector2d& along = open_direction_;
     if (!drifting_) {

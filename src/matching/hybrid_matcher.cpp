@@ -3,7 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "kestrel_slam/matching/covariance.h"
 #include "thinned.h"
@@ -32,10 +31,10 @@ constexpr double kBeamCorrelation = 4.0;
 /// the beams: by this much, times its share, m. The Cauchy weight of scale s bounds it by s / 2.
 /// Calibrated on simulated flights (measure_flights).
 constexpr double kMisfitM = 0.011;
-/// Where no two places agree there are no walls but clutter, which does constrain the pose.
-constexpr double kMaxNoise = 0.05;
 /// Standard deviation along a direction that the scan does not constrain, m.
 constexpr double kUnconstrainedM = 0.5;
+/// An empty scan has no Hessian.
+constexpr double kLeastTrace = 1e-9;
 /// Samples are taken this much farther away than the Hessian says: what is nearer than the raster
 /// of the map is the map's own noise.
 constexpr double kSampleSpread = 3.0;
@@ -45,38 +44,26 @@ constexpr double kSampleSpread = 3.0;
 /// bad the rest fits: people, what was moved, or what covers a part of the view.
 constexpr double kHeldShare = 0.4, kHeldSigmaM = 0.03, kHeldConstraint = 0.1;
 
-/// Lines of surfels are compared at so many places of a scan to learn how noisy they are.
-constexpr std::size_t kNoiseSamples = 64;
-
-/// Variance of the direction of the walls' lines, rad²: half of what neighbouring places of the
-/// scan differ by, as the median of the squared sines, so that corners do not count. Of a share of
-/// points that constrain a direction, so much is no more than this noise.
-double directionVariance(const SurfelField& surface, const Points& points, const Pose2& pose) {
-  constexpr double kMedianOfSquare = 0.455;  // of the normal distribution, of its variance
-  const std::size_t samples = std::min(kNoiseSamples, points.size());
-  std::array<double, kNoiseSamples> squares{};
-  std::size_t count = 0;
-  std::optional<Eigen::Vector2d> before;  // twice the angle
-  for (std::size_t i = 0; i < samples; ++i) {
-    const Eigen::Vector2f& point = points[i * points.size() / samples];
-    const Surfel* wall =
-        surface.nearest((pose * Eigen::Vector2d(point.cast<double>())).cast<float>());
-    if (wall == nullptr) continue;
-    const Eigen::Vector3d shape = constraintOf(*wall).cast<double>();
-    const Eigen::Vector2d axis(shape.x() - shape.z(), 2.0 * shape.y());
-    if (axis.norm() < 1e-3) continue;  // a point
-    if (before) squares[count++] = 0.5 * (1.0 - before->dot(axis.normalized()));
-    before = axis.normalized();
-  }
-  if (count == 0) return 0.0;
-  auto* const middle = squares.begin() + count / 2;
-  std::nth_element(squares.begin(), middle, squares.begin() + count);
-  return 0.5 * *middle / kMedianOfSquare;
-}
-
 bool isHeld(const Fit& fit) {
   return fit.on_wall >= kHeldShare && fit.residual_variance <= kHeldSigmaM * kHeldSigmaM &&
          leastConstraint(fit) >= kHeldConstraint;
+}
+
+/// From the Hessian and the residuals' variance, or from samples around the pose.
+Eigen::Matrix3d covarianceOf(const Submap& map, const Points& points, const Optimum& optimum,
+                             const MatcherConfig& config, const Pose2& pose) {
+  const Fit& fit = optimum.fit;
+  const double misfit = kMisfitM * (1.0 - fit.score);
+  const double variance =
+      kBeamCorrelation * std::max(fit.residual_variance, kMinResidualM * kMinResidualM) +
+      fit.known * static_cast<double>(points.size()) * misfit * misfit;
+  const Eigen::Matrix3d hessian = optimum.at_pose.hessian.cast<double>();
+  const Eigen::Matrix3d covariance = hessianCovariance(hessian, variance);
+  if (config.covariance != "sampled") return covariance;
+  const auto cost = [&](const Pose2& at) {
+    return static_cast<double>(lineariseDistance(map.surface(), points, at, optimum.scale_m).cost);
+  };
+  return sampledCovariance(cost, pose, kSampleSpread * kSampleSpread * covariance, variance);
 }
 
 }  // namespace
@@ -106,8 +93,8 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     search(map, request, result, best);
   result.pose = best.descent.pose;
   result.converged = best.descent.converged;
-  fillUncertainty(map, request.points, kStageScales.back(), best.descent.at_pose, best.fit, config_,
-                  result);
+  fillUncertainty(map, request.points, {kStageScales.back(), best.descent.at_pose, best.fit},
+                  config_, result);
   fillStages(map, request.points, best.stages, config_.score_scale_m, result);
   return result;
 }
@@ -192,34 +179,21 @@ void fillStages(const Submap& map, const Points& points,
   }
 }
 
-void fillUncertainty(const Submap& map, const Points& points, float scale_m,
-                     const NormalEquations& at_pose, const Fit& fit, const MatcherConfig& config,
-                     MatchResult& result) {
+void fillUncertainty(const Submap& map, const Points& points, const Optimum& optimum,
+                     const MatcherConfig& config, MatchResult& result) {
+  const Fit& fit = optimum.fit;
   result.score = fit.score;
   result.known = fit.known;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> normals(fit.normals);
   const Eigen::Vector2d weakest = normals.eigenvectors().col(0);
   // Walls count a little along themselves as well (SurfelField), which is no constraint.
   const double along = kAlongWeight / (1.0 + kAlongWeight);
-  result.constraint = std::max(normals.eigenvalues()(0) - along, 0.0);
-  result.noise = std::min(directionVariance(map.surface(), points, result.pose), kMaxNoise);
-  const double share = std::max(result.constraint - result.noise, 0.0);
+  const double share = std::max(normals.eigenvalues()(0) - along, 0.0);
+  result.constraint = share;
   result.degenerate = share < config.degenerate_share;
-  const double misfit = kMisfitM * (1.0 - fit.score);
-  const double variance =
-      kBeamCorrelation * std::max(fit.residual_variance, kMinResidualM * kMinResidualM) +
-      fit.known * static_cast<double>(points.size()) * misfit * misfit;
-  const Eigen::Matrix3d hessian = at_pose.hessian.cast<double>();
-  result.covariance = hessianCovariance(hessian, variance);
-  if (config.covariance == "sampled") {
-    const auto cost = [&](const Pose2& pose) {
-      return static_cast<double>(lineariseDistance(map.surface(), points, pose, scale_m).cost);
-    };
-    result.covariance = sampledCovariance(
-        cost, result.pose, kSampleSpread * kSampleSpread * result.covariance, variance);
-  }
-  const Eigen::Matrix2d across = hessian.topLeftCorner<2, 2>();
-  const double claimed = weakest.dot(across * weakest) / std::max(across.trace(), 1e-9);
+  result.covariance = covarianceOf(map, points, optimum, config, result.pose);
+  const Eigen::Matrix2d across = optimum.at_pose.hessian.cast<double>().topLeftCorner<2, 2>();
+  const double claimed = weakest.dot(across * weakest) / std::max(across.trace(), kLeastTrace);
   const double constrained = std::max(share, config.degenerate_share);
   result.covariance =
       stretched(result.covariance, weakest, std::sqrt(std::max(claimed / constrained, 1.0)));

@@ -48,10 +48,17 @@ double preference(const MatchRequest& request, const Fit& fit, const Pose2& pose
 void fillStages(const Submap& map, const Points& points,
                 const std::array<Pose2, kMatchStages>& poses, double scale_m, MatchResult& result);
 
-/// Fills score, known, covariance and degeneracy of a result from the normal equations, at Cauchy
-/// scale `scale_m`, and the fit at its pose (paper 001, IV-B).
-void fillUncertainty(const Submap& map, const Points& points, float scale_m,
-                     const NormalEquations& at_pose, const Fit& fit, const MatcherConfig& config,
-                     MatchResult& result);
+/// A pose that was found, as it is judged: the normal equations at Cauchy scale `scale_m`, and the
+/// fit.
+struct Optimum {
+  float scale_m;
+  NormalEquations at_pose;
+  Fit fit;
+};
+
+/// Fills score, known, covariance and degeneracy of a result, whose pose is known (paper 001,
+/// IV-B).
+void fillUncertainty(const Submap& map, const Points& points, const Optimum& optimum,
+                     const MatcherConfig& config, MatchResult& result);
 
 }  // namespace kestrel_slam

@@ -41,7 +41,7 @@ MatchResult IcpMatcher::match(const Submap& map, const MatchRequest& request) co
   const auto scale = static_cast<float>(config_.score_scale_m);
   const NormalEquations distances =
       lineariseDistance(map.surface(), request.points, result.pose, scale);
-  fillUncertainty(map, request.points, scale, distances, best.fit, config_, result);
+  fillUncertainty(map, request.points, {scale, distances, best.fit}, config_, result);
   fillStages(map, request.points, best.stages, config_.score_scale_m, result);
   return result;
 }

@@ -39,7 +39,7 @@ class GaussNewtonMatcher : public Matcher {
     const auto scale = static_cast<float>(config_.score_scale_m);
     const NormalEquations distances =
         lineariseDistance(map.surface(), request.points, result.pose, scale);
-    fillUncertainty(map, request.points, scale, distances, fit, config_, result);
+    fillUncertainty(map, request.points, {scale, distances, fit}, config_, result);
     fillStages(map, request.points, poses, config_.score_scale_m, result);
     return result;
   }
@@ -69,7 +69,7 @@ class CorrelativeMatcher : public Matcher {
     const auto scale = static_cast<float>(config_.score_scale_m);
     const NormalEquations distances =
         lineariseDistance(map.surface(), request.points, result.pose, scale);
-    fillUncertainty(map, request.points, scale, distances, fit, config_, result);
+    fillUncertainty(map, request.points, {scale, distances, fit}, config_, result);
     result.covariance = found.covariance;
     fillStages(map, request.points, {found.pose, found.pose, found.mean}, config_.score_scale_m,
                result);

@@ -30,7 +30,7 @@ MatchResult ProgressiveMatcher::match(const Submap& map, const MatchRequest& req
   const auto scale = static_cast<float>(config_.score_scale_m);
   const NormalEquations distances =
       lineariseDistance(map.surface(), request.points, result.pose, scale);
-  fillUncertainty(map, request.points, scale, distances, best.fit, config_, result);
+  fillUncertainty(map, request.points, {scale, distances, best.fit}, config_, result);
   result.covariance += best.refinement.finest.covariance;
   fillStages(map, request.points, best.refinement.poses, config_.score_scale_m, result);
   return result;

@@ -28,7 +28,6 @@ struct MatchResult {
   bool degenerate = false;  ///< the scan does not constrain the direction below
   Eigen::Vector2d degenerate_direction = Eigen::Vector2d::Zero();  ///< unit vector in map, or zero
   double constraint = 0.0;  ///< share of the points that constrain the weakest direction, 0 to 0.5
-  double noise = 0.0;       ///< part of `constraint` that is noise of the walls' directions alone
   std::array<StageEstimate, kMatchStages> stages;  ///< coarse to fine
 };
 
