@@ -14,5 +14,6 @@ Place corridorRing();
 Place straightCorridor();
 Place hall();
 Place town();
+Place largeTown();
 
 }  // namespace kestrel_slam

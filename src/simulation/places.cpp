@@ -5,9 +5,9 @@
 namespace kestrel_slam {
 
 const std::vector<Place>& places() {
-  static const std::vector<Place> all = {laboratory(), corridorRing(), straightCorridor(),
-                                         hall(),       cluttered(),    glassOffice(),
-                                         peopleRoom(), fourRooms(),    town()};
+  static const std::vector<Place> all = {
+      laboratory(),  corridorRing(), straightCorridor(), hall(), cluttered(),
+      glassOffice(), peopleRoom(),   fourRooms(),        town(), largeTown()};
   return all;
 }
 

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "built_in_places.h"
 #include "kestrel_slam/geometry/random.h"
@@ -9,7 +10,6 @@ namespace kestrel_slam {
 namespace {
 
 constexpr double kLaserHeight = 1.0;  // m
-constexpr double kHalfWidth = 150.0;  // m, of the square that the road's middle follows
 /// Buildings, trees and cars keep away from the crossings, m from their middle.
 constexpr double kCrossing = 12.0;
 
@@ -64,24 +64,19 @@ void addPark(World::Parts& parts, Random& random) {
   }
 }
 
-}  // namespace
-
-Place town() {
+/// `half_width`: of the square that the road's middle follows, m.
+Place townOf(const std::string& name, const std::string& description, double half_width) {
   constexpr double kInnerFront = 12.0, kOuterFront = -13.0;  // m from the middle of the road
   constexpr double kInnerCars = 4.5, kOuterCars = -4.5;
   constexpr double kSpacing = 8.0;  // m, of the waypoints: bends of about that radius
   constexpr std::uint64_t kSeed = 2;
   Place town;
-  town.name = "town";
-  town.description =
-      "roads around a block of 300 m x 300 m with houses, trees and parked cars, one loop of "
-      "1.2 km at 4 m/s";
+  town.name = name;
+  town.description = description;
   town.parts.ceiling_m = std::numeric_limits<double>::infinity();
   Random random(kSeed);
-  const std::vector<Eigen::Vector2d> corners = {{-kHalfWidth, -kHalfWidth},
-                                                {kHalfWidth, -kHalfWidth},
-                                                {kHalfWidth, kHalfWidth},
-                                                {-kHalfWidth, kHalfWidth}};
+  const double c = half_width, z = kLaserHeight;
+  const std::vector<Eigen::Vector2d> corners = {{-c, -c}, {c, -c}, {c, c}, {-c, c}};
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const WallLine road = {corners[i], corners[(i + 1) % corners.size()]};
     addHouses(town.parts, road, kInnerFront, random);
@@ -90,13 +85,26 @@ Place town() {
     addTreesAndCars(town.parts, road, kOuterCars, random);
   }
   addPark(town.parts, random);
-  const double c = kHalfWidth, z = kLaserHeight;
   town.plan.waypoints =
       aroundLoop({{0, -c, z}, {c, -c, z}, {c, c, z}, {-c, c, z}, {-c, -c, z}}, kSpacing);
   town.plan.speed_m_s = 4.0;
   town.plan.acceleration_m_s2 = 1.0;
   town.plan.nose_forward = true;
   return town;
+}
+
+}  // namespace
+
+Place town() {
+  return townOf(
+      "town",
+      "roads around a block of 300 m x 300 m with houses, trees and parked cars, one loop of "
+      "1.2 km at 4 m/s",
+      150.0);
+}
+
+Place largeTown() {
+  return townOf("large_town", "the same around 600 m x 600 m, one loop of 2.4 km", 300.0);
 }
 
 }  // namespace kestrel_slam

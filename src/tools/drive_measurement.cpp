@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "kestrel_slam/geometry/angles.h"
@@ -28,15 +29,21 @@ double knownArea(const MapSnapshot& map) {
   return static_cast<double>(known) * map.resolution_m * map.resolution_m;
 }
 
+/// For a vehicle on wheels.
+Place levelPlace(const std::string& name) {
+  Place result = place(name);
+  result.quadrotor.level = true;
+  result.quadrotor.gust_m_s2 = 0.0;
+  return result;
+}
+
 }  // namespace
 
 FlightTrial townDrive() {
   const LaserModel& scanner = laserModel("alasca");
   FlightTrial trial;
   trial.name = "drive of 1.2 km";
-  trial.place = place("town");
-  trial.place.quadrotor.level = true;
-  trial.place.quadrotor.gust_m_s2 = 0.0;
+  trial.place = levelPlace("town");
   trial.vehicle.laser = trial.vehicle.second_laser = scanner;
   // At the front corners, and turned so that together they see all around.
   const Eigen::Translation3d left(1.0, 0.6, 0.0), right(1.0, -0.6, 0.0);  // m
@@ -46,6 +53,13 @@ FlightTrial townDrive() {
   trial.vehicle.imu.reset();
   trial.vehicle.range_finder.reset();
   trial.config.projector.beams.max_range_m = scanner.range_max;
+  return trial;
+}
+
+FlightTrial largeTownDrive() {
+  FlightTrial trial = townDrive();
+  trial.name = "drive of 2.4 km";
+  trial.place = levelPlace("large_town");
   return trial;
 }
 

@@ -94,7 +94,7 @@ void flyAtRandom(const Options& options) {
   std::vector<std::string> names;
   for (const Place& candidate : places()) {
     if (candidate.name == "hall" || candidate.name == "corridor") continue;
-    if (candidate.name != "town") names.push_back(candidate.name);
+    if (candidate.name.find("town") == std::string::npos) names.push_back(candidate.name);
   }
   std::size_t lost_flights = 0, scans = 0;
   double worst = 0.0;
@@ -143,8 +143,7 @@ void flyInHardSituations(const Options& options) {
   }
 }
 
-void drive(const Options& options) {
-  FlightTrial trial = townDrive();
+void drive(FlightTrial trial, const Options& options) {
   if (trial.name.find(options.only) == std::string::npos) return;
   applySettings(options.settings, trial.config);
   const DriveMeasurement m = measureDrive(trial);
@@ -172,7 +171,8 @@ void run(const Options& options) {
     if (!options.output.empty()) writeFiles(options.output, trial.name, m);
   }
   flyInHardSituations(options);
-  drive(options);
+  drive(townDrive(), options);
+  drive(largeTownDrive(), options);
   if (options.random_flights > 0) flyAtRandom(options);
 }
 

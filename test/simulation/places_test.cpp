@@ -134,14 +134,14 @@ TEST(Places, areFoundByName) {
     EXPECT_EQ(&kestrel_slam::place(place.name), &place);
     EXPECT_GT(place.quadrotor.gust_m_s2, 0.0);
   }
-  EXPECT_EQ(names.size(), 9u);
+  EXPECT_EQ(names.size(), 10u);
   try {
     place("moon");
     FAIL() << "found the moon";
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(),
                  "unknown world 'moon'; there are laboratory, ring, corridor, hall, cluttered, "
-                 "glass, people, doors, town");
+                 "glass, people, doors, town, large_town");
   }
 }
 

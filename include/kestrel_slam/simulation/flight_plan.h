@@ -54,7 +54,8 @@ struct Place {
   QuadrotorConfig quadrotor;
 };
 
-/// laboratory, ring, corridor, hall, cluttered, glass, people, doors, town: the built-in places.
+/// laboratory, ring, corridor, hall, cluttered, glass, people, doors, town, large_town: the
+/// built-in places.
 const std::vector<Place>& places();
 /// Finds one by its name. Throws std::invalid_argument that lists the names there are.
 const Place& place(const std::string& name);

@@ -26,6 +26,8 @@ struct DriveMeasurement {
 /// 002 around its block of 100 000 m². Different from the defaults is only laser_max_dist, which
 /// lets these lasers see as far as they can..
 FlightTrial townDrive();
+/// The same around the large town, 2.4 km.
+FlightTrial largeTownDrive();
 
 /// Drives and maps. Throws what measureFlight throws.
 DriveMeasurement measureDrive(const FlightTrial& trial);
