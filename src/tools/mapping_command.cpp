@@ -54,13 +54,22 @@ void addRunOptions(CLI::App& app, RunOptions& run) {
       ->capture_default_str();
 }
 
-Eigen::Isometry3d mountingOf(const std::vector<double>& x_y_yaw) {
+}  // namespace
+
+void addLaserPoseOption(CLI::App& app, std::vector<double>& x_y_yaw) {
+  app.add_option(
+         "--laser-pose", x_y_yaw,
+         "x,y,yaw in m and degrees: where the laser sits, in place of what the recording says")
+      ->delimiter(',')
+      ->expected(kPoseNumbers);
+}
+
+std::optional<Eigen::Isometry3d> laserPoseOf(const std::vector<double>& x_y_yaw) {
+  if (x_y_yaw.empty()) return std::nullopt;
   Eigen::Isometry3d mounting(Eigen::Translation3d(x_y_yaw[0], x_y_yaw[1], 0.0));
   mounting.rotate(Eigen::AngleAxisd(degToRad(x_y_yaw[2]), Eigen::Vector3d::UnitZ()));
   return mounting;
 }
-
-}  // namespace
 
 void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
   app.add_option(
@@ -76,11 +85,7 @@ void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
   app.add_option("--set", arguments.settings, "name=value: a parameter, after those of --config")
       ->expected(1)
       ->take_all();
-  app.add_option(
-         "--laser-pose", arguments.laser_pose,
-         "x,y,yaw in m and degrees: where the laser sits, in place of what the recording says")
-      ->delimiter(',')
-      ->expected(kPoseNumbers);
+  addLaserPoseOption(app, arguments.laser_pose);
   addTopicOptions(app, arguments.topics);
   addRunOptions(app, arguments.run);
   app.add_flag("--no-timing", arguments.no_timing,
@@ -150,7 +155,7 @@ OfflineRun mapVisibly(Recording& recording, const SlamConfig& config,
   RunOptions options = arguments.run;
   options.use_odometry = arguments.odometry == "use";
   options.use_imu = arguments.imu == "use";
-  if (!arguments.laser_pose.empty()) options.base_T_laser = mountingOf(arguments.laser_pose);
+  options.base_T_laser = laserPoseOf(arguments.laser_pose);
   ProgressBar bar(stderr, ::isatty(STDERR_FILENO) == 1);
   OfflineRun run = runOffline(recording, config, options, [&](const OfflineProgress& progress) {
     if (!arguments.quiet) bar.update(progress);

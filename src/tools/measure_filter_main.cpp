@@ -8,6 +8,7 @@
 #include "kestrel_slam/simulation/flight_plan.h"
 #include "kestrel_slam/tools/consistency.h"
 #include "kestrel_slam/tools/filter_measurement.h"
+#include "kestrel_slam/tools/mapping_command.h"
 #include "kestrel_slam/tools/recorded_filter.h"
 #include "kestrel_slam/tools/reference.h"
 #include "kestrel_slam/tools/run_tool.h"
@@ -26,6 +27,8 @@ struct Options {
   bool counts = false;
   std::vector<std::string> bags;
   std::string reference_topic;
+  std::vector<std::string> settings;  ///< name=value, of projector and mapper
+  std::vector<double> laser_pose;     ///< see laserPoseOf
 };
 
 bool isWanted(const Options& options, const std::string& name) {
@@ -213,6 +216,8 @@ void printErrors(const std::string& name, const char* who, const char* coupling,
 
 /// Recordings with motion capture: the mapper alone, and the filter.
 void compareWithMotionCapture(const Options& options) {
+  SlamConfig config;
+  applySettings(options.settings, config);
   std::printf(
       "\n| recording | pose of | filter gives | poses | position rmse | velocity rmse "
       "|\n|---|---|---|---|---|---|\n");
@@ -223,8 +228,8 @@ void compareWithMotionCapture(const Options& options) {
       CouplingOptions coupling;
       coupling.attitude = coupling.prediction = coupled;
       const auto recording = openRecording(path);
-      const RecordedFilterRun run =
-          runFiltered(*recording, SlamConfig(), PoseFilterConfig(), coupling);
+      const RecordedFilterRun run = runFiltered(*recording, config, PoseFilterConfig(), coupling,
+                                                laserPoseOf(options.laser_pose));
       const char* how = coupled ? "prediction and attitude" : "nothing";
       printErrors(name, "mapper", how, compareWithReference(run.mapper, reference));
       printErrors(name, "filter", how, compareWithReference(run.filter, reference));
@@ -269,5 +274,9 @@ int main(int argc, char** argv) {
   app.add_option("--recording", options.bags,
                  "instead of flying: recordings with IMU and motion capture");
   app.add_option("--reference-topic", options.reference_topic, "of the motion capture");
+  app.add_option("--set", options.settings, "recordings: name=value, see map_recording")
+      ->expected(1)
+      ->take_all();
+  addLaserPoseOption(app, options.laser_pose);
   return runTool("measure_filter", app, argc, argv, [&] { run(options); });
 }

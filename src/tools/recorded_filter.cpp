@@ -71,7 +71,8 @@ MovingErrors compareWithReference(const std::vector<MovingPose>& poses,
 }
 
 RecordedFilterRun runFiltered(Recording& recording, const SlamConfig& config,
-                              const PoseFilterConfig& filter, const CouplingOptions& coupling) {
+                              const PoseFilterConfig& filter, const CouplingOptions& coupling,
+                              const std::optional<Eigen::Isometry3d>& base_T_laser) {
   if (recording.imu().samples.empty()) {
     throw std::runtime_error("the recording has no IMU, which the pose filter needs");
   }
@@ -91,7 +92,7 @@ RecordedFilterRun runFiltered(Recording& recording, const SlamConfig& config,
   RecordedScan scan;
   while (recording.next(scan)) {
     feeder.feedUntil(sweepTimes(scan.scan).last);
-    mapping.addScan(scan.scan, scan.base_T_laser);
+    mapping.addScan(scan.scan, base_T_laser.value_or(scan.base_T_laser));
   }
   run.status = mapping.filter().status(recording.imu().samples.back().stamp);
   return run;

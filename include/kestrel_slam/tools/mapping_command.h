@@ -1,7 +1,9 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +34,11 @@ struct MappingArguments {
 
 /// Declares the options of `arguments`; RECORDING may be missing, so that the tool can do without.
 void addMappingOptions(CLI::App& app, MappingArguments& arguments);
+
+/// Declares `--laser-pose x,y,yaw`, in m and degrees, and what it says: base_T_laser, or nothing
+/// where it was not given.
+void addLaserPoseOption(CLI::App& app, std::vector<double>& x_y_yaw);
+std::optional<Eigen::Isometry3d> laserPoseOf(const std::vector<double>& x_y_yaw);
 
 /// The parameters of `--config` and `--set`, validated. Throws std::runtime_error or
 /// std::invalid_argument with one line that names what is wrong.

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "kestrel_slam/tools/filtered_mapping.h"
@@ -34,9 +36,10 @@ struct RecordedFilterRun {
   FilterStatus status;             ///< at the end
 };
 
-/// Feeds a recording to projector, mapper and filter, in the order of its stamps. Throws
-/// std::runtime_error where it has no IMU.
+/// Feeds a recording to projector, mapper and filter, in the order of its stamps. `base_T_laser`:
+/// in place of what the recording says. Throws std::runtime_error where it has no IMU.
 RecordedFilterRun runFiltered(Recording& recording, const SlamConfig& config,
-                              const PoseFilterConfig& filter, const CouplingOptions& coupling);
+                              const PoseFilterConfig& filter, const CouplingOptions& coupling,
+                              const std::optional<Eigen::Isometry3d>& base_T_laser = std::nullopt);
 
 }  // namespace kestrel_slam
