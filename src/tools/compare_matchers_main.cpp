@@ -10,6 +10,7 @@
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/matching/matcher.h"
 #include "kestrel_slam/tools/evaluation_experiment.h"
+#include "kestrel_slam/tools/likelihood_plot.h"
 #include "kestrel_slam/tools/mapping_command.h"
 #include "kestrel_slam/tools/matcher_comparison.h"
 #include "kestrel_slam/tools/run_tool.h"
@@ -26,6 +27,7 @@ struct Arguments {
   std::string relations;
   std::vector<std::string> matchers = matcherNames();
   bool evaluation = false;
+  std::size_t surface = 0;  ///< a scan; 0: none
   bool version = false;
 };
 
@@ -40,6 +42,9 @@ void declareOptions(CLI::App& app, Arguments& arguments) {
   app.add_flag("--evaluation", arguments.evaluation,
                "instead: how well the evaluation function tells good from bad matches, which each "
                "matcher makes from displaced starts");
+  app.add_option("--surface", arguments.surface,
+                 "N: instead, a picture of the likelihood of the poses around the N-th scan's")
+      ->check(CLI::PositiveNumber);
   addMappingOptions(app, arguments.mapping);
   app.add_flag("--version", arguments.version, "print the version, and stop");
 }
@@ -109,6 +114,22 @@ void judgeEvaluation(Arguments arguments, const SlamConfig& config) {
   finish(arguments, "evaluation", evaluationTable(methods, threshold));
 }
 
+/// Maps up to the scan, and draws what it could have been taken for.
+void drawLikelihood(Arguments arguments, const SlamConfig& config) {
+  prepareOutput(arguments.output);
+  LikelihoodWatch watch(config.mapper, arguments.surface);
+  arguments.mapping.run.max_scans =
+      std::min(arguments.mapping.run.max_scans, arguments.surface + 1);
+  arguments.mapping.run.observer = [&](const PlanarScan& scan, const MapperResult& result) {
+    watch.add(scan, result);
+  };
+  const auto recording = openFor(arguments.mapping);
+  printWarnings("warning: ", mapVisibly(*recording, config, arguments.mapping));
+  const std::string path = (fs::path(arguments.output) / "surface.png").string();
+  watch.write(path);
+  if (!arguments.mapping.quiet) std::printf("picture     %s\n", path.c_str());
+}
+
 void run(const Arguments& arguments) {
   if (arguments.version) {
     std::puts(kVersion);
@@ -117,7 +138,9 @@ void run(const Arguments& arguments) {
   const SlamConfig config = configOf(arguments.mapping);
   openFor(arguments.mapping);  // what is wrong with it is said before anything is written
   stopOnSignals();
-  if (arguments.evaluation) {
+  if (arguments.surface > 0) {
+    drawLikelihood(arguments, config);
+  } else if (arguments.evaluation) {
     judgeEvaluation(arguments, config);
   } else {
     compare(arguments, config);

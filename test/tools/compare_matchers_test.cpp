@@ -42,6 +42,16 @@ TEST_F(CompareMatchersTest, EveryMatcherMapsTheRecording) {
   }
 }
 
+TEST_F(CompareMatchersTest, DrawsTheLikelihoodOfAScan) {
+  const Outcome outcome = compare("--surface 20" + outputs("out"));
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_CONTAINS(outcome.output, "picture     " + folder_.file("out/surface.png") + "\n");
+  EXPECT_GT(fs::file_size(folder_.file("out/surface.png")), 1000U);
+  const Outcome beyond = compare("--surface 99" + outputs("beyond"));
+  EXPECT_EQ(beyond.code, 1);
+  EXPECT_CONTAINS(beyond.output, "scan 99 has no likelihood: there were 25 scans");
+}
+
 TEST_F(CompareMatchersTest, RelationsGiveTheError) {
   const std::string truth = "1000.0 1002.0 1.0 0 0 0 0 0\n";  // 20 steps of 0.05 m
   const std::string relations = folder_.write("truth.relations", truth);
