@@ -141,6 +141,31 @@ TEST(PoseFilter, RepeatedCorrelatedPosesDoNotMakeItOverconfident) {
       0U);
 }
 
+/// In a shifted map the velocity is right, and the claimed correlation must allow for that.
+TEST(PoseFilter, AShiftedMapDoesNotContradictTheVelocity) {
+  const FilterFlight flight;
+  PoseFilter filter;
+  Feeding feeding;
+  feeding.until_s = 30.0;
+  feeding.pose_noise_m = 0.0;
+  const double shift_m = 0.01;
+  feeding.pose = [&](double, PoseMeasurement& pose) { return pose.pose.x += shift_m, true; };
+  double together = 0.0, alone = 0.0;  // sums of squared errors, in sigmas
+  feeding.output = [&](double time, const FilterOutput& output) {
+    if (time < 5.0) return;
+    const FilterFlight::Truth truth = flight.at(time);
+    const Eigen::Vector2d error(truth.position.x() - output.map_T_base.translation().x(),
+                                truth.velocity.x() - output.velocity.x());
+    Eigen::Matrix2d p;
+    p << output.covariance(kPosition, kPosition), output.covariance(kPosition, kVelocity),
+        output.covariance(kVelocity, kPosition), output.covariance(kVelocity, kVelocity);
+    alone += error.x() * error.x() / p(0, 0);
+    together += error.dot(p.inverse() * error);
+  };
+  feed(flight, feeding, filter);
+  EXPECT_LT(together, 3.5 * alone);
+}
+
 /// The mapper that sees nothing says what it was told; its claimed error grows as dead reckoning.
 TEST(PoseFilter, ABiasedPredictionDoesNotConfirmItself) {
   const FilterFlight flight;
