@@ -44,8 +44,8 @@ struct FilterState {
   double height_rejected_since = -1.0;  ///< the same of readings of the range finder
   double range_stamp = -1e18;           ///< of the last of them, s,
   double range_m = 0.0;                 ///< and how far down it saw, m
-  double step_height = 0.0;       ///< ground that rejected readings of the range finder suggest, m
-  std::size_t step_readings = 0;  ///< how many in a row
+  double step_height = 0.0;  ///< ground that rejected readings of the range finder suggest, m
+  int step_readings = 0;     ///< how many in a row
 };
 
 /// Derivative of the next error state with respect to this one, for a step of `dt` seconds.

@@ -9,6 +9,8 @@ namespace {
 /// 10 m by 0.1 m in height; 0.2 m/s are 5 mm between two scans of 40 Hz.
 constexpr double kUsefulTilt = 0.01;  // rad
 constexpr double kUsefulSpeed = 0.2;  // m/s
+/// A range finder's step over a table is recognised from 0.1 m on (LevelFollower).
+constexpr double kUsefulHeight = 0.1;  // m
 
 /// Whether the deviations of two states that follow each other are below `limit`.
 bool areKnown(const FilterCovariance& covariance, int first, double limit) {
@@ -63,6 +65,8 @@ Pose2 FilterOutput::odomPose() const {
 }
 
 bool FilterOutput::givesAttitude() const { return areKnown(covariance, kOrientation, kUsefulTilt); }
+
+bool FilterOutput::givesHeight() const { return height_sigma_m < kUsefulHeight; }
 
 bool FilterOutput::givesPrediction() const { return areKnown(covariance, kVelocity, kUsefulSpeed); }
 

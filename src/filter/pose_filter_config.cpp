@@ -43,7 +43,7 @@ void validateMeasurements(const PoseFilterConfig& c) {
   require("history_s", c.gate.history_s, 0.05, 10.0);
   require("anchor_after_s", c.gate.anchor_after_s, kTiny, kHuge);
   require("coast_after_s", c.gate.coast_after_s, kTiny, kHuge);
-  require("max_anchors", static_cast<double>(c.gate.max_anchors), 1.0, kHuge);
+  require("max_anchors", c.gate.max_anchors, 1.0, kHuge);
   require("diverged_s", c.gate.diverged_s, kTiny, kHuge);
   require("range_sigma_m", c.height.range_sigma_m, kTiny, kHuge);
   require("range_max_m", c.height.range_max_m, kTiny, kHuge);
@@ -51,7 +51,7 @@ void validateMeasurements(const PoseFilterConfig& c) {
   require("barometer_sigma_m", c.height.barometer_sigma_m, kTiny, kHuge);
   require("barometer_drift", c.height.barometer_drift, 0.0, kHuge);
   require("initial_sigma_m", c.height.initial_sigma_m, kTiny, kHuge);
-  require("step_readings", static_cast<double>(c.height.step_readings), 1.0, kHuge);
+  require("step_readings", c.height.step_readings, 1.0, kHuge);
   require("gravity_sigma", c.motion.gravity_sigma, 0.0, kHuge);
   require("gravity_gate", c.motion.gravity_gate, 0.0, 1.0);
   require("gravity_period_s", c.motion.gravity_period_s, kTiny, kHuge);

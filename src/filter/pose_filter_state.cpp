@@ -1,5 +1,6 @@
 #include "pose_filter_state.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -17,6 +18,13 @@ constexpr double kFreshHeight_s = 0.5;  // an older range says nothing of the st
 constexpr double kMapShare = 0.2;
 
 double square(double x) { return x * x; }
+
+/// Of the height over what is below.
+double heightSigma(const FilterState& state) {
+  constexpr int kZ = kPosition + 2;
+  const StateMatrix& p = state.covariance;
+  return std::sqrt(std::max(0.0, p(kZ, kZ) + p(kGround, kGround) - 2.0 * p(kZ, kGround)));
+}
 
 /// Covariance intersection keeps the correlation of velocity and biases with the pose, as if all of
 /// the pose's error had come about in flight.
@@ -178,7 +186,7 @@ bool PoseFilter::State::supervise() {
     reset("gyro bias too large", true);
   } else if (state.accelerometer_bias.norm() > config.max_accelerometer_bias) {
     reset("accelerometer bias too large", true);
-  } else if (anchors.size() >= config.gate.max_anchors) {
+  } else if (anchors.size() >= static_cast<std::size_t>(config.gate.max_anchors)) {
     reset("diverged", true);
   }
   return !timeline.empty();
@@ -222,6 +230,7 @@ FilterOutput PoseFilter::State::outputOf(const FilterState& state, const ImuInpu
   out.covariance(0, 0) += square(config.noise.mounting_sigma_rad);
   out.covariance(1, 1) += square(config.noise.mounting_sigma_rad);
   out.ground_m = state.ground;
+  out.height_sigma_m = heightSigma(state);
   return out;
 }
 

@@ -165,32 +165,34 @@ void setValue(const Parameter& parameter, const std::string& text) {
   std::visit(Assignment{parameter, text}, parameter.value);
 }
 
-void setParameter(SlamConfig& config, const std::string& name, const std::string& text) {
-  for (const Parameter& parameter : parametersOf(config)) {
-    if (parameter.name != name) continue;
-    setValue(parameter, text);
-    return;
+void setParameter(const std::vector<Parameter>& table, const std::string& name,
+                  const std::string& text) {
+  std::vector<std::string> names;
+  for (const Parameter& parameter : table) {
+    if (parameter.name == name) return setValue(parameter, text);
+    names.push_back(parameter.name);
   }
   throw std::invalid_argument("unknown parameter '" + oneLine(name) + "'; did you mean '" +
-                              nearestParameterName(name) + "'?");
+                              nearestName(name, names) + "'?");
 }
 
-void applySettings(const std::vector<std::string>& settings, SlamConfig& config) {
+void setParameter(SlamConfig& config, const std::string& name, const std::string& text) {
+  setParameter(parametersOf(config), name, text);
+}
+
+void applySettings(const std::vector<std::string>& settings, const std::vector<Parameter>& table) {
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
     if (equals == std::string::npos) {
       throw std::invalid_argument("setting '" + oneLine(setting) + "': must be name=value");
     }
-    setParameter(config, setting.substr(0, equals), setting.substr(equals + 1));
+    setParameter(table, setting.substr(0, equals), setting.substr(equals + 1));
   }
-  validate(config);
 }
 
-std::string nearestParameterName(const std::string& name) {
-  SlamConfig config;
-  std::vector<std::string> names;
-  for (const Parameter& parameter : parametersOf(config)) names.push_back(parameter.name);
-  return nearestName(name, names);
+void applySettings(const std::vector<std::string>& settings, SlamConfig& config) {
+  applySettings(settings, parametersOf(config));
+  validate(config);
 }
 
 std::string nearestName(const std::string& name, const std::vector<std::string>& names) {

@@ -113,6 +113,17 @@ nav_msgs::OccupancyGrid toMessage(MapSnapshot map) {
   return message;
 }
 
+sensor_msgs::Range toRangeMessage(const ros::Time& stamp, const std::string& level_frame,
+                                  double height_m, double max_height_m) {
+  sensor_msgs::Range message;
+  message.header.stamp = stamp;
+  message.header.frame_id = level_frame;
+  message.radiation_type = sensor_msgs::Range::INFRARED;
+  message.max_range = static_cast<float>(max_height_m);
+  message.range = static_cast<float>(height_m);
+  return message;
+}
+
 sensor_msgs::PointCloud2 hitCloud(const PlanarScan& scan, const Pose2& map_T_base) {
   sensor_msgs::PointCloud2 cloud;
   sensor_msgs::PointCloud2Modifier modifier(cloud);

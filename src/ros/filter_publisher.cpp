@@ -3,6 +3,7 @@
 #include <geometry_msgs/TransformStamped.h>
 #include <nav_msgs/Odometry.h>
 #include <sensor_msgs/Imu.h>
+#include <sensor_msgs/Range.h>
 
 #include <cmath>
 #include <vector>
@@ -52,6 +53,7 @@ geometry_msgs::TransformStamped transformOf(const ros::Time& stamp, const std::s
 FilterPublisher::FilterPublisher(ros::NodeHandle nh, const PoseFilterNodeConfig& config)
     : config_(config) {
   odometry_publisher_ = nh.advertise<nav_msgs::Odometry>("odom/filtered", kQueue);
+  height_publisher_ = nh.advertise<sensor_msgs::Range>("height/filtered", kQueue);
   bias_publisher_ = nh.advertise<sensor_msgs::Imu>("imu/bias", kQueue);
 }
 
@@ -63,6 +65,7 @@ void FilterPublisher::publish(const ros::Time& stamp, const FilterOutput& output
   }
   publishTransforms(stamp, output);
   publishOdometry(stamp, output, imu_rate_hz);
+  publishHeight(stamp, output);
   publishBias(stamp, output);
 }
 
@@ -84,6 +87,13 @@ void FilterPublisher::publishOdometry(const ros::Time& stamp, const FilterOutput
   fill(twistCovariance(output, config_.filter.noise.gyro_noise * std::sqrt(rate)),
        message.twist.covariance);
   odometry_publisher_.publish(message);
+}
+
+/// What a range finder that always looks straight down would say, while it is known.
+void FilterPublisher::publishHeight(const ros::Time& stamp, const FilterOutput& output) {
+  if (!output.givesHeight() || height_publisher_.getNumSubscribers() == 0) return;
+  height_publisher_.publish(toRangeMessage(stamp, config_.base_stabilized_frame, output.height(),
+                                           config_.filter.height.range_max_m));
 }
 
 /// As hector_pose_estimation does: an Imu message without orientation.

@@ -6,7 +6,7 @@
 namespace kestrel_slam {
 namespace {
 
-constexpr std::uint32_t kQueue = 20;
+constexpr std::uint32_t kQueue = 20, kFilterQueue = 400;
 
 HeightConfig heightConfigOf(const ProjectorNodeConfig& config) {
   HeightConfig height;
@@ -23,9 +23,20 @@ HeightInput::HeightInput(ros::NodeHandle nh, const ProjectorNodeConfig& config,
       mountings_(mountings),
       attitude_(attitude),
       tracker_(heightConfigOf(config)) {
+  if (!config.filter_height_topic.empty()) {
+    filter_subscriber_ =
+        nh.subscribe(config.filter_height_topic, kFilterQueue, &HeightInput::onFiltered, this,
+                     ros::TransportHints().tcpNoDelay());
+  }
   if (config.height_topic.empty() || config.hasMirror()) return;
   subscriber_ = nh.subscribe(config.height_topic, kQueue, &HeightInput::onRange, this,
                              ros::TransportHints().tcpNoDelay());
+}
+
+void HeightInput::onFiltered(const sensor_msgs::RangeConstPtr& message) {
+  const HeightSample sample = toHeightSample(*message, 0.0);
+  newest_ = sample.stamp;
+  tracker_.addFiltered(sample);
 }
 
 /// A sensor on the vehicle measures along its slanted axis; a height in a level frame is upright.

@@ -4,6 +4,7 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <sensor_msgs/Range.h>
 
+#include "kestrel_slam/ros/conversions.h"
 #include "kestrel_slam/ros/planar_scan_message.h"
 
 namespace kestrel_slam {
@@ -22,6 +23,7 @@ PlanarScanPublisher::PlanarScanPublisher(ros::NodeHandle nh, const ProjectorNode
   if (config.hasMirror() && !config.height_topic.empty()) {
     height_publisher_ = nh.advertise<sensor_msgs::Range>(config.height_topic, kQueue);
   }
+  floor_height_publisher_ = nh.advertise<sensor_msgs::Range>("floor_height", kQueue);
 }
 
 void PlanarScanPublisher::publish(const ros::Time& stamp, const Projection& projection) {
@@ -33,19 +35,16 @@ void PlanarScanPublisher::publish(const ros::Time& stamp, const Projection& proj
     view_publisher_.publish(
         toLaserScanView(projection.scan, frame_, stamp, view_increment_rad_, range_max_m_));
   }
-  if (projection.mirror_height_m) publishHeight(stamp, *projection.mirror_height_m);
+  publishHeight(stamp, projection.mirror_height_m, height_publisher_);
+  publishHeight(stamp, projection.floor_height_m, floor_height_publisher_);
 }
 
-/// In the stabilized frame, which says that it is the height itself, not a slanted distance.
-void PlanarScanPublisher::publishHeight(const ros::Time& stamp, double height_m) {
-  if (!height_publisher_) return;
-  sensor_msgs::Range message;
-  message.header.stamp = stamp;
-  message.header.frame_id = frame_;
-  message.radiation_type = sensor_msgs::Range::INFRARED;
-  message.max_range = static_cast<float>(range_max_m_);
-  message.range = static_cast<float>(height_m);
-  height_publisher_.publish(message);
+void PlanarScanPublisher::publishHeight(const ros::Time& stamp,
+                                        const std::optional<double>& height_m,
+                                        ros::Publisher& publisher) {
+  if (height_m && publisher) {
+    publisher.publish(toRangeMessage(stamp, frame_, *height_m, range_max_m_));
+  }
 }
 
 }  // namespace kestrel_slam

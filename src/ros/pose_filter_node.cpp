@@ -66,6 +66,7 @@ PoseFilterNode::PoseFilterNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
                                  ros::TransportHints().tcpNoDelay());
   listen(config_.pose_topic, &PoseFilterNode::onPose);
   listen(config_.height_topic, &PoseFilterNode::onRange);
+  listen(config_.floor_height_topic, &PoseFilterNode::onRange);
   listen(config_.pressure_topic, &PoseFilterNode::onPressure);
   listen(config_.pressure_height_topic, &PoseFilterNode::onPressureHeight);
   listen(config_.magnetometer_topic, &PoseFilterNode::onField);

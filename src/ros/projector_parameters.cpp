@@ -47,6 +47,8 @@ std::vector<Parameter> nodeParametersOf(ProjectorNodeConfig& config) {
       text("filter_topic", &config.filter_topic,
            "odometry of a pose filter, odom/filtered: its attitude, velocity and motion are used "
            "while it knows them; empty: none"),
+      text("filter_height_topic", &config.filter_height_topic,
+           "height of a pose filter over what is below, height/filtered; empty: none"),
       choice(kAttitudeSource, &config.attitude_source, {"auto", "orientation", "raw", "tf", "none"},
              "the IMU's orientation, or its gyro and accelerometer (auto: what it gives); tf; or "
              "none for a laser that is always level"),

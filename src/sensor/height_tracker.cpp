@@ -34,6 +34,8 @@ double tiltCosine(double stamp, const AttitudeBuffer* attitude) {
 
 const char* toString(HeightSource source) {
   switch (source) {
+    case HeightSource::kFilter:
+      return "pose filter";
     case HeightSource::kRangeFinder:
       return "range finder";
     case HeightSource::kMirror:
@@ -92,18 +94,20 @@ std::optional<double> LevelFollower::height(double time) const {
 
 struct HeightTracker::State {
   explicit State(const HeightConfig& c)
-      : config(c), range_finder(c), mirror(c), floor(withoutSteps(c)) {}
+      : config(c), filter(c), range_finder(c), mirror(c), floor(withoutSteps(c)) {}
 
   /// "used", or why not.
   std::string addRange(const HeightSample& sample, const AttitudeBuffer* attitude);
+  std::string addFiltered(const HeightSample& sample);
+  std::string faultOf(const HeightSample& sample, StampCheck& stamps);
   std::string addSeen(double stamp, double height_m, LevelFollower& source);
   std::string faultOf(double height_m) const;
   HeightSource best(double time, std::optional<double>& height) const;
   void forget();
 
   HeightConfig config;
-  LevelFollower range_finder, mirror, floor;
-  StampCheck range_stamps, sweep_stamps;
+  LevelFollower filter, range_finder, mirror, floor;
+  StampCheck filter_stamps, range_stamps, sweep_stamps;
   std::map<std::string, std::size_t> counts;
 };
 
@@ -115,11 +119,13 @@ HeightTracker& HeightTracker::operator=(HeightTracker&&) noexcept = default;
 
 void HeightTracker::restart() {
   state_->forget();
+  state_->filter_stamps.restart();
   state_->range_stamps.restart();
   state_->sweep_stamps.restart();
 }
 
 void HeightTracker::State::forget() {
+  filter.restart();
   range_finder.restart();
   mirror.restart();
   floor.restart();
@@ -132,14 +138,18 @@ std::string HeightTracker::State::faultOf(double height_m) const {
   return height_m > config.max_m ? "too far" : "";
 }
 
-std::string HeightTracker::State::addRange(const HeightSample& sample,
-                                           const AttitudeBuffer* attitude) {
+std::string HeightTracker::State::faultOf(const HeightSample& sample, StampCheck& stamps) {
   if (faultOfStamp(sample.stamp)) return "bad stamp";
-  const StampCheck::Verdict verdict = range_stamps.check(sample.stamp);
+  const StampCheck::Verdict verdict = stamps.check(sample.stamp);
   if (verdict == StampCheck::Verdict::kLate) return "late";
   if (verdict == StampCheck::Verdict::kJump) return "stamp jumps";
   if (verdict == StampCheck::Verdict::kSetBack) forget();
-  const std::string fault = faultOf(sample.height_m);
+  return faultOf(sample.height_m);
+}
+
+std::string HeightTracker::State::addRange(const HeightSample& sample,
+                                           const AttitudeBuffer* attitude) {
+  const std::string fault = faultOf(sample, range_stamps);
   if (!fault.empty()) return fault;
   const double cosine = tiltCosine(sample.stamp, attitude);
   if (cosine < std::cos(kMaxTilt)) return "tilted";
@@ -153,11 +163,24 @@ bool HeightTracker::addRange(const HeightSample& sample, const AttitudeBuffer* a
   return result == "used";
 }
 
+std::string HeightTracker::State::addFiltered(const HeightSample& sample) {
+  const std::string fault = faultOf(sample, filter_stamps);
+  if (!fault.empty()) return fault;
+  filter.add(sample.stamp, sample.height_m);
+  return "used";
+}
+
+bool HeightTracker::addFiltered(const HeightSample& sample) {
+  const std::string result = state_->addFiltered(sample);
+  ++state_->counts["filter: " + result];
+  return result == "used";
+}
+
 std::string HeightTracker::State::addSeen(double stamp, double height_m, LevelFollower& source) {
   const std::string fault = faultOf(height_m);
   if (!fault.empty()) return fault;
   source.add(stamp, height_m);
-  range_finder.hear(stamp, *source.height(stamp));
+  for (LevelFollower* other : {&filter, &range_finder}) other->hear(stamp, *source.height(stamp));
   return "used";
 }
 
@@ -177,6 +200,7 @@ void HeightTracker::addProjection(double stamp, const Projection& projection) {
 }
 
 HeightSource HeightTracker::State::best(double time, std::optional<double>& height) const {
+  if ((height = filter.height(time))) return HeightSource::kFilter;
   if ((height = range_finder.height(time))) return HeightSource::kRangeFinder;
   if ((height = mirror.height(time))) return HeightSource::kMirror;
   if ((height = floor.height(time))) return HeightSource::kFloor;

@@ -92,6 +92,11 @@ std::optional<double> LevelSurfaces::floorHeight(double time) const {
   return -floor_over_base_->height_m;
 }
 
+std::optional<double> LevelSurfaces::floorSeenAt(double time) const {
+  if (!floor_over_base_ || floor_over_base_->time != time) return std::nullopt;
+  return -floor_over_base_->height_m;
+}
+
 std::optional<double> LevelSurfaces::ceilingHeight(double time,
                                                    const std::optional<double>& height_m) const {
   if (height_m && !ceilings_.empty()) {

@@ -246,7 +246,8 @@ Projection ScanProjector::projectCorrected(const LaserScan& scan,
   if (vehicle.attitude != nullptr && surfaces_.isDue(scan.stamp)) {
     surfaces_.observe(scan.stamp, someReturns(scan, frames, config_), frames.attitude(), height);
   }
-  if (!height) height = result.floor_height_m = surfaces_.floorHeight(scan.stamp);
+  result.floor_height_m = surfaces_.floorSeenAt(scan.stamp);
+  if (!height) height = surfaces_.floorHeight(scan.stamp);
   const Slice slice = sliceOf(config_, height, surfaces_.ceilingHeight(scan.stamp, height),
                               frames.frame(0).origin.z());
   BeamProjector(scan, config_, frames, slice, maskOf(scan, ignored_, mirror_), result).run();

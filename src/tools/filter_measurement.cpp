@@ -51,6 +51,7 @@ class Judge {
     ++count_;
     squares_ += error.cwiseAbs2();
     m_.xy_max_m = std::max(m_.xy_max_m, away);
+    m_.z_end_m = std::abs(error(kPosition + 2));
     if (output.stamp - judged_ < kInterval_s) return;
     judged_ = output.stamp;
     m_.nees.push_back(error.dot(output.covariance.ldlt().solve(error)));

@@ -47,6 +47,7 @@ void FilteredMapping::addImu(const ImuSample& sample, const Eigen::Quaterniond& 
     const FilterOutput& now = *filter_.output();
     filtered_attitude_.add(now.stamp, Eigen::Quaterniond(now.map_T_base.linear()),
                            now.angular_velocity, now.specific_force);
+    if (options_.height && now.givesHeight()) height_.addFiltered({now.stamp, now.height()});
     if (on_output) on_output(now);
   }
   processScans(arrival);
@@ -88,6 +89,9 @@ bool FilteredMapping::process(const WaitingScan& waiting, double now) {
   vehicle.height_m = height_.height(stamp);
   Projection projection = projector_.project(waiting.scan, waiting.base_T_laser, vehicle);
   height_.addProjection(stamp, projection);
+  for (const auto& height : {projection.mirror_height_m, projection.floor_height_m}) {
+    if (height) filter_.addFloorHeight({stamp, *height});
+  }
   if (projection.error != ScanError::kNone) return true;
   projection.scan.time = stamp;
   if (heading_jumps_) projection.scan.heading.reset();  // it counts from elsewhere

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "kestrel_slam/map/atomic_file.h"
+#include "kestrel_slam/tools/filter_parameters.h"
 
 namespace kestrel_slam {
 namespace {
@@ -14,6 +15,10 @@ const char* const kIntroduction =
     "# Parameters of kestrel_slam with their defaults, for the live nodes and for map_recording.\n"
     "# Keep only what you change; whatever is missing keeps its default.\n"
     "# This file is the output of `map_recording --list-parameters`.\n";
+const char* const kFilterIntroduction =
+    "# Parameters of the pose filter with their defaults, for pose_filter_node.\n"
+    "# Keep only what you change; whatever is missing keeps its default.\n"
+    "# This file is the output of `measure_filter --list-parameters`.\n";
 
 std::string lineOf(const YAML::Mark& mark) { return "line " + std::to_string(mark.line + 1); }
 
@@ -38,6 +43,16 @@ std::string rangeText(const Parameter& parameter) {
     if (!parameter.unit.empty()) text << " " << parameter.unit;
   }
   return text.str();
+}
+
+std::string yamlOf(const std::vector<Parameter>& parameters, const char* introduction) {
+  std::ostringstream yaml;
+  yaml << introduction;
+  for (const Parameter& parameter : parameters) {
+    yaml << "\n# " << parameter.description << "\n# " << rangeText(parameter) << "\n"
+         << parameter.name << ": " << valueText(parameter) << "\n";
+  }
+  return yaml.str();
 }
 
 }  // namespace
@@ -65,13 +80,12 @@ void loadParameters(const std::string& path, SlamConfig& config) {
 
 std::string defaultParametersYaml() {
   SlamConfig config;
-  std::ostringstream yaml;
-  yaml << kIntroduction;
-  for (const Parameter& parameter : parametersOf(config)) {
-    yaml << "\n# " << parameter.description << "\n# " << rangeText(parameter) << "\n"
-         << parameter.name << ": " << valueText(parameter) << "\n";
-  }
-  return yaml.str();
+  return yamlOf(parametersOf(config), kIntroduction);
+}
+
+std::string defaultFilterParametersYaml() {
+  PoseFilterConfig config;
+  return yamlOf(parametersOf(config), kFilterIntroduction);
 }
 
 }  // namespace kestrel_slam

@@ -94,6 +94,7 @@ RecordedFilterRun runFiltered(Recording& recording, const SlamConfig& config,
     feeder.feedUntil(sweepTimes(scan.scan).last);
     mapping.addScan(scan.scan, base_T_laser.value_or(scan.base_T_laser));
   }
+  feeder.feedUntil(recording.imu().samples.back().stamp);
   run.status = mapping.filter().status(recording.imu().samples.back().stamp);
   return run;
 }

@@ -104,10 +104,12 @@ TEST(Parameters, messagesStayOnOneLine) {
 TEST(Parameters, namesTheNearestParameter) {
   EXPECT_EQ(setError("map_resolutoin", "0.1"),
             "unknown parameter 'map_resolutoin'; did you mean 'map_resolution'?");
-  EXPECT_EQ(nearestParameterName("laser_max_distance"), "laser_max_dist");
-  EXPECT_EQ(nearestParameterName("Matcher"), "matcher");
-  EXPECT_EQ(nearestParameterName("clear_rnge"), "clear_range");
-  EXPECT_FALSE(nearestParameterName("").empty());
+  EXPECT_EQ(setError("laser_max_distance", "1"),
+            "unknown parameter 'laser_max_distance'; did you mean 'laser_max_dist'?");
+  EXPECT_EQ(setError("Matcher", "1"), "unknown parameter 'Matcher'; did you mean 'matcher'?");
+  EXPECT_EQ(setError("clear_rnge", "1"),
+            "unknown parameter 'clear_rnge'; did you mean 'clear_range'?");
+  EXPECT_EQ(setError("", "1").find("unknown parameter ''; did you mean '"), 0U);
 }
 
 TEST(Parameters, textsOfValuesReadBackExactly) {

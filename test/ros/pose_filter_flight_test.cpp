@@ -151,6 +151,7 @@ TEST_F(PoseFilterFlight, TheStateIsThatOfTheVehicle) {
   auto report = watcher_.report("Pose filter");
   EXPECT_GT(std::atoi(report["pose: used"].c_str()), 100) << report["message"];
   EXPECT_GT(std::atoi(report["range finder: used"].c_str()), 50);
+  EXPECT_EQ(projector_.diagnosis("Height", "source"), "pose filter");
   report = projector_.report("Scans");
   EXPECT_GT(std::atoi(report["projected by the filter"].c_str()), 200);
 }

@@ -47,6 +47,30 @@ TEST_F(HeightTrackerTest, KnowsNothingAtFirst) {
   EXPECT_EQ(tracker_.source(time_), HeightSource::kNone);
 }
 
+TEST_F(HeightTrackerTest, AFilterThatKnowsIsBelievedFirst) {
+  EXPECT_TRUE(tracker_.addRange({time_, 1.03}, nullptr));
+  EXPECT_TRUE(tracker_.addFiltered({time_, 1.0}));
+  EXPECT_EQ(tracker_.height(time_), 1.0);
+  EXPECT_EQ(tracker_.source(time_), HeightSource::kFilter);
+  for (const double until = time_ + 2.0; time_ < until;) {  // it falls silent
+    EXPECT_TRUE(tracker_.addRange({time_ += kPeriod, 1.03}, nullptr));
+  }
+  EXPECT_EQ(tracker_.height(time_), 1.03);
+  EXPECT_EQ(tracker_.source(time_), HeightSource::kRangeFinder);
+  EXPECT_FALSE(tracker_.addFiltered({1000.01, kNan}));
+  EXPECT_FALSE(tracker_.addFiltered({1000.02, -0.1}));
+  EXPECT_EQ(tracker_.counts().at("filter: used"), 1U);
+  EXPECT_EQ(tracker_.counts().at("filter: not finite"), 1U);
+}
+
+TEST_F(HeightTrackerTest, AFilterStepsOverATableToo) {
+  const auto below = [](double time) { return time < 1001.0 ? 0.0 : 0.7; };
+  for (; time_ < 1002.0; time_ += 0.01) {
+    EXPECT_TRUE(tracker_.addFiltered({time_, 1.5 - below(time_)}));
+    EXPECT_NEAR(*tracker_.height(time_), 1.5, 1e-9) << time_;
+  }
+}
+
 TEST_F(HeightTrackerTest, TheParameterIsUsedWhereNothingMeasures) {
   HeightConfig config;
   config.fixed_m = 1.2;

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
+#include <set>
+
 #include "kestrel_slam/map/atomic_file.h"
+#include "kestrel_slam/tools/filter_parameters.h"
 #include "tools/temporary_folder.h"
 
 namespace kestrel_slam {
@@ -29,6 +32,21 @@ TEST(ParametersYamlTest, TheShippedFileHoldsExactlyTheDefaults) {
     ASSERT_TRUE(shipped[parameter.name]) << parameter.name << " is missing";
     EXPECT_EQ(shipped[parameter.name].Scalar(), valueText(parameter)) << parameter.name;
   }
+}
+
+TEST(ParametersYamlTest, TheFiltersFileHoldsExactlyItsDefaults) {
+  const std::string path = KESTREL_SOURCE_DIR "/config/pose_filter.yaml";
+  EXPECT_EQ(readFile(path), defaultFilterParametersYaml());
+  const YAML::Node shipped = YAML::LoadFile(path);
+  PoseFilterConfig defaults;
+  std::set<std::string> names;
+  for (const Parameter& parameter : parametersOf(defaults)) {
+    EXPECT_TRUE(names.insert(parameter.name).second) << parameter.name << " twice";
+    EXPECT_FALSE(parameter.description.empty()) << parameter.name;
+    setValue(parameter, shipped[parameter.name].Scalar());  // within its limits
+  }
+  EXPECT_EQ(shipped.size(), names.size());
+  validate(defaults);
 }
 
 TEST(ParametersYamlTest, TheShippedFileIsWhatTheToolPrints) {

@@ -78,17 +78,22 @@ struct FilterOutput {
   FilterCovariance covariance = FilterCovariance::Zero();
   /// How high what is below the range finder stands over the map's floor (z = 0), m.
   double ground_m = 0.0;
+  double height_sigma_m = 0.0;  ///< standard deviation of height()
 
+  /// Of the base over what is below the range finder, m: what a perfect one would read upright.
+  double height() const { return map_T_base.translation().z() - ground_m; }
   /// Velocity in base, as nav_msgs/Odometry's twist has it, m/s.
   Eigen::Vector3d velocityInBase() const { return map_T_base.linear().transpose() * velocity; }
   double yaw() const;  ///< of the base in map, rad
   /// odom_T_base seen from above: PlanarScan::predicted.
   Pose2 odomPose() const;
 
-  /// Whether roll and pitch are known well enough for a projector (AttitudeBuffer::add), and the
-  /// velocity for the mapper (odomPose). A vague prediction would lead the mapper along what the
-  /// scans do not constrain, and its pose would then confirm the prediction.
+  /// Whether roll and pitch are known well enough for a projector (AttitudeBuffer::add), the height
+  /// as well (HeightTracker::addFiltered), and the velocity for the mapper (odomPose). A vague
+  /// prediction would lead the mapper along what the scans do not constrain, and its pose would
+  /// then confirm the prediction.
   bool givesAttitude() const;
+  bool givesHeight() const;
   bool givesPrediction() const;
 };
 

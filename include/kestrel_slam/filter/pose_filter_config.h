@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstddef>
-
 namespace kestrel_slam {
 
 /// What is known of the IMU's errors. The defaults are those of an Xsens MTi's data sheet.
@@ -33,7 +31,7 @@ struct GateConfig {
   double anchor_after_s = 1.0;  ///< poses that are rejected for this long in a row are right, and
                                 ///< the filter takes them over (the mapper has found itself); > 0
   double coast_after_s = 0.5;   ///< without an accepted pose or position the filter coasts; > 0
-  std::size_t max_anchors = 3;  ///< so many take-overs within diverged_s: the filter has diverged
+  int max_anchors = 3;          ///< so many take-overs within diverged_s: the filter has diverged
   double diverged_s = 20.0;     ///< s; > 0
 };
 
@@ -45,7 +43,7 @@ struct HeightFusionConfig {
   double barometer_sigma_m = 0.1;    ///< of one reading; > 0
   double barometer_drift = 0.02;     ///< random walk of its offset, m/sqrt(s); >= 0
   double initial_sigma_m = 2.0;      ///< of the height before anything measures it; > 0
-  std::size_t step_readings = 2;     ///< so many readings in a row that agree are a table; >= 1
+  int step_readings = 2;             ///< so many readings in a row that agree are a table; >= 1
 };
 
 /// What may be assumed of the motion.

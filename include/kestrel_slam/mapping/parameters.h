@@ -42,16 +42,17 @@ std::string valueText(const Parameter& parameter);
 /// parameter, the value and what is allowed. A text without choices may be anything.
 void setValue(const Parameter& parameter, const std::string& text);
 
-/// Sets one parameter from text. Throws std::invalid_argument that names the parameter, the value
-/// and what is allowed; for an unknown name, the nearest valid one.
+/// Sets one parameter of a table from text. Throws std::invalid_argument that names the parameter,
+/// the value and what is allowed; for an unknown name, the nearest valid one.
+void setParameter(const std::vector<Parameter>& table, const std::string& name,
+                  const std::string& text);
 void setParameter(SlamConfig& config, const std::string& name, const std::string& text);
 
-/// Applies settings of the form name=value in turn, and validates the whole. Throws
-/// std::invalid_argument as setParameter and validate do, also for a setting without '='.
+/// Applies settings of the form name=value in turn. Throws std::invalid_argument as setParameter
+/// does, also for a setting without '='.
+void applySettings(const std::vector<std::string>& settings, const std::vector<Parameter>& table);
+/// The same, and validates the whole.
 void applySettings(const std::vector<std::string>& settings, SlamConfig& config);
-
-/// The valid name nearest to `name` by edit distance.
-std::string nearestParameterName(const std::string& name);
 
 /// The one of `names`, which has at least one, that is nearest to `name` by edit distance.
 std::string nearestName(const std::string& name, const std::vector<std::string>& names);

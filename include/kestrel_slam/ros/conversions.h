@@ -6,9 +6,11 @@
 #include <nav_msgs/OccupancyGrid.h>
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <sensor_msgs/Range.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <string>
 
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/map/map_snapshot.h"
@@ -38,6 +40,10 @@ geometry_msgs::PoseWithCovariance toMessage(const Pose2& pose, const Eigen::Matr
 
 /// The header is left to the caller.
 nav_msgs::OccupancyGrid toMessage(MapSnapshot map);
+
+/// A height in a level frame, which says that it is the height itself, not a slanted distance.
+sensor_msgs::Range toRangeMessage(const ros::Time& stamp, const std::string& level_frame,
+                                  double height_m, double max_height_m);
 
 /// The hits of a scan in the map frame; the header is left to the caller.
 sensor_msgs::PointCloud2 hitCloud(const PlanarScan& scan, const Pose2& map_T_base);

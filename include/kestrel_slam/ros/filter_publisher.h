@@ -8,7 +8,7 @@
 
 namespace kestrel_slam {
 
-/// Publishes every state of the filter: odom/filtered, imu/bias and tf.
+/// Publishes every state of the filter: odom/filtered, height/filtered, imu/bias and tf.
 class FilterPublisher {
  public:
   FilterPublisher(ros::NodeHandle nh, const PoseFilterNodeConfig& config);
@@ -18,11 +18,12 @@ class FilterPublisher {
 
  private:
   void publishOdometry(const ros::Time& stamp, const FilterOutput& output, double imu_rate_hz);
+  void publishHeight(const ros::Time& stamp, const FilterOutput& output);
   void publishBias(const ros::Time& stamp, const FilterOutput& output);
   void publishTransforms(const ros::Time& stamp, const FilterOutput& output);
 
   PoseFilterNodeConfig config_;
-  ros::Publisher odometry_publisher_, bias_publisher_;
+  ros::Publisher odometry_publisher_, height_publisher_, bias_publisher_;
   tf2_ros::TransformBroadcaster broadcaster_;
 };
 

@@ -15,8 +15,8 @@
 
 namespace kestrel_slam {
 
-/// The height of the vehicle over the floor: from a range finder that looks down, or from what the
-/// projector sees of the floor.
+/// The height of the vehicle over the floor: from a pose filter, from a range finder that looks
+/// down, or from what the projector sees of the floor.
 class HeightInput {
  public:
   HeightInput(ros::NodeHandle nh, const ProjectorNodeConfig& config, const Mountings& mountings,
@@ -32,6 +32,7 @@ class HeightInput {
   void describe(ProjectorReport& report) const;
 
  private:
+  void onFiltered(const sensor_msgs::RangeConstPtr& message);
   void onRange(const sensor_msgs::RangeConstPtr& message);
 
   std::string stabilized_frame_, footprint_frame_;
@@ -40,7 +41,7 @@ class HeightInput {
   HeightTracker tracker_;
   double newest_ = 0.0;       ///< stamp of the newest reading or sweep, s
   bool is_unusable_ = false;  ///< what the range finder gave last
-  ros::Subscriber subscriber_;
+  ros::Subscriber subscriber_, filter_subscriber_;
 };
 
 }  // namespace kestrel_slam

@@ -20,6 +20,7 @@ struct PoseFilterNodeConfig {
   std::string imu_topic = "imu/data";
   std::string pose_topic = "poseupdate";
   std::string height_topic = "height";
+  std::string floor_height_topic = "floor_height";        ///< of the projector
   std::string pressure_topic = "imu/pressure";            ///< of a barometer: its pressure,
   std::string pressure_height_topic = "pressure_height";  ///< or the height that follows from it
   std::string magnetometer_topic;     ///< empty: none; indoors steel bends the field

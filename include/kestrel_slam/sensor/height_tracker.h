@@ -23,7 +23,7 @@ struct HeightConfig {
 };
 
 /// Who measured a height; the better one first.
-enum class HeightSource { kRangeFinder, kMirror, kFloor, kParameter, kNone };
+enum class HeightSource { kFilter, kRangeFinder, kMirror, kFloor, kParameter, kNone };
 
 const char* toString(HeightSource source);
 
@@ -56,9 +56,10 @@ class LevelFollower {
   double step_since_s_ = 0.0;
 };
 
-/// What is known of the vehicle's height over the floor: from a range finder that looks down, from
-/// beams that a mirror bends down, from returns of the floor, or from a parameter. Every reading is
-/// validated and counted; the best source that has spoken lately is used.
+/// What is known of the vehicle's height over the floor: from a pose filter, from a range finder
+/// that looks down, from beams that a mirror bends down, from returns of the floor, or from a
+/// parameter. Every reading is validated and counted; the best source that has spoken lately is
+/// used.
 class HeightTracker {
  public:
   explicit HeightTracker(const HeightConfig& config = HeightConfig());
@@ -69,6 +70,10 @@ class HeightTracker {
   /// A reading along the base's negative z axis, from the base's origin. It is put upright with the
   /// attitude at its stamp; `attitude` null or empty: level. False where it is not used.
   bool addRange(const HeightSample& sample, const AttitudeBuffer* attitude);
+
+  /// What a pose filter says of the height over what is below (FilterOutput::height), while it
+  /// knows it. False where it is not used.
+  bool addFiltered(const HeightSample& sample);
 
   /// What the projector has seen of the floor in a sweep at `stamp`.
   void addProjection(double stamp, const Projection& projection);

@@ -43,6 +43,8 @@ class LevelSurfaces {
 
   /// Height of the base over the floor, m, where it was seen a moment ago.
   std::optional<double> floorHeight(double time) const;
+  /// The same, where the very sweep at `time` has seen it.
+  std::optional<double> floorSeenAt(double time) const;
 
   /// Height of the ceiling over the base, m. A ceiling is remembered as long as the height over the
   /// floor is known, else for a moment.

@@ -16,6 +16,7 @@ using FilterError = Eigen::Matrix<double, kFilterDim, 1>;
 /// first scan begins.
 struct FilterMeasurement {
   double xy_rmse_m = 0.0, z_rmse_m = 0.0;
+  double z_end_m = 0.0;                            ///< error at the end
   double velocity_rmse = 0.0;                      ///< m/s
   double tilt_rmse_deg = 0.0, yaw_rmse_deg = 0.0;  ///< tilt: of roll and pitch, each
   double xy_max_m = 0.0;

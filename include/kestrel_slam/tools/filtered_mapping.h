@@ -17,6 +17,7 @@ namespace kestrel_slam {
 /// What the filter gives to projector and mapper, and how late its poses are.
 struct CouplingOptions {
   bool attitude = true;    ///< the filter's attitude, rates and forces feed the projector
+  bool height = true;      ///< its height too
   bool prediction = true;  ///< the filter's motion in odom feeds the mapper
   bool barometer = true;
   double match_s = 0.005;  ///< from the last beam's attitude to the mapper's pose, s

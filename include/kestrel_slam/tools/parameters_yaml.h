@@ -12,5 +12,7 @@ void loadParameters(const std::string& path, SlamConfig& config);
 
 /// All parameters with their defaults as a commented YAML file: unit, range, meaning.
 std::string defaultParametersYaml();
+/// The same of the pose filter.
+std::string defaultFilterParametersYaml();
 
 }  // namespace kestrel_slam
