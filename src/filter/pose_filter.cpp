@@ -129,6 +129,8 @@ FilterStatus PoseFilter::status(double now) const {
   return status;
 }
 
+double PoseFilter::imuRate() const { return state_->imu.rate(); }
+
 const PoseFilterConfig& PoseFilter::config() const { return state_->config; }
 
 }  // namespace kestrel_slam

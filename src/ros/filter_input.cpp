@@ -79,8 +79,8 @@ bool FilterInput::runs(double time) const {
   return latest && *latest > time - kSilent;
 }
 
-bool FilterInput::covers(const SweepTimes& times) const {
-  return buffer_.covers(times.first, times.last) == AttitudeError::kNone;
+AttitudeError FilterInput::covers(const SweepTimes& times) const {
+  return buffer_.covers(times.first, times.last);
 }
 
 std::optional<Pose2> FilterInput::predicted(double time) const {

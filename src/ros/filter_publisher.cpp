@@ -63,9 +63,9 @@ void FilterPublisher::publish(const ros::Time& stamp, const FilterOutput& output
       !output.velocity.allFinite() || !output.covariance.allFinite()) {
     return;
   }
-  publishTransforms(stamp, output);
-  publishOdometry(stamp, output, imu_rate_hz);
+  publishOdometry(stamp, output, imu_rate_hz);  // first: a controller waits for it
   publishHeight(stamp, output);
+  publishTransforms(stamp, output);
   publishBias(stamp, output);
 }
 

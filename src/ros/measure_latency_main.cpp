@@ -22,7 +22,10 @@ constexpr char kUsage[] =
     "to\n"
     "nodes that already run (roslaunch kestrel_slam mav.launch), and measures how long every scan\n"
     "takes to its pose on `poseupdate`, and every IMU message to its state on `odom/filtered`.\n"
-    "Exit code: 0, or 1 where no pose came.\n";
+    "Exit code: 0, or 1 where no pose came.\n"
+    "measure_latency --echo: a node that answers every IMU message on `odom/echo`, and does "
+    "nothing\n"
+    "else: where it runs beside the others, the measurement tells how fast any node could be.\n";
 constexpr std::uint32_t kQueue = 1000;
 constexpr double kConnectWithin = 20.0;  // s
 constexpr double kWaitAtEnd = 2.0;       // s; for the last poses and diagnostics
@@ -77,6 +80,38 @@ void print(const LatencyRecord& record) {
       quantile(from_last, kMedian), quantile(from_last, kHigh), quantile(from_last, 1.0));
 }
 
+void printAnswers(const char* topic, const LatencyRecord& record) {
+  const std::vector<double> from_imu = record.fromImu();
+  if (from_imu.empty()) return;  // nobody answers
+  std::printf(
+      "latency from the IMU to %s: %zu messages, median %.2f ms, p99 %.2f ms, max %.2f ms\n", topic,
+      from_imu.size(), quantile(from_imu, kMedian), quantile(from_imu, kHigh),
+      quantile(from_imu, 1.0));
+}
+
+/// Records when the answers on `topic` came.
+ros::Subscriber recordAnswers(ros::NodeHandle nh, const std::string& topic, LatencyRecord& record) {
+  const boost::function<void(const nav_msgs::Odometry&)> on_answer =
+      [&record](const nav_msgs::Odometry& message) { record.stateReceived(message.header.stamp); };
+  return nh.subscribe<nav_msgs::Odometry>(topic, kQueue, on_answer, ros::VoidConstPtr(),
+                                          ros::TransportHints().tcpNoDelay());
+}
+
+int echo() {
+  ros::NodeHandle nh;
+  const ros::Publisher publisher = nh.advertise<nav_msgs::Odometry>("odom/echo", kQueue);
+  const boost::function<void(const sensor_msgs::Imu&)> answer =
+      [&](const sensor_msgs::Imu& message) {
+        nav_msgs::Odometry odometry;
+        odometry.header = message.header;
+        publisher.publish(odometry);
+      };
+  const ros::Subscriber imu = nh.subscribe<sensor_msgs::Imu>(
+      "imu/data", kQueue, answer, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+  ros::spin();
+  return 0;
+}
+
 int run(const std::string& bag) {
   ros::NodeHandle nh;
   DropWatcher drops;
@@ -88,10 +123,9 @@ int run(const std::string& bag) {
       };
   const ros::Subscriber poses = nh.subscribe<geometry_msgs::PoseWithCovarianceStamped>(
       "poseupdate", kQueue, on_pose, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
-  const boost::function<void(const nav_msgs::Odometry&)> on_state =
-      [&](const nav_msgs::Odometry& message) { record.stateReceived(message.header.stamp); };
-  const ros::Subscriber states = nh.subscribe<nav_msgs::Odometry>(
-      "odom/filtered", kQueue, on_state, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+  LatencyRecord echoes(true);
+  const ros::Subscriber states = recordAnswers(nh, "odom/filtered", record);
+  const ros::Subscriber echoed = recordAnswers(nh, "odom/echo", echoes);
   // Somebody who looks at the map: publishing it must not delay the poses.
   const boost::function<void(const nav_msgs::OccupancyGridConstPtr&)> on_map =
       [](const nav_msgs::OccupancyGridConstPtr&) {};
@@ -101,10 +135,15 @@ int run(const std::string& bag) {
   ros::AsyncSpinner spinner(1);
   spinner.start();
   waitForNodes(player, poses);
-  player.play([&](const LiveMessage& message) { record.sent(message); });
+  player.play([&](const LiveMessage& message) {
+    record.sent(message);
+    echoes.sent(message);
+  });
   ros::WallDuration(kWaitAtEnd).sleep();
   spinner.stop();
   print(record);
+  printAnswers("odom/filtered", record);
+  printAnswers("a node that only answers", echoes);
   drops.print();
   return record.poses() > 0 ? 0 : 1;
 }
@@ -112,7 +151,9 @@ int run(const std::string& bag) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "measure_latency");
+  const bool is_echo = argc == 2 && std::string(argv[1]) == "--echo";
+  ros::init(argc, argv, is_echo ? "latency_echo" : "measure_latency");
+  if (is_echo) return echo();
   if (argc != 2 || std::string(argv[1]) == "--help" || std::string(argv[1]) == "-h") {
     std::fputs(kUsage, argc == 2 ? stdout : stderr);
     return argc == 2 ? 0 : 2;

@@ -96,7 +96,7 @@ void PoseFilterNode::onImu(const sensor_msgs::ImuConstPtr& message) {
   last_stamp_ = sample.stamp;
   since_last_ = WaitingTime();
   if (filter_.addImu(sample, Eigen::Quaterniond(base_T_imu->linear()))) {
-    publisher_.publish(message->header.stamp, *filter_.output(), filter_.status(now()).imu_rate_hz);
+    publisher_.publish(message->header.stamp, *filter_.output(), filter_.imuRate());
   }
 }
 

@@ -149,7 +149,7 @@ ScanProjectorNode::Verdict ScanProjectorNode::judgeImuAttitude(const Sweep& swee
 
 /// A filter that runs needs its moment after the IMU; where it does not come, the IMU has to do.
 bool ScanProjectorNode::waitsForFilter(const Sweep& sweep) const {
-  return filter_.runs(sweep.times.last) && !filter_.covers(sweep.times) &&
+  return filter_.runs(sweep.times.last) && filter_.covers(sweep.times) == AttitudeError::kNotYet &&
          sweep.waiting.seconds() < config_.max_wait_s;
 }
 
@@ -170,7 +170,7 @@ std::string ScanProjectorNode::uncovered(const Sweep& sweep) const {
 void ScanProjectorNode::project(const Sweep& sweep, const Eigen::Isometry3d& base_T_laser,
                                 bool is_level) {
   const double stamp = toSeconds(sweep.stamp);
-  const bool is_filtered = !is_level && filter_.covers(sweep.times);
+  const bool is_filtered = !is_level && filter_.covers(sweep.times) == AttitudeError::kNone;
   const AttitudeBuffer* attitude = is_level      ? nullptr
                                    : is_filtered ? &filter_.buffer()
                                                  : &tracker_.buffer();
@@ -178,7 +178,8 @@ void ScanProjectorNode::project(const Sweep& sweep, const Eigen::Isometry3d& bas
   Projection projection =
       std::visit([&](const auto& data) { return projector_.project(data, base_T_laser, vehicle); },
                  sweep.data);
-  if (last_attitude_ != nullptr && attitude != last_attitude_) {  // heading and speed count from elsewhere now
+  if (last_attitude_ != nullptr &&
+      attitude != last_attitude_) {  // heading and speed count from elsewhere now
     projection.scan.heading.reset();
     projection.scan.speed.reset();
   }

@@ -63,6 +63,7 @@ class PoseFilter {
 
   /// The status at `now`, on the clock of the stamps (s).
   FilterStatus status(double now) const;
+  double imuRate() const;  ///< smoothed, Hz; 0 before the second sample
 
   const PoseFilterConfig& config() const;
 

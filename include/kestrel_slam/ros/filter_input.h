@@ -25,8 +25,8 @@ class FilterInput {
 
   /// Whether the filter runs: it has told the attitude of a time not long before `time` (s).
   bool runs(double time) const;
-  /// Whether the attitude is known over the whole sweep.
-  bool covers(const SweepTimes& times) const;
+  /// Whether the attitude is known over the whole sweep (kNone), or may be in a moment (kNotYet).
+  AttitudeError covers(const SweepTimes& times) const;
   const AttitudeBuffer& buffer() const { return buffer_; }
   /// odom_T_base at `time`, where the filter knows its velocity.
   std::optional<Pose2> predicted(double time) const;
