@@ -26,7 +26,7 @@ class ImuIntake {
   explicit ImuIntake(const PoseFilterConfig& config);
 
   /// kStep: `step` is set. kRejected: `fault` is. kClockSetBack: the sample begins a new time.
-  Result add(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu);
+  Result add(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu);
 
   const ImuStep& step() const { return step_; }
   const ImuFault& fault() const { return fault_; }  ///< of the last rejected sample
@@ -35,8 +35,8 @@ class ImuIntake {
   double rate() const;                              ///< of the samples, smoothed, Hz
 
  private:
-  bool isUsable(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu);
-  ImuInput inBase(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu) const;
+  bool isUsable(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu);
+  ImuInput inBase(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) const;
   Result accumulate(double stamp, const ImuInput& reading);
 
   PoseFilterConfig config_;
@@ -45,6 +45,7 @@ class ImuIntake {
   ImuFault fault_;
   bool bad_ = false;
   ImuStep step_;
+  Eigen::Vector3d lever_m_ = Eigen::Vector3d::Zero();  ///< of the IMU in base
   std::optional<double> last_stamp_;
   ImuInput last_;
   ImuInput sum_;           ///< times seconds, of the readings since the last step

@@ -23,8 +23,8 @@ PoseFilter::~PoseFilter() = default;
 PoseFilter::PoseFilter(PoseFilter&&) noexcept = default;
 PoseFilter& PoseFilter::operator=(PoseFilter&&) noexcept = default;
 
-bool PoseFilter::addImu(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu) {
-  return state_->addImu(sample, base_R_imu);
+bool PoseFilter::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
+  return state_->addImu(sample, base_T_imu);
 }
 
 bool PoseFilter::addPose(const PoseMeasurement& measurement) {

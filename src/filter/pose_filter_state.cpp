@@ -45,9 +45,9 @@ PoseFilter::State::State(const PoseFilterConfig& c)
       initialiser(c),
       timeline(c, [this](const auto& m, const auto& v) { judge(m, v); }) {}
 
-bool PoseFilter::State::addImu(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu) {
+bool PoseFilter::State::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
   ++status.imu.received;
-  const ImuIntake::Result result = imu.add(sample, base_R_imu);
+  const ImuIntake::Result result = imu.add(sample, base_T_imu);
   if (result == ImuIntake::Result::kRejected) {
     ++status.imu.rejected[imu.fault().reason];
     return false;

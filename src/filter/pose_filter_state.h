@@ -17,7 +17,7 @@ namespace kestrel_slam {
 struct PoseFilter::State {
   explicit State(const PoseFilterConfig& c);
 
-  bool addImu(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu);
+  bool addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu);
   bool begin(const ImuStep& step);
   void place(FilterState& state);
   void advance(const ImuStep& step);

@@ -95,7 +95,7 @@ void PoseFilterNode::onImu(const sensor_msgs::ImuConstPtr& message) {
   const ImuSample sample = toImuSample(*message);
   last_stamp_ = sample.stamp;
   since_last_ = WaitingTime();
-  if (filter_.addImu(sample, Eigen::Quaterniond(base_T_imu->linear()))) {
+  if (filter_.addImu(sample, *base_T_imu)) {
     publisher_.publish(message->header.stamp, *filter_.output(), filter_.imuRate());
   }
 }

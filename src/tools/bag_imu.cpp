@@ -48,16 +48,15 @@ class MountingFinder {
       : transforms_(transforms), base_frame_(std::move(base_frame)) {}
 
   void look(const sensor_msgs::Imu& message) {
-    if (base_R_imu_) return;
+    if (base_T_imu_) return;
     frame_ = withoutSlash(message.header.frame_id);
     if (!transforms_.connected(base_frame_, frame_)) return;  // at no time, so no need to try
-    const auto base_T_imu = transforms_.lookup(base_frame_, frame_, message.header.stamp);
-    if (base_T_imu) base_R_imu_ = Eigen::Quaterniond(base_T_imu->linear());
+    base_T_imu_ = transforms_.lookup(base_frame_, frame_, message.header.stamp);
   }
 
   void finish(BagImu& result) const {
-    if (base_R_imu_) {
-      result.imu.base_R_imu = *base_R_imu_;
+    if (base_T_imu_) {
+      result.imu.base_T_imu = *base_T_imu_;
     } else if (!result.imu.samples.empty()) {
       result.warnings.push_back("the bag has no tf " + base_frame_ + " -> " +
                                 (frame_.empty() ? "(no frame)" : frame_) +
@@ -68,7 +67,7 @@ class MountingFinder {
  private:
   const BagTransforms& transforms_;
   std::string base_frame_, frame_;
-  std::optional<Eigen::Quaterniond> base_R_imu_;
+  std::optional<Eigen::Isometry3d> base_T_imu_;
 };
 
 }  // namespace

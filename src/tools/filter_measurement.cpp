@@ -142,7 +142,7 @@ FilterMeasurement measureFilter(const FilterTrial& trial) {
   while (simulator.next(event)) {
     const double time = event.stamp - kFlightStart;
     if (const auto* sample = std::get_if<ImuSample>(&event.message)) {
-      mapping.addImu(*sample, flight.vehicle.base_R_imu, event.arrival);
+      mapping.addImu(*sample, Eigen::Isometry3d(flight.vehicle.base_R_imu), event.arrival);
     } else if (const auto* range = std::get_if<HeightSample>(&event.message)) {
       mapping.addRange(*range);
     } else if (const auto* barometer = std::get_if<Barometer>(&event.message)) {

@@ -37,11 +37,11 @@ void FilteredMapping::chooseAttitude() {
   filter_gives_attitude_ = chosen;
 }
 
-void FilteredMapping::addImu(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu,
+void FilteredMapping::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu,
                              double arrival) {
   deliverPoses(arrival);
-  tracker_.add(sample, base_R_imu);
-  const bool moved = filter_.addImu(sample, base_R_imu);
+  tracker_.add(sample, Eigen::Quaterniond(base_T_imu.linear()));
+  const bool moved = filter_.addImu(sample, base_T_imu);
   chooseAttitude();
   if (moved) {
     const FilterOutput& now = *filter_.output();

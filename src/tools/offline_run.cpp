@@ -148,10 +148,11 @@ class Runner {
   /// which waits for it.
   void readImuUpTo(double time) {
     const RecordedImu& imu = recording_.imu();
+    const Eigen::Quaterniond base_R_imu(imu.base_T_imu.linear());
     while (next_imu_ < imu.samples.size()) {
       const std::optional<double> latest = attitude_.buffer().latest();
       if (latest && *latest >= time) return;
-      attitude_.add(imu.samples[next_imu_++], imu.base_R_imu);
+      attitude_.add(imu.samples[next_imu_++], base_R_imu);
     }
   }
 

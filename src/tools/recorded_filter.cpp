@@ -38,7 +38,7 @@ class Feeder {
       for (; height_ < heights_.size() && heights_[height_].stamp <= stamp; ++height_) {
         mapping_.addRange(heights_[height_]);
       }
-      mapping_.addImu(imu_.samples[next_], imu_.base_R_imu, stamp);
+      mapping_.addImu(imu_.samples[next_], imu_.base_T_imu, stamp);
     }
   }
 

@@ -66,7 +66,7 @@ SimulatedRecording::SimulatedRecording(const Place& place, const VehicleModel& v
     throw std::invalid_argument("a simulated recording needs a laser or a lidar on board");
   }
   state_ = std::make_unique<State>(place, vehicle, seed);
-  imu_.base_R_imu = vehicle.base_R_imu;
+  imu_.base_T_imu = Eigen::Isometry3d(vehicle.base_R_imu);
   imu_.topic = vehicle.imu ? "simulated" : "";
   FlightSimulator early(state_->world, *state_->motion, blindScanner(vehicle), seed);
   FlightEvent event;

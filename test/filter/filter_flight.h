@@ -18,6 +18,7 @@ struct FilterFlight {
   Eigen::Vector3d gyro_bias = {0.004, -0.003, 0.002};
   Eigen::Vector3d accelerometer_bias = {0.02, -0.01, 0.03};
   double start_stamp = 1000.0;
+  Eigen::Isometry3d base_T_imu = Eigen::Isometry3d::Identity();
 
   struct Truth {
     Eigen::Vector3d position;
@@ -53,15 +54,20 @@ struct FilterFlight {
   /// Without noise, but for the biases.
   ImuSample imu(double time) const {
     constexpr double kStep = 1e-3;
+    const auto place = [&](double t) -> Eigen::Vector3d {  // of the IMU
+      return position(t) + rotation(t) * base_T_imu.translation();
+    };
     const Eigen::Vector3d acceleration =
-        (position(time + kStep) - 2.0 * position(time) + position(time - kStep)) / (kStep * kStep);
+        (place(time + kStep) - 2.0 * place(time) + place(time - kStep)) / (kStep * kStep);
+    const Eigen::Matrix3d imu_R_base = base_T_imu.linear().transpose();
     const Eigen::AngleAxisd turn(rotation(time - kStep).conjugate() * rotation(time + kStep));
     ImuSample sample;
     sample.stamp = start_stamp + time;
-    sample.angular_velocity = turn.axis() * turn.angle() / (2.0 * kStep) + gyro_bias;
+    sample.angular_velocity = imu_R_base * (turn.axis() * turn.angle() / (2.0 * kStep) + gyro_bias);
     sample.linear_acceleration =
-        rotation(time).conjugate() * (acceleration + Eigen::Vector3d(0.0, 0.0, 9.81)) +
-        accelerometer_bias;
+        imu_R_base *
+        (rotation(time).conjugate() * (acceleration + Eigen::Vector3d(0.0, 0.0, 9.81)) +
+         accelerometer_bias);
     return sample;
   }
 
@@ -111,7 +117,8 @@ inline void feed(const FilterFlight& flight, const Feeding& feeding, PoseFilter&
     *sample.linear_acceleration += noise(feeding.accelerometer_noise);
     const Eigen::Vector3d pose_noise = noise(feeding.pose_noise_m);
     const double range_noise = noise(feeding.range_noise_m).x();
-    if ((!feeding.imu || feeding.imu(time, sample)) && filter.addImu(sample) && feeding.output) {
+    if ((!feeding.imu || feeding.imu(time, sample)) && filter.addImu(sample, flight.base_T_imu) &&
+        feeding.output) {
       feeding.output(time, *filter.output());
     }
     if (feeding.per_range > 0 && i % feeding.per_range == 0) {

@@ -46,6 +46,35 @@ TEST(PoseFilter, FollowsAFlightAndLearnsTheBiases) {
   EXPECT_GT(status.of(FilterSensor::kPose).accepted, 900U);
 }
 
+TEST(PoseFilter, AnImuOnAnArmFeelsTheTurns) {
+  FilterFlight flight;
+  flight.base_T_imu = Eigen::Translation3d(0.4, -0.3, 0.2) *
+                      Eigen::AngleAxisd(2.0, Eigen::Vector3d(1.0, 2.0, -1.0).normalized());
+  const auto worstVelocity = [&](const Eigen::Isometry3d& told) {
+    FilterFlight as_told = flight;
+    PoseFilter filter;
+    double worst = 0.0;
+    Feeding feeding;
+    feeding.imu = [&](double time, ImuSample& sample) {
+      const double stamp = sample.stamp;
+      sample = flight.imu(time);
+      sample.stamp = stamp;
+      return true;
+    };
+    feeding.output = [&](double time, const FilterOutput& output) {
+      if (time > 5.0) worst = std::max(worst, errorsOf(flight, output).velocity);
+    };
+    as_told.base_T_imu = told;
+    feed(as_told, feeding, filter);
+    return worst;
+  };
+  Eigen::Isometry3d without_arm = flight.base_T_imu;
+  without_arm.translation().setZero();
+  const double right = worstVelocity(flight.base_T_imu), wrong = worstVelocity(without_arm);
+  EXPECT_LT(right, 0.05);
+  EXPECT_GT(wrong, 2.0 * right);
+}
+
 TEST(PoseFilter, StartsInTheAir) {
   const FilterFlight flight;
   PoseFilter filter;

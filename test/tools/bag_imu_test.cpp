@@ -126,7 +126,7 @@ TEST_F(BagImuTest, ReadsTheImuInTheOrderOfTheFileWithItsMounting) {
   });
   const RecordedImu& imu = recording->imu();
   EXPECT_EQ(imu.topic, "/imu");
-  EXPECT_NEAR(imu.base_R_imu.angularDistance(upside_down), 0.0, 1e-12);
+  EXPECT_NEAR(Eigen::Quaterniond(imu.base_T_imu.linear()).angularDistance(upside_down), 0.0, 1e-12);
   ASSERT_EQ(imu.samples.size(), 4U);
   EXPECT_EQ(imu.samples[0].stamp, 2.25);
   EXPECT_EQ(imu.samples[1].stamp, 2.0);

@@ -29,10 +29,11 @@ class PoseFilter {
   PoseFilter(PoseFilter&&) noexcept;
   PoseFilter& operator=(PoseFilter&&) noexcept;
 
-  /// An IMU sample; only gyro and accelerometer are used. `base_R_imu`: its mounting; the IMU is
-  /// taken to be at the origin of the base. True where output() has moved on to a new stamp.
+  /// An IMU sample; only gyro and accelerometer are used. `base_T_imu`: its mounting; what it feels
+  /// because it is not at the origin of the base, when the vehicle turns, is taken away. True where
+  /// output() has moved on to a new stamp.
   bool addImu(const ImuSample& sample,
-              const Eigen::Quaterniond& base_R_imu = Eigen::Quaterniond::Identity());
+              const Eigen::Isometry3d& base_T_imu = Eigen::Isometry3d::Identity());
 
   /// Measurements. False where one is refused at once (status() counts why); one that is newer
   /// than the newest IMU sample waits for it, and may then still be rejected by its gate.

@@ -31,7 +31,7 @@ class FilteredMapping {
   FilteredMapping(const SlamConfig& config, const PoseFilterConfig& filter_config,
                   const CouplingOptions& options);
 
-  void addImu(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu, double arrival);
+  void addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu, double arrival);
   void addRange(const HeightSample& sample);
   void addBarometer(const HeightSample& sample);
   void addScan(const LaserScan& scan, const Eigen::Isometry3d& base_T_laser);

@@ -26,7 +26,7 @@ struct RecordedScan {
 /// What an IMU recorded, in the order of the file.
 struct RecordedImu {
   std::vector<ImuSample> samples;
-  Eigen::Quaterniond base_R_imu = Eigen::Quaterniond::Identity();
+  Eigen::Isometry3d base_T_imu = Eigen::Isometry3d::Identity();
   std::string topic;
 };
 
