@@ -141,7 +141,7 @@ TEST_F(BagImuTest, WithoutTfItsAxesAreThoseOfTheVehicleWithOneWarning) {
     for (int i = 1; i < 9; ++i) bag.write("/imu", ros::Time(i), imuAt(i));
   });
   EXPECT_EQ(recording->imu().samples.size(), 8U);
-  EXPECT_EQ(recording->imu().base_R_imu.coeffs(), Eigen::Vector4d(0.0, 0.0, 0.0, 1.0));
+  EXPECT_EQ(recording->imu().base_T_imu.matrix(), Eigen::Matrix4d::Identity());
   ASSERT_EQ(recording->warnings().size(), 1U);
   EXPECT_CONTAINS(recording->warnings()[0], "no tf base_link -> imu_link: the IMU's axes");
 }
@@ -238,7 +238,7 @@ TEST(RealImus, HaveTheirKnownReadings) {
     Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
     for (const ImuSample& sample : imu.samples) {
       ASSERT_TRUE(sample.world_R_imu && sample.angular_velocity && sample.linear_acceleration);
-      gravity += imu.base_R_imu * *sample.linear_acceleration / static_cast<double>(count);
+      gravity += imu.base_T_imu.linear() * *sample.linear_acceleration / static_cast<double>(count);
     }
     if (count == 0) return;
     EXPECT_NEAR(gravity.norm(), 9.81, 0.6) << name;
