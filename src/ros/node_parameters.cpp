@@ -1,14 +1,9 @@
 #include "kestrel_slam/ros/node_parameters.h"
 
-#include <ros/console.h>
-
-#include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <map>
-#include <stdexcept>
 
 #include "kestrel_slam/mapping/parameter_table.h"
+#include "kestrel_slam/ros/private_parameters.h"
 #include "kestrel_slam/tools/bag_transforms.h"
 
 namespace kestrel_slam {
@@ -31,70 +26,6 @@ const std::map<std::string, std::string>& unneededParameters() {
       {"output_timing", "the time per scan is in /diagnostics"},
   };
   return table;
-}
-
-/// Of diagnostic_updater, which reads it from the same namespace.
-constexpr char kDiagnosticPeriod[] = "diagnostic_period";
-
-/// The shorter of the two decimal forms that give the same number when they are read.
-std::string numberText(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.15g", value);
-  if (std::strtod(text, nullptr) != value) std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
-}
-
-std::string textOf(const std::string& name, XmlRpc::XmlRpcValue& value) {
-  switch (value.getType()) {
-    case XmlRpc::XmlRpcValue::TypeBoolean:
-      return static_cast<bool>(value) ? "true" : "false";
-    case XmlRpc::XmlRpcValue::TypeInt:
-      return std::to_string(static_cast<int>(value));
-    case XmlRpc::XmlRpcValue::TypeDouble:
-      return numberText(static_cast<double>(value));
-    case XmlRpc::XmlRpcValue::TypeString:
-      return static_cast<std::string>(value);
-    default:
-      throw std::invalid_argument(name + ": must be a single value, not a list or a dictionary");
-  }
-}
-
-/// The names in the private namespace, without it.
-std::vector<std::string> privateNames(const ros::NodeHandle& private_nh) {
-  const std::string prefix = private_nh.getNamespace() + "/";
-  std::vector<std::string> all, names;
-  private_nh.getParamNames(all);
-  for (const std::string& name : all) {
-    if (name.compare(0, prefix.size(), prefix) == 0) names.push_back(name.substr(prefix.size()));
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-void reportUnused(const ros::NodeHandle& private_nh, const std::vector<Parameter>& parameters) {
-  std::vector<std::string> valid;
-  for (const Parameter& parameter : parameters) valid.push_back(parameter.name);
-  for (const std::string& name : privateNames(private_nh)) {
-    if (name == kDiagnosticPeriod) continue;
-    if (std::find(valid.begin(), valid.end(), name) != valid.end()) continue;
-    const auto unneeded = unneededParameters().find(name);
-    if (unneeded != unneededParameters().end()) {
-      ROS_INFO("The parameter ~%s has no effect: %s.", name.c_str(), unneeded->second.c_str());
-    } else {
-      ROS_WARN("Unknown parameter ~%s; did you mean ~%s?", name.c_str(),
-               nearestName(name, valid).c_str());
-    }
-  }
-}
-
-void requireName(const char* name, const std::string& value) {
-  if (value.empty()) throw std::invalid_argument(std::string(name) + " = '': must not be empty");
-}
-
-void requireDistinct(const char* name, const std::string& frame, const std::string& other) {
-  if (frame != other) return;
-  throw std::invalid_argument(std::string(name) + " = " + frame +
-                              ": another frame has this name too, one must change");
 }
 
 /// tf2 knows no leading slashes, which launch files written for tf1 still have.
@@ -159,14 +90,7 @@ std::vector<Parameter> parametersOf(NodeConfig& config) {
 
 NodeConfig loadParameters(const ros::NodeHandle& private_nh) {
   NodeConfig config;
-  const std::vector<Parameter> parameters = parametersOf(config);
-  reportUnused(private_nh, parameters);
-  for (const Parameter& parameter : parameters) {
-    XmlRpc::XmlRpcValue value;
-    if (private_nh.getParam(parameter.name, value)) {
-      setValue(parameter, textOf(parameter.name, value));
-    }
-  }
+  readPrivateParameters(private_nh, parametersOf(config), unneededParameters());
   tidyFrames(config);
   validate(config);
   return config;
