@@ -7,8 +7,9 @@
 
 #include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/matching/matcher.h"
+#include "kestrel_slam/recording/simulated_recording.h"
+#include "kestrel_slam/sensor/planar_scan.h"
 #include "kestrel_slam/sensor/scan_projector.h"
-#include "kestrel_slam/tools/simulated_recording.h"
 
 namespace kestrel_slam {
 namespace {
@@ -31,9 +32,7 @@ struct Scene {
       pose = flight.truth()[i].pose;
       if (i < kMapScans) map.insert(scan, pose);
     }
-    for (const PlanarRay& ray : scan.rays) {
-      if (ray.hit) points.push_back(ray.end);
-    }
+    points = hitsOf(scan);
   }
 
   Submap map;
@@ -51,8 +50,8 @@ void match(benchmark::State& state, const char* method, const Pose2& offset) {
   MatcherConfig config;
   config.method = method;
   const std::unique_ptr<Matcher> matcher = makeMatcher(config);
-  const Pose2 start = scene().pose * offset;
-  const MatchRequest request{scene().points, start, {start}, false, 1.0};
+  const Pose2 initial_guess = scene().pose * offset;
+  const MatchRequest request{scene().points, initial_guess, {initial_guess}, false, 1.0};
   for (auto _ : state) benchmark::DoNotOptimize(matcher->match(scene().map, request));
 }
 
@@ -82,8 +81,8 @@ BENCHMARK_CAPTURE(match, gauss_newton, "gauss_newton", Pose2(0.05, 0.02, 0.03));
 BENCHMARK_CAPTURE(match, correlative, "correlative", Pose2(0.05, 0.02, 0.03));
 BENCHMARK_CAPTURE(match, progressive, "progressive", Pose2(0.05, 0.02, 0.03));
 BENCHMARK_CAPTURE(match, icp, "icp", Pose2(0.05, 0.02, 0.03));
-BENCHMARK_CAPTURE(search, half_metre_20_deg, SearchWindow{0.5, 0.35});
-BENCHMARK_CAPTURE(search, one_metre_180_deg, SearchWindow{1.0, 3.14});
+BENCHMARK_CAPTURE(search, half_meter_20_deg, SearchWindow{0.5, 0.35});
+BENCHMARK_CAPTURE(search, one_meter_180_deg, SearchWindow{1.0, 3.14});
 BENCHMARK(insert);
 BENCHMARK(snapshot);
 

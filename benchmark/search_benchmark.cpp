@@ -10,8 +10,8 @@
 #include <random>
 #include <string>
 
+#include "kestrel_slam/experiments/mapped_log.h"
 #include "kestrel_slam/matching/correlative.h"
-#include "kestrel_slam/tools/mapped_log.h"
 
 namespace kestrel_slam {
 namespace {
@@ -36,7 +36,7 @@ double timeOf(const MappedLog& log, const MappedScan& scan, const SearchWindow& 
   Pose2 center = scan.pose;
   center.x += shift(random);
   center.y += shift(random);
-  center.theta += turn(random);
+  center.yaw += turn(random);
   const double start = processorTime_s();
   const SearchResult found =
       searchWindow(log.map.surface(), scan.points, center, window, CorrelativeConfig());

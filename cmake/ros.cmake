@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Everything of catkin that has to come before the first target.
 find_package(catkin REQUIRED COMPONENTS
   diagnostic_updater geometry_msgs message_filters message_generation nav_msgs nodelet pluginlib
-  rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2 tf2_msgs tf2_ros visualization_msgs)
+  roscpp sensor_msgs std_msgs std_srvs tf2 tf2_msgs tf2_ros visualization_msgs)
+find_package(rosbag_storage REQUIRED)  # apart: what flies is not linked to it
 
 file(GLOB SERVICES RELATIVE ${PROJECT_SOURCE_DIR}/srv ${PROJECT_SOURCE_DIR}/srv/*.srv)
 add_service_files(DIRECTORY srv FILES ${SERVICES})
@@ -9,7 +11,6 @@ generate_messages(DEPENDENCIES geometry_msgs std_msgs)
 
 catkin_package(
   INCLUDE_DIRS include
-  LIBRARIES kestrel_core
   CATKIN_DEPENDS geometry_msgs message_runtime nav_msgs nodelet roscpp sensor_msgs std_msgs std_srvs
     tf2_ros visualization_msgs
   DEPENDS EIGEN3)

@@ -27,7 +27,7 @@ inline std::vector<Segment> corridor() { return {{-500, -1, 500, -1}, {-500, 1, 
 
 /// Distance to the nearest wall in a direction; infinite where there is none.
 inline double cast(const std::vector<Segment>& segments, const Pose2& from, double angle) {
-  const double dx = std::cos(from.theta + angle), dy = std::sin(from.theta + angle);
+  const double dx = std::cos(from.yaw + angle), dy = std::sin(from.yaw + angle);
   double nearest = std::numeric_limits<double>::infinity();
   for (const Segment& s : segments) {
     const double ex = s.x1 - s.x0, ey = s.y1 - s.y0;
@@ -55,14 +55,6 @@ inline PlanarScan scanFrom(const Pose2& pose, const std::vector<Segment>& segmen
                          hit});
   }
   return scan;
-}
-
-inline Points hitsOf(const PlanarScan& scan) {
-  Points points;
-  for (const PlanarRay& ray : scan.rays) {
-    if (ray.hit) points.push_back(ray.end);
-  }
-  return points;
 }
 
 /// The map of the room, as three scans see it.

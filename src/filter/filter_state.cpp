@@ -1,7 +1,8 @@
 #include "filter_state.h"
 
-#include "../sensor/attitude_estimator.h"
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/gravity.h"
+#include "kestrel_slam/sensor/attitude_estimator.h"
 
 namespace kestrel_slam {
 namespace {

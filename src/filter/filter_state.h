@@ -8,7 +8,7 @@
 namespace kestrel_slam {
 
 /// The two states beside those of FilterOutput: what the height sensors refer to. They are
-/// estimated together with the others, so that a height that was learnt from the filter never
+/// estimated together with the others, so that a height that was learned from the filter never
 /// counts as news.
 constexpr int kBarometerOffset = kFilterDim;  ///< what a barometer reads at z = 0, m
 constexpr int kGround = kFilterDim + 1;       ///< height of what is below the range finder, m
@@ -38,7 +38,7 @@ struct FilterState {
   double ground = 0.0;
   StateMatrix covariance = StateMatrix::Zero();
 
-  bool anchored = false;                ///< the place in map is known
+  bool reinitialized = false;           ///< the place in map is known
   double aided_stamp = -1e18;           ///< of the last pose or position that was accepted, s
   double rejected_since = -1.0;         ///< stamp of the first pose rejected in a row; < 0: none
   double height_rejected_since = -1.0;  ///< the same of readings of the range finder

@@ -1,5 +1,6 @@
 #include "kestrel_slam/filter/filter_types.h"
 
+#include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
 namespace kestrel_slam {
@@ -9,7 +10,7 @@ namespace {
 /// 10 m by 0.1 m in height; 0.2 m/s are 5 mm between two scans of 40 Hz.
 constexpr double kUsefulTilt = 0.01;  // rad
 constexpr double kUsefulSpeed = 0.2;  // m/s
-/// A range finder's step over a table is recognised from 0.1 m on (LevelFollower).
+/// A range finder's step over a table is recognized from 0.1 m on (LevelFollower).
 constexpr double kUsefulHeight = 0.1;  // m
 
 /// Whether the deviations of two states that follow each other are below `limit`.
@@ -29,8 +30,8 @@ const char* toString(FilterSensor sensor) {
       return "floor beams";
     case FilterSensor::kBarometer:
       return "barometer";
-    case FilterSensor::kHeading:
-      return "heading";
+    case FilterSensor::kYaw:
+      return "yaw";
     case FilterSensor::kPosition:
       return "position";
     case FilterSensor::kGravityDirection:
@@ -47,8 +48,8 @@ const char* toString(FilterHealth health) {
       return "ok";
     case FilterHealth::kCoasting:
       return "coasting";
-    case FilterHealth::kInitialising:
-      return "initialising";
+    case FilterHealth::kInitializing:
+      return "initializing";
     case FilterHealth::kNoImu:
       return "no IMU";
     case FilterHealth::kBadImu:

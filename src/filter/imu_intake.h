@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "../sensor/imu_validation.h"
-#include "../sensor/stamp_check.h"
 #include "filter_state.h"
+#include "kestrel_slam/sensor/imu_validation.h"
+#include "kestrel_slam/sensor/stamp_check.h"
 
 namespace kestrel_slam {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "../sensor/imu_validation.h"
+#include "kestrel_slam/sensor/imu_validation.h"
 
 namespace kestrel_slam {
 namespace {
@@ -23,7 +23,7 @@ bool isCovariance(const Eigen::Matrix3d& matrix) {
   const double largest = matrix.cwiseAbs().maxCoeff();
   if ((matrix - matrix.transpose()).cwiseAbs().maxCoeff() > kAsymmetry * largest) return false;
   if (largest > kMaxVariance) return false;
-  // Scaled to ones on the diagonal, so that metres and radians do not matter.
+  // Scaled to ones on the diagonal, so that meters and radians do not matter.
   const Eigen::Vector3d scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::LLT<Eigen::Matrix3d> factor(scale.asDiagonal() * matrix * scale.asDiagonal());
   return factor.info() == Eigen::Success &&
@@ -44,7 +44,7 @@ std::string faultOf(const PositionMeasurement& measurement) {
   return isCovariance(measurement.covariance) ? "" : kBadCovariance;
 }
 
-std::string faultOf(const HeadingMeasurement& measurement) {
+std::string faultOf(const YawMeasurement& measurement) {
   if (faultOfStamp(measurement.stamp)) return kBadStamp;
   const bool finite = std::isfinite(measurement.yaw) && std::isfinite(measurement.sigma);
   return finite ? "" : kNotFinite;

@@ -11,7 +11,7 @@ namespace kestrel_slam {
 /// Why a measurement cannot be used whatever the state is; empty where it can.
 std::string faultOf(const PoseMeasurement& measurement);
 std::string faultOf(const PositionMeasurement& measurement);
-std::string faultOf(const HeadingMeasurement& measurement);
+std::string faultOf(const YawMeasurement& measurement);
 /// `only_positive`: a distance to the ground, up to `max_m`.
 std::string faultOf(const HeightSample& sample, bool only_positive, double max_m);
 

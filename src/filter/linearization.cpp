@@ -1,8 +1,10 @@
 #include <cmath>
 
-#include "../sensor/attitude_estimator.h"
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/gravity.h"
+#include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
+#include "kestrel_slam/sensor/attitude_estimator.h"
 #include "measurement.h"
 
 namespace kestrel_slam {
@@ -63,7 +65,7 @@ Linearized<6> linearizeStandstill(const Measurement& measurement, const FilterSt
   return result;
 }
 
-Linearized<1> linearizeHeading(const Measurement& measurement, const FilterState& state) {
+Linearized<1> linearizeYaw(const Measurement& measurement, const FilterState& state) {
   Linearized<1> result;
   result.jacobian.setZero();
   result.jacobian.block<1, 3>(0, kOrientation) = yawJacobian(state);

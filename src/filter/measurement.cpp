@@ -6,6 +6,7 @@
 
 #include "covariance_intersection.h"
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
 namespace kestrel_slam {
@@ -24,7 +25,7 @@ constexpr double kSameLevel = 0.1;
 /// Faster changes of what is below are steps, m/s; and after this long anything may have changed,
 /// s.
 constexpr double kMaxClimb = 3.0, kForgetRange_s = 1.0;
-/// How far the floor may be off level where it is recognised again, m.
+/// How far the floor may be off level where it is recognized again, m.
 constexpr double kFloorSigma = 0.01;
 /// A pose that is taken over: nothing was known before.
 constexpr double kUnknownM = 1e3, kUnknownRad = 1e2;
@@ -103,7 +104,7 @@ void updateIntersected(const Linearized<3>& z, const Eigen::Matrix3d& measured,
 
 /// Takes a pose over as if nothing had been known of it. What the vehicle does relative to itself
 /// stays: with the yaw, the velocity turns.
-void anchor(const Measurement& m, FilterState& state) {
+void reinitialize(const Measurement& m, FilterState& state) {
   const double turn = normalizeAngle(m.value.z() - yawOf(state.map_R_base));
   const Eigen::Quaterniond rotation(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
   const Eigen::Matrix3d matrix = rotation.toRotationMatrix();
@@ -122,21 +123,21 @@ void anchor(const Measurement& m, FilterState& state) {
   state.covariance(kPosition, kPosition) += square(kUnknownM);
   state.covariance(kPosition + 1, kPosition + 1) += square(kUnknownM);
   update<3>(linearizePose(m, state), m.covariance, state);
-  state.anchored = true;
+  state.reinitialized = true;
 }
 
 Verdict applyPose(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
   const Linearized<3> z = linearizePose(m, state);
   Verdict verdict;
-  if (!state.anchored || m.place) {
-    anchor(m, state);
+  if (!state.reinitialized || m.place) {
+    reinitialize(m, state);
   } else if (passes<3>(z, m.covariance, kAnyCorrelation, config, state)) {
     updateIntersected(z, m.covariance, state);
   } else {
     if (state.rejected_since < 0.0) state.rejected_since = m.stamp;
-    if (m.stamp - state.rejected_since < config.gate.anchor_after_s) return {kGated};
-    anchor(m, state);
-    verdict.anchored = true;
+    if (m.stamp - state.rejected_since < config.gate.reinitialize_after_s) return {kGated};
+    reinitialize(m, state);
+    verdict.reinitialized = true;
   }
   state.rejected_since = -1.0;
   state.aided_stamp = m.stamp;
@@ -156,7 +157,7 @@ void forget(int index, double variance, FilterState& state) {
   state.covariance(index, index) = variance;
 }
 
-/// The ground is the floor where the reading fits that, else another level that is learnt.
+/// The ground is the floor where the reading fits that, else another level that is learned.
 void stepTo(const Measurement& m, double ground, const PoseFilterConfig& config,
             FilterState& state) {
   const auto noise = m.covariance.topLeftCorner<1, 1>();
@@ -170,7 +171,7 @@ void stepTo(const Measurement& m, double ground, const PoseFilterConfig& config,
 }
 
 /// The filter's height is wrong: it is taken from the range finder.
-void anchorHeight(const Measurement& m, FilterState& state) {
+void reinitializeHeight(const Measurement& m, FilterState& state) {
   forget(kPosition + 2, square(kUnknownM), state);
   forget(kVelocity + 2, square(kMaxClimb), state);
   update<1>(linearizeRange(m, state), m.covariance.topLeftCorner<1, 1>(), state);
@@ -197,12 +198,12 @@ Verdict applyRange(const Measurement& m, const PoseFilterConfig& config, FilterS
   state.step_height = ground;
   if (state.height_rejected_since < 0.0) state.height_rejected_since = m.stamp;
   const bool steps = state.step_readings >= config.height.step_readings;
-  const bool wrong = m.stamp - state.height_rejected_since >= config.gate.anchor_after_s;
+  const bool wrong = m.stamp - state.height_rejected_since >= config.gate.reinitialize_after_s;
   if (!steps && !wrong) return {state.step_readings > 0 ? "step below" : kGated};
   if (steps) {
     stepTo(m, ground, config, state);
   } else {
-    anchorHeight(m, state);
+    reinitializeHeight(m, state);
   }
   state.step_readings = 0;
   state.height_rejected_since = -1.0;
@@ -256,8 +257,8 @@ Verdict apply(const Measurement& m, const PoseFilterConfig& config, FilterState&
       return updateGated<1>(linearizeFloorHeight(m, state), noise, config, state);
     case FilterSensor::kBarometer:
       return updateGated<1>(linearizeBarometer(m, state), noise, config, state);
-    case FilterSensor::kHeading:
-      return updateIntersected(linearizeHeading(m, state), noise(0), config, state);
+    case FilterSensor::kYaw:
+      return updateIntersected(linearizeYaw(m, state), noise(0), config, state);
     case FilterSensor::kPosition:
       return applyPosition(m, config, state);
     case FilterSensor::kGravityDirection:

@@ -23,14 +23,14 @@ struct Measurement {
 /// What became of a measurement: accepted where `reason` is empty.
 struct Verdict {
   std::string reason;
-  bool anchored = false;  ///< the pose or height was taken over as it is
+  bool reinitialized = false;  ///< the pose or height was taken over as it is
 };
 
 /// Applies `measurement` to the state, which has to be that of its stamp. Rejected measurements
 /// change nothing but what the state remembers of rejections.
 Verdict apply(const Measurement& measurement, const PoseFilterConfig& config, FilterState& state);
 
-/// A measurement that the state predicts, linearised: innovation = measured - predicted.
+/// A measurement that the state predicts, linearized: innovation = measured - predicted.
 template <int Rows>
 struct Linearized {
   Eigen::Matrix<double, Rows, 1> innovation;
@@ -41,7 +41,7 @@ Linearized<3> linearizePose(const Measurement& measurement, const FilterState& s
 Linearized<3> linearizePosition(const Measurement& measurement, const FilterState& state);
 Linearized<3> linearizeGravity(const Measurement& measurement, const FilterState& state);
 Linearized<6> linearizeStandstill(const Measurement& measurement, const FilterState& state);
-Linearized<1> linearizeHeading(const Measurement& measurement, const FilterState& state);
+Linearized<1> linearizeYaw(const Measurement& measurement, const FilterState& state);
 Linearized<1> linearizeRange(const Measurement& measurement, const FilterState& state);
 Linearized<1> linearizeFloorHeight(const Measurement& measurement, const FilterState& state);
 Linearized<1> linearizeBarometer(const Measurement& measurement, const FilterState& state);

@@ -1,6 +1,7 @@
 #include "odom_frame.h"
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
 namespace kestrel_slam {

@@ -31,7 +31,7 @@ bool PoseFilter::addPose(const PoseMeasurement& measurement) {
   Measurement m;
   m.sensor = FilterSensor::kPose;
   m.stamp = measurement.stamp;
-  m.value = {measurement.pose.x, measurement.pose.y, measurement.pose.theta};
+  m.value = {measurement.pose.x, measurement.pose.y, measurement.pose.yaw};
   m.covariance = measurement.covariance;
   return state_->add(m, faultOf(measurement));
 }
@@ -45,12 +45,12 @@ bool PoseFilter::addPosition(const PositionMeasurement& measurement) {
   return state_->add(m, faultOf(measurement));
 }
 
-bool PoseFilter::addHeading(const HeadingMeasurement& measurement) {
+bool PoseFilter::addYaw(const YawMeasurement& measurement) {
   Measurement m;
-  m.sensor = FilterSensor::kHeading;
+  m.sensor = FilterSensor::kYaw;
   m.stamp = measurement.stamp;
   m.value.x() = measurement.yaw;
-  m.covariance = variance(std::max(measurement.sigma, config().heading_sigma_rad));
+  m.covariance = variance(std::max(measurement.sigma, config().yaw_sigma_rad));
   return state_->add(m, faultOf(measurement));
 }
 
@@ -108,7 +108,7 @@ bool PoseFilter::setPose(const Pose2& map_T_base, const Eigen::Matrix3d& covaria
   if (!map_T_base.isFinite() || !isCovariance(covariance)) return false;
   Measurement m;
   m.sensor = FilterSensor::kPose;
-  m.value = {map_T_base.x, map_T_base.y, map_T_base.theta};
+  m.value = {map_T_base.x, map_T_base.y, map_T_base.yaw};
   m.covariance = covariance;
   m.place = true;
   if (state_->timeline.empty()) {

@@ -41,9 +41,9 @@ void validateImu(const PoseFilterConfig& c) {
 void validateMeasurements(const PoseFilterConfig& c) {
   require("probability", c.gate.probability, 0.5, 1.0 - kTiny);
   require("history_s", c.gate.history_s, 0.05, 10.0);
-  require("anchor_after_s", c.gate.anchor_after_s, kTiny, kHuge);
+  require("reinitialize_after_s", c.gate.reinitialize_after_s, kTiny, kHuge);
   require("coast_after_s", c.gate.coast_after_s, kTiny, kHuge);
-  require("max_anchors", c.gate.max_anchors, 1.0, kHuge);
+  require("max_reinitializations", c.gate.max_reinitializations, 1.0, kHuge);
   require("diverged_s", c.gate.diverged_s, kTiny, kHuge);
   require("range_sigma_m", c.height.range_sigma_m, kTiny, kHuge);
   require("range_max_m", c.height.range_max_m, kTiny, kHuge);
@@ -57,7 +57,7 @@ void validateMeasurements(const PoseFilterConfig& c) {
   require("gravity_period_s", c.motion.gravity_period_s, kTiny, kHuge);
   require("zero_velocity_sigma", c.motion.zero_velocity_sigma, kTiny, kHuge);
   require("start_speed_sigma", c.motion.start_speed_sigma, kTiny, kHuge);
-  require("heading_sigma_rad", c.heading_sigma_rad, kTiny, kHuge);
+  require("yaw_sigma_rad", c.yaw_sigma_rad, kTiny, kHuge);
 }
 
 }  // namespace

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <sstream>
 
-#include "../sensor/attitude_estimator.h"
+#include "kestrel_slam/geometry/gravity.h"
+#include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
+#include "kestrel_slam/sensor/attitude_estimator.h"
 
 namespace kestrel_slam {
 namespace {
@@ -42,7 +44,7 @@ void separateMap(FilterCovariance& covariance) {
 PoseFilter::State::State(const PoseFilterConfig& c)
     : config(c),
       imu(c),
-      initialiser(c),
+      initializer(c),
       timeline(c, [this](const auto& m, const auto& v) { judge(m, v); }) {}
 
 bool PoseFilter::State::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
@@ -62,11 +64,11 @@ bool PoseFilter::State::addImu(const ImuSample& sample, const Eigen::Isometry3d&
   reading = step.reading;
   if (step.dt > config.imu.max_gap_s) {
     if (!timeline.empty()) {
-      const FilterState learnt = timeline.newest().state;
+      const FilterState learned = timeline.newest().state;
       reset("gap of the IMU", false);
-      initialiser.restart(learnt);
+      initializer.restart(learned);
     } else {
-      initialiser.restart();
+      initializer.restart();
     }
   }
   if (timeline.empty()) return begin(step);
@@ -77,10 +79,10 @@ bool PoseFilter::State::addImu(const ImuSample& sample, const Eigen::Isometry3d&
 /// Collects samples; true where that was the last one that was needed.
 bool PoseFilter::State::begin(const ImuStep& step) {
   std::optional<FilterState> state =
-      initialiser.add(step.stamp, step.reading.rate, step.reading.force);
+      initializer.add(step.stamp, step.reading.rate, step.reading.force);
   if (!state) return false;
   place(*state);
-  status.started_in_air = initialiser.startedInAir();
+  status.started_in_air = initializer.startedInAir();
   FilterState last;  // odom goes on where it was
   if (last_known) last.map_R_base = Eigen::Quaterniond(last_known->map_T_base.linear());
   odom.correct(last, *state);
@@ -171,10 +173,11 @@ void PoseFilter::State::judge(const Measurement& measurement, const Verdict& ver
   } else {
     ++counts.rejected[verdict.reason];
   }
-  if (!verdict.anchored) return;
-  ++status.anchors;
-  anchors.push_back(measurement.stamp);
-  while (anchors.front() < measurement.stamp - config.gate.diverged_s) anchors.pop_front();
+  if (!verdict.reinitialized) return;
+  ++status.reinitializations;
+  reinitializations.push_back(measurement.stamp);
+  while (reinitializations.front() < measurement.stamp - config.gate.diverged_s)
+    reinitializations.pop_front();
 }
 
 /// Whether the filter can go on; else it begins anew.
@@ -186,7 +189,8 @@ bool PoseFilter::State::supervise() {
     reset("gyro bias too large", true);
   } else if (state.accelerometer_bias.norm() > config.max_accelerometer_bias) {
     reset("accelerometer bias too large", true);
-  } else if (anchors.size() >= static_cast<std::size_t>(config.gate.max_anchors)) {
+  } else if (reinitializations.size() >=
+             static_cast<std::size_t>(config.gate.max_reinitializations)) {
     reset("diverged", true);
   }
   return !timeline.empty();
@@ -196,9 +200,9 @@ void PoseFilter::State::reset(const std::string& reason, bool distrustful) {
   ++status.resets[reason];
   stop();
   if (distrustful) {
-    initialiser.restartDistrustful();
+    initializer.restartDistrustful();
   } else {
-    initialiser.restart();
+    initializer.restart();
   }
 }
 
@@ -207,7 +211,7 @@ void PoseFilter::State::stop() {
   output.reset();
   timeline.clear();
   standstill.restart();
-  anchors.clear();
+  reinitializations.clear();
   start_range.reset();
 }
 
@@ -235,9 +239,9 @@ FilterOutput PoseFilter::State::outputOf(const FilterState& state, const ImuInpu
 }
 
 FilterHealth PoseFilter::State::health(double now) const {
-  if (imu.isBad() || !initialiser.complaint().empty()) return FilterHealth::kBadImu;
+  if (imu.isBad() || !initializer.complaint().empty()) return FilterHealth::kBadImu;
   if (!imu.newest() || now - *imu.newest() > config.imu.silent_s) return FilterHealth::kNoImu;
-  if (timeline.empty()) return FilterHealth::kInitialising;
+  if (timeline.empty()) return FilterHealth::kInitializing;
   const double aided = timeline.newest().state.aided_stamp;
   return now - aided > config.gate.coast_after_s ? FilterHealth::kCoasting : FilterHealth::kOk;
 }
@@ -245,10 +249,10 @@ FilterHealth PoseFilter::State::health(double now) const {
 std::string PoseFilter::State::problem(FilterHealth health_now) const {
   switch (health_now) {
     case FilterHealth::kBadImu:
-      return imu.isBad() ? imu.fault().message : initialiser.complaint();
+      return imu.isBad() ? imu.fault().message : initializer.complaint();
     case FilterHealth::kNoImu:
       return imu.newest() ? "the IMU is silent" : "no IMU sample has come yet";
-    case FilterHealth::kInitialising:
+    case FilterHealth::kInitializing:
       return "collecting IMU samples for the start";
     case FilterHealth::kCoasting:
       return "no pose or position is accepted: the position drifts";

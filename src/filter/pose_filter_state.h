@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
-#include "../sensor/standstill.h"
 #include "imu_intake.h"
-#include "initialiser.h"
+#include "initializer.h"
 #include "kestrel_slam/filter/pose_filter.h"
+#include "kestrel_slam/sensor/standstill.h"
 #include "odom_frame.h"
 #include "timeline.h"
 
@@ -35,13 +35,13 @@ struct PoseFilter::State {
 
   PoseFilterConfig config;
   ImuIntake imu;
-  Initialiser initialiser;
+  Initializer initializer;
   Timeline timeline;
   OdomFrame odom;
   Standstill standstill;
   ImuInput reading;  ///< the newest, in base
   double gravity_stamp = 0.0;
-  std::deque<double> anchors;  ///< stamps of the last poses that were taken over
+  std::deque<double> reinitializations;  ///< stamps of the last poses that were taken over
   std::optional<FilterOutput> output;
   FilterStatus status;
 

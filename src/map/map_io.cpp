@@ -14,7 +14,7 @@
 namespace kestrel_slam {
 namespace {
 
-// Grey values and thresholds of map_server's map_saver.
+// Gray values and thresholds of map_server's map_saver.
 constexpr std::uint8_t kFreeGray = 254, kUnknownGray = 205, kOccupiedGray = 0;
 constexpr double kOccupiedThreshold = 0.65, kFreeThreshold = 0.196;
 constexpr double kWhite = 255.0;
@@ -145,7 +145,7 @@ void readOrigin(const Keys& keys, MapSnapshot& map) {
   map.origin_y = values[1];
 }
 
-/// How map_server makes cells from grey values.
+/// How map_server makes cells from gray values.
 struct Classes {
   double occupied = kOccupiedThreshold;
   double free = kFreeThreshold;

@@ -96,8 +96,8 @@ OccupancyGrid::Tile* OccupancyGrid::touch(const Cell& cell) {
 }
 
 void OccupancyGrid::markHits(const PlanarScan& scan, const Pose2& map_T_base) {
-  const float c = static_cast<float>(std::cos(map_T_base.theta));
-  const float s = static_cast<float>(std::sin(map_T_base.theta));
+  const float c = static_cast<float>(std::cos(map_T_base.yaw));
+  const float s = static_cast<float>(std::sin(map_T_base.yaw));
   const auto x = static_cast<float>(map_T_base.x), y = static_cast<float>(map_T_base.y);
   for (const PlanarRay& ray : scan.rays) {
     if (!ray.hit || ray.known) continue;
@@ -113,8 +113,8 @@ void OccupancyGrid::markHits(const PlanarScan& scan, const Pose2& map_T_base) {
 }
 
 void OccupancyGrid::markMisses(const PlanarScan& scan, const Pose2& map_T_base) {
-  const float c = static_cast<float>(std::cos(map_T_base.theta));
-  const float s = static_cast<float>(std::sin(map_T_base.theta));
+  const float c = static_cast<float>(std::cos(map_T_base.yaw));
+  const float s = static_cast<float>(std::sin(map_T_base.yaw));
   const Eigen::Vector2f t = map_T_base.translation().cast<float>();
   const auto toMap = [&](const Eigen::Vector2f& p) {
     return Eigen::Vector2f(t.x() + c * p.x() - s * p.y(), t.y() + s * p.x() + c * p.y());
@@ -205,7 +205,7 @@ double OccupancyGrid::probability(const Cell& cell) const { return levelProbabil
 
 InterpolatedValue OccupancyGrid::interpolate(int level, const Eigen::Vector2f& point) const {
   const float scale = inverse_resolution_ / static_cast<float>(1 << level);
-  // Cell values are samples at the cells' centres.
+  // Cell values are samples at the cells' centers.
   const Eigen::Vector2f p = (point * scale).array() - 0.5F;
   const Cell c{floorToInt(p.x()), floorToInt(p.y())};
   const float u = p.x() - static_cast<float>(c.x), v = p.y() - static_cast<float>(c.y);

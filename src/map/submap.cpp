@@ -2,6 +2,8 @@
 
 #include <atomic>
 
+#include "kestrel_slam/sensor/planar_scan.h"
+
 namespace kestrel_slam {
 namespace {
 
@@ -52,11 +54,7 @@ PlanarScan Submap::stitched(const PlanarScan& scan, const Pose2& map_T_base) con
 void Submap::keep(const PlanarScan& scan, const Pose2& map_T_base) {
   if (options_.kept_scans == 0) return;
   if (keyframes_.size() >= options_.kept_scans) keyframes_.pop_front();
-  Keyframe keyframe{map_T_base, {}};
-  for (const PlanarRay& ray : scan.rays) {
-    if (ray.hit) keyframe.hits.push_back(ray.end);
-  }
-  keyframes_.push_back(std::move(keyframe));
+  keyframes_.push_back({map_T_base, hitsOf(scan)});
 }
 
 void Submap::clear() {

@@ -11,7 +11,7 @@ namespace {
 /// Hits after which the mean of a cell forgets old ones, so that it can follow a moved wall. Of 15
 /// and 30 this one gave the smaller worst error of the perturbed runs of intel.
 constexpr float kMaxCount = 15.0F;
-/// Neighbours that make the line of a wall: cells up to this far, so 0.25 m at 5 cm.
+/// Neighbors that make the line of a wall: cells up to this far, so 0.25 m at 5 cm.
 constexpr int kShapeRadius = 2;
 /// A mean of many hits that moves by less than this, in cells, keeps its line.
 constexpr float kMinShift = 0.05F;

@@ -6,13 +6,13 @@
 namespace kestrel_slam {
 namespace {
 
-/// Neighbouring hits of a scan that make a direction: at least this far apart together, each at
+/// Neighboring hits of a scan that make a direction: at least this far apart together, each at
 /// most this far, bent by at most this sine.
 constexpr std::size_t kMaxTangentBeams = 8;
 constexpr float kMinTangentLength = 0.15F;
 constexpr float kMaxTangentGap = 1.0F;
 constexpr float kMaxTangentBend = 0.2F;
-/// Far along a wall neighbours are farther apart, up to this; they have to stand on one line within
+/// Far along a wall neighbors are farther apart, up to this; they have to stand on one line within
 /// this, with no gap much wider than the other.
 constexpr float kMaxSparseGap = 8.0F;
 constexpr float kMaxSparseOffset = 0.08F;

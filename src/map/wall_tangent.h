@@ -8,7 +8,7 @@
 
 namespace kestrel_slam {
 
-/// The direction of the wall at hit `i` from its neighbours in the scan, as (cos, sin) of twice its
+/// The direction of the wall at hit `i` from its neighbors in the scan, as (cos, sin) of twice its
 /// angle, or zero where they make no line. `sparse`: they are so far apart that a match had better
 /// not trust it.
 Eigen::Vector2f tangentAt(const std::vector<OccupancyGrid::Changes::Hit>& hits, std::size_t i,

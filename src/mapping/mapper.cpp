@@ -25,8 +25,9 @@ bool isUsable(const PlanarRay& ray) {
 bool isUsable(const PlanarScan& scan) {
   return std::all_of(scan.rays.begin(), scan.rays.end(),
                      [](const PlanarRay& ray) { return isUsable(ray); }) &&
-         (!scan.heading || std::isfinite(*scan.heading)) &&
-         (!scan.speed || scan.speed->allFinite()) && (!scan.predicted || isUsable(*scan.predicted));
+         (!scan.integrated_yaw || std::isfinite(*scan.integrated_yaw)) &&
+         (!scan.integrated_acceleration || scan.integrated_acceleration->allFinite()) &&
+         (!scan.predicted || isUsable(*scan.predicted));
 }
 
 /// The scan without its broken rays.
@@ -35,36 +36,30 @@ PlanarScan repaired(const PlanarScan& scan) {
   const auto broken = [](const PlanarRay& ray) { return !isUsable(ray); };
   result.rays.erase(std::remove_if(result.rays.begin(), result.rays.end(), broken),
                     result.rays.end());
-  if (result.heading && !std::isfinite(*result.heading)) result.heading.reset();
-  if (result.speed && !result.speed->allFinite()) result.speed.reset();
+  if (result.integrated_yaw && !std::isfinite(*result.integrated_yaw))
+    result.integrated_yaw.reset();
+  if (result.integrated_acceleration && !result.integrated_acceleration->allFinite())
+    result.integrated_acceleration.reset();
   if (result.predicted && !isUsable(*result.predicted)) result.predicted.reset();
   return result;
-}
-
-Points hitsOf(const PlanarScan& scan) {
-  Points points;
-  points.reserve(scan.rays.size());
-  for (const PlanarRay& ray : scan.rays) {
-    if (ray.hit) points.push_back(ray.end);
-  }
-  return points;
 }
 
 /// Whether the motion knows more of the degenerate direction than the scan. Without any sensor of
 /// the motion the little that a scan sees is better than nothing: one scan that is moved by 2 cm
 /// enters the map there, and the loops of whole buildings no longer close.
-bool isOpen(const MatchResult& match, Carrier carrier) {
+bool isOpen(const MatchResult& match, PredictionSource prediction_source) {
   constexpr double kNothing = 0.005;  // of the beams
-  return match.degenerate && (carrier != Carrier::kVelocity || match.constraint < kNothing);
+  return match.degenerate &&
+         (prediction_source != PredictionSource::kVelocity || match.constraint < kNothing);
 }
 
 /// The scan says nothing of the direction that it does not constrain: what the walls' cells say of
 /// it is their own raster.
-void holdDegenerate(const Pose2& carried, MatchResult& match) {
+void keepPredictionAlong(const Pose2& motion_prediction, MatchResult& match) {
   const Eigen::Vector2d& along = match.degenerate_direction;
-  const double moved = along.dot(carried.translation() - match.pose.translation());
+  const double moved = along.dot(motion_prediction.translation() - match.pose.translation());
   const Eigen::Vector2d place = match.pose.translation() + moved * along;
-  match.pose = Pose2(place.x(), place.y(), match.pose.theta);
+  match.pose = Pose2(place.x(), place.y(), match.pose.yaw);
 }
 
 }  // namespace
@@ -116,20 +111,22 @@ void Mapper::State::begin(MapperResult& result) {
 void Mapper::State::match(const Points& points, const PlanarScan& scan,
                           const std::optional<Pose2>& odom_T_base, MapperResult& result) {
   const MatchRequest request = motion.request(points, scan, odom_T_base);
-  const Carrier carrier = motion.carrierOf(scan, odom_T_base);
-  const std::optional<Pose2> carried = motion.carried(request, scan, odom_T_base);
+  const PredictionSource prediction_source = motion.predictionSourceOf(scan, odom_T_base);
+  const std::optional<Pose2> motion_prediction =
+      motion.motionPrediction(request, scan, odom_T_base);
   result.match = matcher->match(map, request);
-  if (carried && isOpen(result.match, carrier)) holdDegenerate(*carried, result.match);
+  if (motion_prediction && isOpen(result.match, prediction_source))
+    keepPredictionAlong(*motion_prediction, result.match);
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request.lost);
   const bool lost = result.state == MatchState::kLost;
   const double moved = (motion.pose().inverse() * result.match.pose).distance();
-  motion.move(result.match.pose, request.starts.front(), lost, scan);
+  motion.move(result.match.pose, request.initial_guesses.front(), lost, scan);
   if (lost) {
     uncertainty.lose(motion.pose());
   } else {
     uncertainty.update(map.surface(), points, result.match, motion.secondsSince(scan), moved,
-                       carrier);
+                       prediction_source);
   }
 }
 
@@ -149,7 +146,8 @@ void Mapper::State::insert(const PlanarScan& scan, MapperResult& result) {
       !config.evaluation.enabled || first || result.evaluation < config.evaluation.threshold;
   if (result.state == MatchState::kLost || !accepted || !(first || movedEnough())) return;
   // Without an IMU the laser is level: what it has not seen before moves, or was moved.
-  const bool new_view = scan.speed && result.match.score < config.matcher.good_score;
+  const bool new_view =
+      scan.integrated_acceleration && result.match.score < config.matcher.good_score;
   result.map_full = !map.insert(scan, motion.pose(), new_view);
   result.inserted = true;
   uncertainty.insert();
@@ -159,7 +157,7 @@ void Mapper::State::insert(const PlanarScan& scan, MapperResult& result) {
 bool Mapper::State::movedEnough() const {
   const Pose2 moved = inserted_pose.inverse() * motion.pose();
   return moved.distance() >= config.insert_distance_m ||
-         std::abs(moved.theta) >= config.insert_angle_rad;
+         std::abs(moved.yaw) >= config.insert_angle_rad;
 }
 
 Mapper::Mapper(const MapperConfig& config) : state_(std::make_unique<State>(config)) {}
@@ -183,7 +181,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   s.insert(scan, result);
   s.motion.remember(scan, odom_T_base, result.state == MatchState::kLost);
   result.pose = s.motion.pose();
-  result.velocity = Eigen::Rotation2Dd(-result.pose.theta) * s.motion.velocity();
+  result.velocity = Eigen::Rotation2Dd(-result.pose.yaw) * s.motion.velocity();
   result.uncertain = s.uncertainty.last();
   result.covariance = result.uncertain.covariance();
   result.motion_covariance = s.uncertainty.motion();

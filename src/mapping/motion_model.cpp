@@ -18,7 +18,7 @@ constexpr double kMaxSearchScale = 8.0;
 constexpr double kMaxSpeed = 3.0;  // m/s
 constexpr double kMinPlausibleM = 0.05;
 
-/// No vehicle turns faster, and the heading is no more noisy than this.
+/// No vehicle turns faster, and the yaw is no more noisy than this.
 constexpr double kMaxTurnRate = 12.0;  // rad/s
 constexpr double kTurnNoise = 0.1;     // rad
 /// Lost for longer than this in a row, the vehicle may have been turned by hand.
@@ -35,7 +35,7 @@ constexpr double kVelocityTime = 0.15;
 constexpr double kMaxPositionM = 1e6;
 
 Pose2 halfway(const Pose2& a, const Pose2& b) {
-  return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y), a.theta + 0.5 * normalizeAngle(b.theta - a.theta)};
+  return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y), a.yaw + 0.5 * normalizeAngle(b.yaw - a.yaw)};
 }
 
 }  // namespace
@@ -55,29 +55,32 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
                                   const std::optional<Pose2>& odom_T_base) const {
   MatchRequest result{points, pose_, {}, false, 1.0};
   const Pose2 continued = pose_ * motion_;
-  result.starts = {continued, pose_, halfway(pose_, continued)};
+  result.initial_guesses = {continued, pose_, halfway(pose_, continued)};
   const std::optional<double> turn = turnSince(scan);
   const bool has_turn = turn.has_value();
   if (has_turn) {
     // The gyro knows the rotation better than any motion model, and at the rate of such lasers the
     // smoothed velocity the motion better than two noisy poses. Without both in the last place.
-    const double theta = pose_.theta + *turn;
+    const double yaw = pose_.yaw + *turn;
     const double seconds = std::clamp(scan.time - time_, 0.0, gap_s_);
     const Eigen::Vector2d moved =
         pose_.translation() + seconds * (velocity_ + 0.5 * gainedSpeed(scan));
-    const Pose2 predicted(moved.x(), moved.y(), theta), turned(pose_.x, pose_.y, theta);
-    result.starts = {predicted, turned, halfway(turned, predicted), continued};
-    result.trusted = speed_ && scan.speed && lost_scans_ == 0 && !placed_;
+    const Pose2 predicted(moved.x(), moved.y(), yaw), turned(pose_.x, pose_.y, yaw);
+    result.initial_guesses = {predicted, turned, halfway(turned, predicted), continued};
+    result.trusted =
+        integrated_acceleration_ && scan.integrated_acceleration && lost_scans_ == 0 && !placed_;
   }
   if (odom_ && odom_T_base) {
-    const auto place = lost_scans_ > 0 ? result.starts.begin() : result.starts.end();
-    result.starts.insert(place, pose_ * (odom_->inverse() * *odom_T_base));
+    const auto place =
+        lost_scans_ > 0 ? result.initial_guesses.begin() : result.initial_guesses.end();
+    result.initial_guesses.insert(place, pose_ * (odom_->inverse() * *odom_T_base));
   }
   const std::optional<Pose2> moved = predictedSince(scan);
   if (moved) {
-    // Where that fits badly it is rarely for the start: our own prediction and none have to do.
-    result.starts.resize(2);
-    result.starts.insert(result.starts.begin(), pose_ * *moved);
+    // Where that fits badly it is rarely for the initial guess: our own prediction and none have to
+    // do.
+    result.initial_guesses.resize(2);
+    result.initial_guesses.insert(result.initial_guesses.begin(), pose_ * *moved);
     result.trusted = lost_scans_ == 0 && !placed_ && scan.time - time_ <= gap_s_;
   }
   result.turn_known = (has_turn || moved) && lost_scans_ < kTrustedLostScans;
@@ -93,11 +96,11 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
 }
 
 /// What the gyro says of the turn since the last scan, rad; nothing after a gap, or where the
-/// heading began anew.
+/// yaw began anew.
 std::optional<double> MotionModel::turnSince(const PlanarScan& scan) const {
   const double seconds = scan.time - time_;
-  if (!heading_ || !scan.heading || !(seconds <= gap_s_)) return std::nullopt;
-  const double turn = *scan.heading - *heading_;
+  if (!integrated_yaw_ || !scan.integrated_yaw || !(seconds <= gap_s_)) return std::nullopt;
+  const double turn = *scan.integrated_yaw - *integrated_yaw_;
   return std::abs(turn) <= kMaxTurnRate * seconds + kTurnNoise ? std::optional(turn) : std::nullopt;
 }
 
@@ -107,29 +110,34 @@ std::optional<Pose2> MotionModel::predictedSince(const PlanarScan& scan) const {
   if (!predicted_ || !scan.predicted || !(seconds <= kMaxPredicted_s)) return std::nullopt;
   const Pose2 moved = predicted_->inverse() * *scan.predicted;
   const bool possible = moved.distance() <= kMaxPredictedSpeed * std::max(0.0, seconds) &&
-                        std::abs(moved.theta) <= kMaxTurnRate * seconds + kTurnNoise;
+                        std::abs(moved.yaw) <= kMaxTurnRate * seconds + kTurnNoise;
   return possible ? std::optional(moved) : std::nullopt;
 }
 
 /// What the accelerometer says of the velocity since the last scan, in map, m/s.
 Eigen::Vector2d MotionModel::gainedSpeed(const PlanarScan& scan) const {
-  if (!turnSince(scan) || !speed_ || !scan.speed) return Eigen::Vector2d::Zero();
-  return Eigen::Rotation2Dd(pose_.theta - *heading_) * (*scan.speed - *speed_);
+  if (!turnSince(scan) || !integrated_acceleration_ || !scan.integrated_acceleration)
+    return Eigen::Vector2d::Zero();
+  return Eigen::Rotation2Dd(pose_.yaw - *integrated_yaw_) *
+         (*scan.integrated_acceleration - *integrated_acceleration_);
 }
 
-Carrier MotionModel::carrierOf(const PlanarScan& scan,
-                               const std::optional<Pose2>& odom_T_base) const {
-  if (predictedSince(scan)) return Carrier::kAccelerometer;
-  if (odom_ && odom_T_base) return Carrier::kOdometry;
-  return turnSince(scan) && speed_ && scan.speed ? Carrier::kAccelerometer : Carrier::kVelocity;
+PredictionSource MotionModel::predictionSourceOf(const PlanarScan& scan,
+                                                 const std::optional<Pose2>& odom_T_base) const {
+  if (predictedSince(scan)) return PredictionSource::kAccelerometer;
+  if (odom_ && odom_T_base) return PredictionSource::kOdometry;
+  return turnSince(scan) && integrated_acceleration_ && scan.integrated_acceleration
+             ? PredictionSource::kAccelerometer
+             : PredictionSource::kVelocity;
 }
 
-std::optional<Pose2> MotionModel::carried(const MatchRequest& request, const PlanarScan& scan,
-                                          const std::optional<Pose2>& odom_T_base) const {
+std::optional<Pose2> MotionModel::motionPrediction(const MatchRequest& request,
+                                                   const PlanarScan& scan,
+                                                   const std::optional<Pose2>& odom_T_base) const {
   const double seconds = scan.time - time_;
   if (lost_scans_ > 0 || placed_ || !(seconds >= 0.0) || seconds > gap_s_) return std::nullopt;
   const bool by_odometry = odom_ && odom_T_base && !predictedSince(scan);
-  return by_odometry ? pose_ * (odom_->inverse() * *odom_T_base) : request.starts.front();
+  return by_odometry ? pose_ * (odom_->inverse() * *odom_T_base) : request.initial_guesses.front();
 }
 
 double MotionModel::secondsSince(const PlanarScan& scan) const {
@@ -157,7 +165,8 @@ void MotionModel::updateVelocity(const Pose2& next, const PlanarScan& scan, bool
     return;
   }
   if (unknown) {
-    velocity_ = scan.speed ? Eigen::Vector2d(velocity_ + gained) : Eigen::Vector2d::Zero();
+    velocity_ = scan.integrated_acceleration ? Eigen::Vector2d(velocity_ + gained)
+                                             : Eigen::Vector2d::Zero();
     return;
   }
   const Eigen::Vector2d measured = (next.translation() - pose_.translation()) / seconds;
@@ -169,8 +178,8 @@ void MotionModel::remember(const PlanarScan& scan, const std::optional<Pose2>& o
                            bool lost) {
   odom_ = odom_T_base;
   predicted_ = scan.predicted;
-  heading_ = scan.heading;
-  speed_ = scan.speed;
+  integrated_yaw_ = scan.integrated_yaw;
+  integrated_acceleration_ = scan.integrated_acceleration;
   time_ = scan.time;
   if (!lost) found_time_ = scan.time;
 }
@@ -180,7 +189,7 @@ void MotionModel::setPose(const Pose2& map_T_base) {
   motion_ = Pose2();
   odom_.reset();
   predicted_.reset();
-  heading_.reset();
+  integrated_yaw_.reset();
   velocity_.setZero();
   placed_ = true;
 }

@@ -16,7 +16,7 @@ constexpr double kLostM = 1.0, kLostRad = 0.5;
 /// How well the map stands where the first scan began it: the raster of the cells and the errors of
 /// the attitude shift and turn what all later scans are compared with.
 constexpr double kFirstM = 0.004, kFirstRad = 0.0008;
-/// Neighbouring scans err alike, so in the map their variances do not average out: a chain of scans
+/// Neighboring scans err alike, so in the map their variances do not average out: a chain of scans
 /// grows as if each were this much worse. Calibrated on simulated flights (measure_flights).
 constexpr double kChainFactor = 4.5;
 
@@ -44,38 +44,41 @@ Eigen::Matrix3d absolute(const Eigen::Matrix3d& symmetric) {
 Eigen::Matrix3d relativeCovariance(const UncertainPose& a, const UncertainPose& b) {
   const Eigen::Vector2d a_to_b = b.pose.translation() - a.pose.translation();
   const Eigen::Matrix3d in_map =
-      absolute(b.shared - transported(a.shared, a_to_b)) + b.own + transported(a.own, a_to_b);
+      absolute(b.map_covariance - transported(a.map_covariance, a_to_b)) + b.match_covariance +
+      transported(a.match_covariance, a_to_b);
   Eigen::Matrix3d a_R_map = Eigen::Matrix3d::Identity();
-  a_R_map.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(-a.pose.theta).toRotationMatrix();
+  a_R_map.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(-a.pose.yaw).toRotationMatrix();
   return a_R_map * in_map * a_R_map.transpose();
 }
 
 void PoseUncertainty::begin(const Pose2& pose) {
   last_ = UncertainPose();
   last_.pose = pose;
-  last_.shared.diagonal() << square(kFirstM), square(kFirstM), square(kFirstRad);
+  last_.map_covariance.diagonal() << square(kFirstM), square(kFirstM), square(kFirstRad);
   found_ = last_.covariance();
 }
 
-void PoseUncertainty::insert() { map_.add(last_.pose, last_.shared + kChainFactor * last_.own); }
+void PoseUncertainty::insert() {
+  map_.add(last_.pose, last_.map_covariance + kChainFactor * last_.match_covariance);
+}
 
 void PoseUncertainty::update(const SurfelField& surface, const Points& points,
                              const MatchResult& match, double seconds, double moved_m,
-                             Carrier carrier) {
+                             PredictionSource prediction_source) {
   UncertainPose next{match.pose, map_.at(surface, points, match.pose), match.covariance};
-  if (match.degenerate) open_direction_ = match.degenerate_direction;
+  if (match.degenerate) unobservable_direction_ = match.degenerate_direction;
   const bool open = match.degenerate || (drifting_ && match.constraint < kRegained);
   if (open) {
-    const Eigen::Vector2d& along = open_direction_;
+    const Eigen::Vector2d& along = unobservable_direction_;
     if (!drifting_) {
       entry_variance_ = along.dot(found_.topLeftCorner<2, 2>() * along);
       drift_m_ = 0.0;
       drift_speed_ = kFirstSpeed;
     }
-    drift(seconds, moved_m, carrier);
-    next.shared = stretched(next.shared, along, 0.0);
-    next.own = stretched(next.own, along, 0.0);
-    next.shared.topLeftCorner<2, 2>() +=
+    drift(seconds, moved_m, prediction_source);
+    next.map_covariance = stretched(next.map_covariance, along, 0.0);
+    next.match_covariance = stretched(next.match_covariance, along, 0.0);
+    next.map_covariance.topLeftCorner<2, 2>() +=
         (entry_variance_ + drift_m_ * drift_m_) * along * along.transpose();
   }
   drifting_ = open;
@@ -85,12 +88,12 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
 }
 
 /// One scan farther: the errors of one drift are all of one sign, so deviations add, not variances.
-void PoseUncertainty::drift(double seconds, double moved_m, Carrier carrier) {
-  if (carrier == Carrier::kOdometry) {
+void PoseUncertainty::drift(double seconds, double moved_m, PredictionSource prediction_source) {
+  if (prediction_source == PredictionSource::kOdometry) {
     drift_m_ += kOdometryError * moved_m;
     return;
   }
-  const bool measured = carrier == Carrier::kAccelerometer;
+  const bool measured = prediction_source == PredictionSource::kAccelerometer;
   const double before = drift_speed_;
   drift_speed_ += seconds * (measured ? kAccelerometerError : kUnknownAcceleration);
   if (!measured) drift_speed_ = std::min(drift_speed_, std::max(kMaxSpeed, before));

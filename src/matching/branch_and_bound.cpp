@@ -70,7 +70,7 @@ void BranchAndBound::searchBestBlock(int k) {
   const auto best = std::max_element(sumsOf(k), sumsOf(k) + side_ * side_) - sumsOf(k);
   const int row = static_cast<int>(best) / side_, column = static_cast<int>(best) % side_;
   ScoredPose bound;
-  bound.preferred = bound.score = 1.0;
+  bound.penalized_score = bound.score = 1.0;
   bound.at = whole(k).at(row, column);
   expand({bound, top_});
 }
@@ -106,7 +106,7 @@ bool BranchAndBound::keepRows(const Lattice& lattice, const int* sums, int rest,
   const auto is_worse = [&](int row) {
     const int* first = sums + row * lattice.columns;
     const int most = *std::max_element(first, first + lattice.columns);
-    return boundOf(lattice.level, most, rest) < best_.preferred;
+    return boundOf(lattice.level, most, rest) < best_.penalized_score;
   };
   while (low < high && is_worse(low)) ++low;
   while (low < high && is_worse(high - 1)) --high;
@@ -125,7 +125,7 @@ void BranchAndBound::collect(const Lattice& lattice, const int* sums,
       const GridPose corner = lattice.at(row, column);
       if (corner.dx > grid_.linearSteps() || corner.dy > grid_.linearSteps()) continue;
       const double score = boundOf(lattice.level, *sums, 0);
-      if (score < best_.preferred) continue;
+      if (score < best_.penalized_score) continue;
       const ScoredPose bound{score - grid_.preference(corner, 1 << lattice.level), score, corner};
       if (isBetter(bound, best_)) blocks.push_back({bound, lattice.level});
     }

@@ -9,14 +9,14 @@ namespace kestrel_slam {
 
 /// A pose of the grid with what it is worth.
 struct ScoredPose {
-  double preferred = -1e9;  ///< the score less the cost of the motion
+  double penalized_score = -1e9;  ///< the score less the cost of the motion
   double score = 0.0;
   GridPose at;
 };
 
 /// Whether `a` comes before `b`: the better one, of equal ones the first in the order of k, dy, dx.
 inline bool isBetter(const ScoredPose& a, const ScoredPose& b) {
-  if (a.preferred != b.preferred) return a.preferred > b.preferred;
+  if (a.penalized_score != b.penalized_score) return a.penalized_score > b.penalized_score;
   if (a.at.k != b.at.k) return a.at.k < b.at.k;
   return a.at.dy != b.at.dy ? a.at.dy < b.at.dy : a.at.dx < b.at.dx;
 }

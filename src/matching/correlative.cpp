@@ -39,9 +39,9 @@ void fillMoments(const SearchGrid& grid, const LikelihoodImage& image, const Gri
 
 /// Sums of the likelihoods of all points for every (dx, dy) of the window at one angle, row by row,
 /// without any bounds: what the search is tested against.
-class HeadingSums {
+class YawSums {
  public:
-  HeadingSums(const SearchGrid& grid, const LikelihoodImage& image)
+  YawSums(const SearchGrid& grid, const LikelihoodImage& image)
       : grid_(grid), image_(image), cells_(static_cast<std::size_t>(grid.pointCount())) {}
 
   const std::vector<int>& at(int k) {
@@ -81,7 +81,7 @@ SearchResult resultOf(const SearchGrid& grid, const LikelihoodImage& image,
   SearchResult result;
   result.pose = grid.pose(best.at);
   result.score = best.score;
-  result.preferred = best.preferred;
+  result.penalized_score = best.penalized_score;
   fillMoments(grid, image, best.at, result);
   return result;
 }
@@ -109,7 +109,7 @@ SearchResult searchWindowBruteForce(const SurfelField& surface, const Points& po
   const SearchGrid grid(surface, points, center, window, config);
   if (grid.pointCount() == 0) return nothingAt(center);
   const LikelihoodImage image(surface, grid, kCovarianceRadius, config.sigma_m, 1);
-  HeadingSums sums(grid, image);
+  YawSums sums(grid, image);
   const int steps = grid.linearSteps();
   ScoredPose best;
   for (int k = -grid.angularSteps(); k <= grid.angularSteps(); ++k) {
@@ -117,8 +117,8 @@ SearchResult searchWindowBruteForce(const SurfelField& surface, const Points& po
     for (int dy = -steps; dy <= steps; ++dy) {
       for (int dx = -steps; dx <= steps; ++dx, ++sum) {
         const double score = grid.score(*sum);
-        const double preferred = score - grid.preference({k, dx, dy}, 1);
-        if (preferred > best.preferred) best = {preferred, score, {k, dx, dy}};
+        const double penalized_score = score - grid.preference({k, dx, dy}, 1);
+        if (penalized_score > best.penalized_score) best = {penalized_score, score, {k, dx, dy}};
       }
     }
   }

@@ -33,7 +33,7 @@ Eigen::Matrix3d sampledCovariance(const std::function<double(const Pose2&)>& cos
   const double at_result = cost(result);
   const auto costAt = [&](const Eigen::Vector3d& whitened) {
     const Eigen::Vector3d offset = root * whitened;
-    return (cost(Pose2(result.x + offset.x(), result.y + offset.y(), result.theta + offset.z())) -
+    return (cost(Pose2(result.x + offset.x(), result.y + offset.y(), result.yaw + offset.z())) -
             at_result) /
            variance;
   };

@@ -57,7 +57,7 @@ class LogSum {
 
 }  // namespace
 
-NormalEquations lineariseDistance(const SurfelField& surface, const Points& points,
+NormalEquations linearizeDistance(const SurfelField& surface, const Points& points,
                                   const Pose2& map_T_base, float scale_m) {
   const float inverse_scale2 = 1.0F / (scale_m * scale_m);
   const float reach = SurfelField::kReachCells * surface.resolution();
@@ -78,10 +78,10 @@ NormalEquations lineariseDistance(const SurfelField& surface, const Points& poin
   return sums.equations(0.5F * scale_m * scale_m * (log_sum.sum() + far * far_cost));
 }
 
-NormalEquations lineariseOccupancy(const OccupancyGrid& grid, int level, const Points& points,
+NormalEquations linearizeOccupancy(const OccupancyGrid& grid, int level, const Points& points,
                                    const Pose2& map_T_base, float scale) {
-  const auto c = static_cast<float>(std::cos(map_T_base.theta));
-  const auto s = static_cast<float>(std::sin(map_T_base.theta));
+  const auto c = static_cast<float>(std::cos(map_T_base.yaw));
+  const auto s = static_cast<float>(std::sin(map_T_base.yaw));
   const auto x = static_cast<float>(map_T_base.x), y = static_cast<float>(map_T_base.y);
   const float inverse_scale2 = 1.0F / (scale * scale);
   NormalEquations result;

@@ -15,17 +15,17 @@ namespace {
 constexpr std::array<float, kMatchStages> kStageScales = {0.3F, 0.12F, 0.05F};
 /// The early stages only have to come into the basin of the next one.
 constexpr double kCoarseStepM = 0.01, kCoarseStepRad = 0.005;
-/// How far a search turns where the gyro knows the heading, rad.
+/// How far a search turns where the gyro knows the yaw, rad.
 constexpr double kKnownTurn = 0.1;
 /// Points that are enough to find a lost vehicle in a wide window.
 constexpr std::size_t kLostPoints = 200;
 constexpr std::size_t kLastStage = kMatchStages - 1;
-/// Pull towards the start, in shares of what the points say across a wall they stand on: it
+/// Pull towards the initial guess, in shares of what the points say across a wall they stand on: it
 /// decides only where they say nothing.
 constexpr float kStartPull = 1e-3F;
 /// Distances to a wall are never better known than this: map and sensor have noise of their own.
 constexpr double kMinResidualM = 0.01;
-/// Neighbouring beams err alike, so n beams are worth n over this.
+/// Neighboring beams err alike, so n beams are worth n over this.
 constexpr double kBeamCorrelation = 4.0;
 /// What does not fit pulls all one way (a person, a table's edge), so it does not average out over
 /// the beams: by this much, times its share, m. The Cauchy weight of scale s bounds it by s / 2.
@@ -42,11 +42,12 @@ constexpr double kSampleSpread = 3.0;
 /// A pose is held by its walls where this share of the points lies on them, this closely, and where
 /// these points alone constrain both directions (see leastConstraint). That is no accident, however
 /// bad the rest fits: people, what was moved, or what covers a part of the view.
-constexpr double kHeldShare = 0.4, kHeldSigmaM = 0.03, kHeldConstraint = 0.1;
+constexpr double kConstrainedShare = 0.4, kConstrainedSigmaM = 0.03, kConstrainedLeast = 0.1;
 
-bool isHeld(const Fit& fit) {
-  return fit.on_wall >= kHeldShare && fit.residual_variance <= kHeldSigmaM * kHeldSigmaM &&
-         leastConstraint(fit) >= kHeldConstraint;
+bool isWellConstrained(const Fit& fit) {
+  return fit.on_wall >= kConstrainedShare &&
+         fit.residual_variance <= kConstrainedSigmaM * kConstrainedSigmaM &&
+         leastConstraint(fit) >= kConstrainedLeast;
 }
 
 /// From the Hessian and the residuals' variance, or from samples around the pose.
@@ -61,7 +62,7 @@ Eigen::Matrix3d covarianceOf(const Submap& map, const Points& points, const Opti
   const Eigen::Matrix3d covariance = hessianCovariance(hessian, variance);
   if (config.covariance != "sampled") return covariance;
   const auto cost = [&](const Pose2& at) {
-    return static_cast<double>(lineariseDistance(map.surface(), points, at, optimum.scale_m).cost);
+    return static_cast<double>(linearizeDistance(map.surface(), points, at, optimum.scale_m).cost);
   };
   return sampledCovariance(cost, pose, kSampleSpread * kSampleSpread * covariance, variance);
 }
@@ -70,26 +71,27 @@ Eigen::Matrix3d covarianceOf(const Submap& map, const Points& points, const Opti
 
 MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request) const {
   MatchResult result;
-  // From an exact start the coarse stages could only lead away, to where more of what has no place
-  // in the map seems to fit.
-  Candidate best = refine(map, request, request.starts.front(), request.trusted ? kLastStage : 0);
+  // From an exact initial guess the coarse stages could only lead away, to where more of what has
+  // no place in the map seems to fit.
+  Candidate best =
+      refine(map, request, request.initial_guesses.front(), request.trusted ? kLastStage : 0);
   result.iterations = best.descent.iterations;
   const std::size_t first = request.trusted ? 0 : 1;
-  for (std::size_t i = first; i < request.starts.size() && best.fit.score < config_.good_score;
-       ++i) {
-    Candidate other = refine(map, request, request.starts[i]);
+  for (std::size_t i = first;
+       i < request.initial_guesses.size() && best.fit.score < config_.good_score; ++i) {
+    Candidate other = refine(map, request, request.initial_guesses[i]);
     ++result.fallbacks;
     result.iterations += other.descent.iterations;
     const double margin = request.trusted ? jumpMargin(config_, request, other.descent.pose) : 0.0;
-    if (other.preferred > best.preferred + margin) best = other;
+    if (other.penalized_score > best.penalized_score + margin) best = other;
   }
   if (best.fit.score < config_.search_score && !request.trusted) {
     // What covers a part of the view may lead the coarse stages away, where it seems to fit.
-    const Candidate near = refine(map, request, request.starts.front(), kLastStage);
+    const Candidate near = refine(map, request, request.initial_guesses.front(), kLastStage);
     result.iterations += near.descent.iterations;
-    if (near.preferred > best.preferred) best = near;
+    if (near.penalized_score > best.penalized_score) best = near;
   }
-  if (best.fit.score < config_.search_score && (request.lost || !isHeld(best.fit)))
+  if (best.fit.score < config_.search_score && (request.lost || !isWellConstrained(best.fit)))
     search(map, request, result, best);
   result.pose = best.descent.pose;
   result.converged = best.descent.converged;
@@ -108,25 +110,27 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
   for (const SearchWindow& window : windows) {
     if (best.fit.score >= config_.search_score) break;
     Pose2 center = request.last;
-    if (request.turn_known) center = Pose2(center.x, center.y, request.starts.front().theta);
+    if (request.turn_known) center = Pose2(center.x, center.y, request.initial_guesses.front().yaw);
     const SearchResult found =
         searchWindow(map.surface(), points, center, window, config_.correlative);
     Candidate other = refine(map, request, found.pose);
     result.iterations += other.descent.iterations;
-    if (other.preferred > best.preferred + jumpMargin(config_, request, other.descent.pose))
+    if (other.penalized_score >
+        best.penalized_score + jumpMargin(config_, request, other.descent.pose))
       best = other;
   }
 }
 
 HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchRequest& request,
-                                               const Pose2& start, std::size_t first_stage) const {
+                                               const Pose2& initial_guess,
+                                               std::size_t first_stage) const {
   Candidate result;
   const Points few = thinned(request.points, kCoarsePoints);
   GaussNewtonConfig coarse = config_.gauss_newton;
   coarse.min_step_m = std::max(coarse.min_step_m, kCoarseStepM);
   coarse.min_step_rad = std::max(coarse.min_step_rad, kCoarseStepRad);
   int iterations = 0;
-  Pose2 pose = start;
+  Pose2 pose = initial_guess;
   for (std::size_t stage = first_stage; stage < kMatchStages; ++stage) {
     const bool last = stage == kLastStage;
     const float scale = kStageScales[stage];
@@ -135,7 +139,7 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
         Eigen::Vector3f::Constant(kStartPull * static_cast<float>(points.size()));
     result.descent = descend(
         pose, last ? config_.gauss_newton : coarse, pull,
-        [&](const Pose2& at) { return lineariseDistance(map.surface(), points, at, scale); });
+        [&](const Pose2& at) { return linearizeDistance(map.surface(), points, at, scale); });
     pose = result.descent.pose;
     iterations += result.descent.iterations;
     result.stages[stage] = pose;
@@ -143,7 +147,7 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   for (std::size_t stage = 0; stage < first_stage; ++stage) result.stages[stage] = pose;
   result.descent.iterations = iterations;
   result.fit = fitOf(map, request.points, pose, config_.score_scale_m);
-  result.preferred = preference(request, result.fit, pose, config_.correlative);
+  result.penalized_score = preference(request, result.fit, pose, config_.correlative);
   return result;
 }
 
@@ -158,7 +162,7 @@ std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const Match
 }
 
 double jumpMargin(const MatcherConfig& config, const MatchRequest& request, const Pose2& pose) {
-  const Pose2 jump = request.starts.front().inverse() * pose;
+  const Pose2 jump = request.initial_guesses.front().inverse() * pose;
   return config.jump_margin * std::max(1.0, jump.distance() / request.plausible_m);
 }
 
@@ -166,7 +170,7 @@ double preference(const MatchRequest& request, const Fit& fit, const Pose2& pose
                   const CorrelativeConfig& config) {
   const Pose2 motion = request.last.inverse() * pose;
   return fit.score - config.linear_preference * motion.distance() -
-         config.angular_preference * std::abs(motion.theta);
+         config.angular_preference * std::abs(motion.yaw);
 }
 
 void fillStages(const Submap& map, const Points& points,

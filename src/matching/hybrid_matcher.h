@@ -5,8 +5,8 @@
 
 namespace kestrel_slam {
 
-/// Gauss-Newton on the distance to the walls, from the prediction; from other starts where that fit
-/// is poor; from an exhaustive search where those are poor as well.
+/// Gauss-Newton on the distance to the walls, from the prediction; from other initial guesses where
+/// that fit is poor; from an exhaustive search where those are poor as well.
 class HybridMatcher : public Matcher {
  public:
   explicit HybridMatcher(const MatcherConfig& config) : config_(config) {}
@@ -18,11 +18,11 @@ class HybridMatcher : public Matcher {
     Descent descent;
     Fit fit;
     std::array<Pose2, kMatchStages> stages;
-    double preferred = -1.0;  ///< the score less what the motion costs
+    double penalized_score = -1.0;  ///< the score less what the motion costs
   };
 
-  /// The local optimum near `start`, by the stages from `first_stage` on.
-  Candidate refine(const Submap& map, const MatchRequest& request, const Pose2& start,
+  /// The local optimum near `initial_guess`, by the stages from `first_stage` on.
+  Candidate refine(const Submap& map, const MatchRequest& request, const Pose2& initial_guess,
                    std::size_t first_stage = 0) const;
   void search(const Submap& map, const MatchRequest& request, MatchResult& result,
               Candidate& best) const;

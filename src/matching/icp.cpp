@@ -8,7 +8,7 @@
 namespace kestrel_slam {
 namespace {
 
-/// Below this the turn of centred points is rounding noise, m² a pair.
+/// Below this the turn of centerd points is rounding noise, m² a pair.
 constexpr double kMinSpread = 1e-9;
 /// Steps of one alignment of fixed pairs: two or three are exact from any start of a pairing.
 constexpr int kLineSteps = 10;
@@ -17,7 +17,7 @@ constexpr double kLineTolerance = 1e-9;
 /// of what noise of the normals feigns along a wall.
 constexpr double kDamping = 1e-3;
 
-/// H δ = g of paper 003 eq. 9, linearised at a pose, δ = (x, y, theta).
+/// H δ = g of paper 003 eq. 9, linearized at a pose, δ = (x, y, yaw).
 struct LineEquations {
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
@@ -29,8 +29,8 @@ struct LineEquations {
   }
 };
 
-LineEquations linearise(const std::vector<IcpPair>& pairs, const Pose2& pose) {
-  const Eigen::Rotation2Dd turn(pose.theta);
+LineEquations linearize(const std::vector<IcpPair>& pairs, const Pose2& pose) {
+  const Eigen::Rotation2Dd turn(pose.yaw);
   LineEquations equations;
   for (const IcpPair& pair : pairs) {
     const Eigen::Vector2d turned = turn * pair.point.cast<double>();
@@ -48,8 +48,8 @@ LineEquations linearise(const std::vector<IcpPair>& pairs, const Pose2& pose) {
 
 }  // namespace
 
-Pose2 alignPointToPoint(const std::vector<IcpPair>& pairs, const Pose2& start) {
-  if (pairs.empty()) return start;
+Pose2 alignPointToPoint(const std::vector<IcpPair>& pairs, const Pose2& initial_guess) {
+  if (pairs.empty()) return initial_guess;
   const auto n = static_cast<double>(pairs.size());
   Eigen::Vector2d p_mean = Eigen::Vector2d::Zero(), q_mean = Eigen::Vector2d::Zero();
   for (const IcpPair& pair : pairs) {
@@ -64,20 +64,20 @@ Pose2 alignPointToPoint(const std::vector<IcpPair>& pairs, const Pose2& start) {
     sine += (p.x() * q.y() - p.y() * q.x()) / n;
   }
   const bool turned = std::hypot(cosine, sine) > kMinSpread;
-  const double theta = turned ? std::atan2(sine, cosine) : start.theta;
-  const Eigen::Vector2d shift = q_mean - Eigen::Rotation2Dd(theta) * p_mean;
-  return {shift.x(), shift.y(), theta};
+  const double yaw = turned ? std::atan2(sine, cosine) : initial_guess.yaw;
+  const Eigen::Vector2d shift = q_mean - Eigen::Rotation2Dd(yaw) * p_mean;
+  return {shift.x(), shift.y(), yaw};
 }
 
-Pose2 alignPointToLine(const std::vector<IcpPair>& pairs, const Pose2& start) {
-  Pose2 pose = start;
+Pose2 alignPointToLine(const std::vector<IcpPair>& pairs, const Pose2& initial_guess) {
+  Pose2 pose = initial_guess;
   const double damping = kDamping * static_cast<double>(pairs.size());
   for (int i = 0; i < kLineSteps && !pairs.empty(); ++i) {
-    LineEquations equations = linearise(pairs, pose);
+    LineEquations equations = linearize(pairs, pose);
     equations.hessian.diagonal().array() += damping;
     const Eigen::Vector3d step = equations.hessian.ldlt().solve(equations.gradient);
     if (!step.allFinite()) break;
-    pose = Pose2(pose.x + step.x(), pose.y + step.y(), pose.theta + step.z());
+    pose = Pose2(pose.x + step.x(), pose.y + step.y(), pose.yaw + step.z());
     if (step.cwiseAbs().maxCoeff() < kLineTolerance) break;
   }
   return pose;

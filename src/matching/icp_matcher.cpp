@@ -12,9 +12,10 @@ namespace {
 /// How far the stages look for partners, in shares of the largest distance.
 constexpr std::array<double, kMatchStages> kReachShares = {1.0, 0.4, 0.2};
 constexpr std::size_t kLastStage = kMatchStages - 1;
-/// How far the iterations may lead away from all starts, m.
+/// How far the iterations may lead away from all initial guesses, m.
 constexpr float kLeewayM = 1.0F;
-/// Between the starts that are turned: from half of it off a scan still turns into its place.
+/// Between the initial guesses that are turned: from half of it off a scan still turns into its
+/// place.
 constexpr double kTurnStep = 0.15;
 
 }  // namespace
@@ -26,21 +27,22 @@ IcpMatcher::IcpMatcher(const MatcherConfig& config)
 
 MatchResult IcpMatcher::match(const Submap& map, const MatchRequest& request) const {
   const Task task = taskOf(map, request);
-  Candidate best = refine(task, request.starts.front(), request.trusted ? kLastStage : 0);
+  Candidate best = refine(task, request.initial_guesses.front(), request.trusted ? kLastStage : 0);
   MatchResult result;
   result.iterations = best.iterations;
-  for (std::size_t i = 1; i < request.starts.size() && best.fit.score < config_.good_score; ++i) {
-    const Candidate other = refine(task, request.starts[i]);
+  for (std::size_t i = 1; i < request.initial_guesses.size() && best.fit.score < config_.good_score;
+       ++i) {
+    const Candidate other = refine(task, request.initial_guesses[i]);
     result.iterations += other.iterations;
     const double margin = request.trusted ? config_.jump_margin : 0.0;
-    if (other.preferred > best.preferred + margin) best = other;
+    if (other.penalized_score > best.penalized_score + margin) best = other;
   }
   if (!request.turn_known) tryTurned(task, best, result.iterations);
   result.pose = best.stages.back();
   result.converged = best.converged;
   const auto scale = static_cast<float>(config_.score_scale_m);
   const NormalEquations distances =
-      lineariseDistance(map.surface(), request.points, result.pose, scale);
+      linearizeDistance(map.surface(), request.points, result.pose, scale);
   fillUncertainty(map, request.points, {scale, distances, best.fit}, config_, result);
   fillStages(map, request.points, best.stages, config_.score_scale_m, result);
   return result;
@@ -53,8 +55,8 @@ IcpMatcher::Task IcpMatcher::taskOf(const Submap& map, const MatchRequest& reque
     range2 = std::max(range2, point.squaredNorm());
   }
   task.area.extend(request.last.translation().cast<float>().eval());
-  for (const Pose2& start : request.starts) {
-    task.area.extend(start.translation().cast<float>().eval());
+  for (const Pose2& initial_guess : request.initial_guesses) {
+    task.area.extend(initial_guess.translation().cast<float>().eval());
   }
   const auto grown = [](const Eigen::AlignedBox2f& box, float margin) {
     const Eigen::Vector2f m = Eigen::Vector2f::Constant(margin);
@@ -66,8 +68,8 @@ IcpMatcher::Task IcpMatcher::taskOf(const Submap& map, const MatchRequest& reque
   return task;
 }
 
-/// A turn that no start foresees is out of reach of the pairs: from the last pose, turned to one
-/// side and to the other by more and more, until the scan fits.
+/// A turn that no initial guess foresees is out of reach of the pairs: from the last pose, turned
+/// to one side and to the other by more and more, until the scan fits.
 void IcpMatcher::tryTurned(const Task& task, Candidate& best, int& iterations) const {
   const MatchRequest& request = task.request;
   const double most = request.search_all_round ? kPi : config_.wide_window.angular_rad;
@@ -76,18 +78,18 @@ void IcpMatcher::tryTurned(const Task& task, Candidate& best, int& iterations) c
       if (best.fit.score >= config_.search_score) return;
       const Candidate other = refine(task, request.last * Pose2(0.0, 0.0, signed_turn));
       iterations += other.iterations;
-      if (other.preferred > best.preferred + config_.jump_margin) best = other;
+      if (other.penalized_score > best.penalized_score + config_.jump_margin) best = other;
     }
   }
 }
 
-IcpMatcher::Candidate IcpMatcher::refine(const Task& task, const Pose2& start,
+IcpMatcher::Candidate IcpMatcher::refine(const Task& task, const Pose2& initial_guess,
                                          std::size_t first_stage) const {
   const IcpConfig& icp = config_.icp;
   Candidate result;
   std::vector<IcpPair> pairs;
   pairs.reserve(task.request.points.size());
-  Pose2 pose = start;
+  Pose2 pose = initial_guess;
   for (std::size_t stage = first_stage; stage < kMatchStages; ++stage) {
     const Points& points = stage == kLastStage ? task.request.points : task.few;
     const auto reach = static_cast<float>(icp.max_pair_distance_m * kReachShares[stage]);
@@ -100,21 +102,20 @@ IcpMatcher::Candidate IcpMatcher::refine(const Task& task, const Pose2& start,
       const Pose2 step = pose.inverse() * next;
       pose = next;
       ++result.iterations;
-      result.converged =
-          step.distance() < icp.min_step_m && std::abs(step.theta) < icp.min_step_rad;
+      result.converged = step.distance() < icp.min_step_m && std::abs(step.yaw) < icp.min_step_rad;
     }
     result.stages[stage] = pose;
   }
   std::fill_n(result.stages.begin(), first_stage, pose);
   result.fit = fitOf(task.map, task.request.points, pose, config_.score_scale_m);
-  result.preferred = preference(task.request, result.fit, pose, config_.correlative);
+  result.penalized_score = preference(task.request, result.fit, pose, config_.correlative);
   return result;
 }
 
 void IcpMatcher::pairUp(const Task& task, const Points& points, const Pose2& pose, float reach_m,
                         std::vector<IcpPair>& pairs) const {
-  const auto c = static_cast<float>(std::cos(pose.theta));
-  const auto s = static_cast<float>(std::sin(pose.theta));
+  const auto c = static_cast<float>(std::cos(pose.yaw));
+  const auto s = static_cast<float>(std::sin(pose.yaw));
   const auto x = static_cast<float>(pose.x), y = static_cast<float>(pose.y);
   pairs.clear();
   for (const Eigen::Vector2f& p : points) {

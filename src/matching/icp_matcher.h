@@ -14,8 +14,8 @@ namespace kestrel_slam {
 
 /// Iterative closest points (papers 003 and 004): pair every hit with the nearest point of the
 /// reference, reject the worst pairs, align, and again until nothing moves. In three stages, each
-/// of which looks for partners less far; from the other starts where that fits poorly, and from
-/// turned ones where those do.
+/// of which looks for partners less far; from the other initial guesses where that fits poorly, and
+/// from turned ones where those do.
 class IcpMatcher : public Matcher {
  public:
   explicit IcpMatcher(const MatcherConfig& config);
@@ -36,11 +36,11 @@ class IcpMatcher : public Matcher {
     Fit fit;
     int iterations = 0;
     bool converged = false;
-    double preferred = -1.0;  ///< the score less what the motion costs
+    double penalized_score = -1.0;  ///< the score less what the motion costs
   };
 
   Task taskOf(const Submap& map, const MatchRequest& request) const;
-  Candidate refine(const Task& task, const Pose2& start, std::size_t first_stage = 0) const;
+  Candidate refine(const Task& task, const Pose2& initial_guess, std::size_t first_stage = 0) const;
   void tryTurned(const Task& task, Candidate& best, int& iterations) const;
   void pairUp(const Task& task, const Points& points, const Pose2& pose, float reach_m,
               std::vector<IcpPair>& pairs) const;

@@ -60,7 +60,7 @@ std::vector<WallPoint> lastScanPoints(const Submap& map, std::size_t scans) {
   for (std::size_t i = keyframes.size() - std::min(scans, keyframes.size()); i < keyframes.size();
        ++i) {
     const Keyframe& scan = keyframes[i];
-    const Eigen::Rotation2Df turn(static_cast<float>(scan.map_T_base.theta));
+    const Eigen::Rotation2Df turn(static_cast<float>(scan.map_T_base.yaw));
     for (std::size_t k = 0; k < scan.hits.size(); ++k) {
       points.push_back({(scan.map_T_base * scan.hits[k].cast<double>()).cast<float>(),
                         turn * normalAt(scan.hits, k)});

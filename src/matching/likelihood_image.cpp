@@ -77,14 +77,15 @@ void LikelihoodImage::rasterise(const SurfelField& surface, const ReachMask& rea
   });
 }
 
-/// Fills a level where windows can reach anything; `anchors` are the blocks of their first cells.
-void LikelihoodImage::buildLevel(int level, const ReachMask& anchors) {
+/// Fills a level where windows can reach anything; `reinitializations` are the blocks of their
+/// first cells.
+void LikelihoodImage::buildLevel(int level, const ReachMask& reinitializations) {
   std::vector<std::uint8_t> pairs(static_cast<std::size_t>(stride_) + 1, 0);
-  for (int block = 0; block < anchors.height(); ++block) {
-    const auto [first, last] = anchors.span(block);
+  for (int block = 0; block < reinitializations.height(); ++block) {
+    const auto [first, last] = reinitializations.span(block);
     if (first == last) continue;
-    const Cell low = inImage(anchors.corner(first, block));
-    const Cell high = inImage(anchors.corner(last, block));
+    const Cell low = inImage(reinitializations.corner(first, block));
+    const Cell high = inImage(reinitializations.corner(last, block));
     for (int y = low.y; y < low.y + ReachMask::kSide; ++y) {
       buildRow(level, y, low.x, high.x, pairs);
     }

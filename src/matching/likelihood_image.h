@@ -12,7 +12,7 @@ namespace kestrel_slam {
 ///
 /// Nothing is computed where no point of the scan can land or where the surface knows no wall.
 /// A row of level k holds first the cells 0, 2^k, 2·2^k, … then 1, 2^k + 1, … so that the windows
-/// which stand side by side are neighbours in memory: several are summed up by one instruction.
+/// which stand side by side are neighbors in memory: several are summed up by one instruction.
 class LikelihoodImage {
  public:
   /// Likelihood 1 in level 0, and in the others, where values are rounded up.
@@ -46,7 +46,7 @@ class LikelihoodImage {
  private:
   void place(const CellBox& reached, int linear_steps);
   void rasterise(const SurfelField& surface, const ReachMask& reached, double sigma_m);
-  void buildLevel(int level, const ReachMask& anchors);
+  void buildLevel(int level, const ReachMask& reinitializations);
   void buildRow(int level, int y, int x0, int x1, std::vector<std::uint8_t>& pairs);
   /// The column and row in the image of a cell of the map.
   Cell inImage(const Cell& cell) const {

@@ -80,7 +80,7 @@ LikelihoodSurface sampleLikelihood(const SurfelField& surface, const Points& poi
   return sampleAround(grid, image, GridPose(), grid.linearSteps(), grid.angularSteps());
 }
 
-std::vector<float> bestOverHeadings(const LikelihoodSurface& surface) {
+std::vector<float> bestOverYaws(const LikelihoodSurface& surface) {
   const auto size = static_cast<std::ptrdiff_t>(surface.side()) * surface.side();
   std::vector<float> best(static_cast<std::size_t>(surface.score.empty() ? 0 : size), 0.0F);
   for (std::size_t i = 0; i < surface.score.size(); ++i) {
@@ -115,7 +115,7 @@ PoseMoments momentsOf(const LikelihoodSurface& surface) {
   const Eigen::Vector3d d = unit * first;
   PoseMoments moments;
   moments.mean =
-      Pose2(surface.center.x + d.x(), surface.center.y + d.y(), surface.center.theta + d.z());
+      Pose2(surface.center.x + d.x(), surface.center.y + d.y(), surface.center.yaw + d.z());
   moments.covariance = unit * (second / total - first * first.transpose()) * unit;
   moments.linear_border = linear_border / total;
   moments.angular_border = angular_border / total;

@@ -22,23 +22,23 @@ class GaussNewtonMatcher : public Matcher {
     MatchResult result;
     Descent descent;
     std::array<Pose2, kMatchStages> poses;
-    descent.pose = request.starts.front();
+    descent.pose = request.initial_guesses.front();
     for (std::size_t stage = 0; stage < kMatchStages; ++stage) {
       const int level = OccupancyGrid::kLevels - 1 - static_cast<int>(stage);
       descent = descend(
           descent.pose, config_.gauss_newton, Eigen::Vector3f::Zero(), [&](const Pose2& pose) {
-            return lineariseOccupancy(map.grid(), level, request.points, pose, kResidualScale);
+            return linearizeOccupancy(map.grid(), level, request.points, pose, kResidualScale);
           });
       result.iterations += descent.iterations;
       poses[stage] = descent.pose;
     }
     result.pose = descent.pose;
     result.converged = descent.converged;
-    // For the covariance the distances are linearised: the residuals 1 - M have no unit.
+    // For the covariance the distances are linearized: the residuals 1 - M have no unit.
     const Fit fit = fitOf(map, request.points, result.pose, config_.score_scale_m);
     const auto scale = static_cast<float>(config_.score_scale_m);
     const NormalEquations distances =
-        lineariseDistance(map.surface(), request.points, result.pose, scale);
+        linearizeDistance(map.surface(), request.points, result.pose, scale);
     fillUncertainty(map, request.points, {scale, distances, fit}, config_, result);
     fillStages(map, request.points, poses, config_.score_scale_m, result);
     return result;
@@ -58,8 +58,9 @@ class CorrelativeMatcher : public Matcher {
     SearchWindow window = config_.near_window;
     window.linear_m *= request.search_scale;
     if (request.search_all_round) window.angular_rad = kPi;
-    const SearchResult found = searchWindow(map.surface(), request.points, request.starts.front(),
-                                            window, config_.correlative);
+    const SearchResult found =
+        searchWindow(map.surface(), request.points, request.initial_guesses.front(), window,
+                     config_.correlative);
     MatchResult result;
     result.searched = true;
     result.iterations = 1;
@@ -68,7 +69,7 @@ class CorrelativeMatcher : public Matcher {
     const Fit fit = fitOf(map, request.points, result.pose, config_.score_scale_m);
     const auto scale = static_cast<float>(config_.score_scale_m);
     const NormalEquations distances =
-        lineariseDistance(map.surface(), request.points, result.pose, scale);
+        linearizeDistance(map.surface(), request.points, result.pose, scale);
     fillUncertainty(map, request.points, {scale, distances, fit}, config_, result);
     result.covariance = found.covariance;
     fillStages(map, request.points, {found.pose, found.pose, found.mean}, config_.score_scale_m,

@@ -20,7 +20,7 @@ struct Cloud {
 };
 
 /// Keeps the one nearest point within a reach. nanoflann's own sets know no reach, and cutting the
-/// search off there is most of its speed for points that have no neighbour.
+/// search off there is most of its speed for points that have no neighbor.
 struct NearestWithin {
   float distance2;
   std::size_t index = 0;

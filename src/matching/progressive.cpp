@@ -12,7 +12,7 @@ namespace {
 
 static_assert(OccupancyGrid::kLevels == kMatchStages, "one stage a level");
 constexpr int kCoarsestLevel = OccupancyGrid::kLevels - 1;
-/// Points that vote on a level, 5 cm first: large cells need few of them, as neighbours hit the
+/// Points that vote on a level, 5 cm first: large cells need few of them, as neighbors hit the
 /// same ones.
 constexpr std::array<std::size_t, OccupancyGrid::kLevels> kPoints = {180, 120, 90};
 /// Points between two looks at whether a candidate can still matter.
@@ -50,8 +50,8 @@ class Ballot {
   /// For a level that the compiler knows: the look-up of a cell is most of the matcher's work.
   template <int kLevel>
   double count(const Pose2& pose, double enough) const {
-    const auto c = static_cast<float>(std::cos(pose.theta));
-    const auto s = static_cast<float>(std::sin(pose.theta));
+    const auto c = static_cast<float>(std::cos(pose.yaw));
+    const auto s = static_cast<float>(std::sin(pose.yaw));
     const float x = static_cast<float>(pose.x) * inverse_cell_;
     const float y = static_cast<float>(pose.y) * inverse_cell_;
     const auto needed = static_cast<float>(enough * static_cast<double>(cells_.size()));
@@ -83,7 +83,7 @@ double meanRange(const Points& points) {
 }
 
 Pose2 moved(const Pose2& center, const Eigen::Vector3d& offset) {
-  return {center.x + offset.x(), center.y + offset.y(), center.theta + offset.z()};
+  return {center.x + offset.x(), center.y + offset.y(), center.yaw + offset.z()};
 }
 
 }  // namespace
@@ -103,11 +103,11 @@ StandardCandidates standardCandidates(int count, int seed) {
   return result;
 }
 
-CandidateSpread motionSpread(const Pose2& last, const Pose2& start,
+CandidateSpread motionSpread(const Pose2& last, const Pose2& initial_guess,
                              const ProgressiveConfig& config) {
-  const Pose2 motion = last.inverse() * start;
+  const Pose2 motion = last.inverse() * initial_guess;
   return {std::max(config.min_sigma_m, config.motion_share * motion.distance()),
-          std::max(config.min_sigma_rad, config.turn_share * std::abs(motion.theta))};
+          std::max(config.min_sigma_rad, config.turn_share * std::abs(motion.yaw))};
 }
 
 double votingLikelihood(const OccupancyGrid& grid, int level, const Points& points,
@@ -159,10 +159,11 @@ ProgressiveRefiner::ProgressiveRefiner(const ProgressiveConfig& config)
       wide_(standardCandidates(config.wide_candidates, config.seed)) {}
 
 Refinement ProgressiveRefiner::refine(const OccupancyGrid& grid, const Points& points,
-                                      const Pose2& start, const CandidateSpread& spread) const {
+                                      const Pose2& initial_guess,
+                                      const CandidateSpread& spread) const {
   const double lever_m = meanRange(points);
   Refinement result;
-  Pose2 pose = start;
+  Pose2 pose = initial_guess;
   CandidateSpread space = spread;
   for (std::size_t stage = 0; stage < kMatchStages; ++stage) {
     const int level = kCoarsestLevel - static_cast<int>(stage);
@@ -173,7 +174,7 @@ Refinement ProgressiveRefiner::refine(const OccupancyGrid& grid, const Points& p
     const Pose2 next = level == 0 ? estimate.mean : estimate.pose;
     const Pose2 correction = pose.inverse() * next;
     result.spreads[stage] = space;
-    result.corrections_m[stage] = std::hypot(correction.distance(), lever_m * correction.theta);
+    result.corrections_m[stage] = std::hypot(correction.distance(), lever_m * correction.yaw);
     const double coarser_cell_m = static_cast<double>(grid.resolution()) * (2 << level);
     const double limit_m = stage == 0 ? std::numeric_limits<double>::infinity()
                                       : std::max(result.corrections_m[stage - 1],

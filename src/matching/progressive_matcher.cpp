@@ -15,10 +15,11 @@ constexpr double kWindowSigmas = 2.0;
 
 MatchResult ProgressiveMatcher::match(const Submap& map, const MatchRequest& request) const {
   MatchResult result;
-  Candidate best = refine(map, request, request.starts.front());
+  Candidate best = refine(map, request, request.initial_guesses.front());
   result.iterations = best.refinement.levels;
-  for (std::size_t i = 1; i < request.starts.size() && best.fit.score < config_.search_score; ++i) {
-    const Candidate other = refine(map, request, request.starts[i]);
+  for (std::size_t i = 1;
+       i < request.initial_guesses.size() && best.fit.score < config_.search_score; ++i) {
+    const Candidate other = refine(map, request, request.initial_guesses[i]);
     result.iterations += other.refinement.levels;
     if (other.fit.score > best.fit.score) best = other;
   }
@@ -29,7 +30,7 @@ MatchResult ProgressiveMatcher::match(const Submap& map, const MatchRequest& req
   // it does not constrain: the spread of the candidates cannot exceed the space they come from.
   const auto scale = static_cast<float>(config_.score_scale_m);
   const NormalEquations distances =
-      lineariseDistance(map.surface(), request.points, result.pose, scale);
+      linearizeDistance(map.surface(), request.points, result.pose, scale);
   fillUncertainty(map, request.points, {scale, distances, best.fit}, config_, result);
   result.covariance += best.refinement.finest.covariance;
   fillStages(map, request.points, best.refinement.poses, config_.score_scale_m, result);
@@ -38,10 +39,10 @@ MatchResult ProgressiveMatcher::match(const Submap& map, const MatchRequest& req
 
 ProgressiveMatcher::Candidate ProgressiveMatcher::refine(const Submap& map,
                                                          const MatchRequest& request,
-                                                         const Pose2& start) const {
+                                                         const Pose2& initial_guess) const {
   Candidate result;
-  result.refinement = refiner_.refine(map.grid(), request.points, start,
-                                      motionSpread(request.last, start, config_.progressive));
+  result.refinement = refiner_.refine(map.grid(), request.points, initial_guess,
+                                      motionSpread(request.last, initial_guess, config_.progressive));
   result.pose = result.refinement.poses.back();
   result.fit = fitOf(map, request.points, result.pose, config_.score_scale_m);
   return result;
@@ -54,9 +55,9 @@ void ProgressiveMatcher::search(const Submap& map, const MatchRequest& request, 
     if (best.fit.score >= config_.search_score) break;
     const CandidateSpread spread{window.linear_m / kWindowSigmas,
                                  window.angular_rad / kWindowSigmas};
-    const Candidate other =
-        refine(map, request,
-               refiner_.findCoarsely(map.grid(), request.points, request.starts.front(), spread));
+    const Candidate other = refine(
+        map, request,
+        refiner_.findCoarsely(map.grid(), request.points, request.initial_guesses.front(), spread));
     result.iterations += other.refinement.levels;
     if (other.fit.score > best.fit.score + jumpMargin(config_, request, other.pose)) best = other;
   }

@@ -6,8 +6,9 @@
 
 namespace kestrel_slam {
 
-/// Paper 002: sampled candidates of the motion model vote on 20, 10 and 5 cm; from the other starts
-/// and from wide samples where that fits poorly, which the paper does not need on the road.
+/// Paper 002: sampled candidates of the motion model vote on 20, 10 and 5 cm; from the other
+/// initial guesses and from wide samples where that fits poorly, which the paper does not need on
+/// the road.
 class ProgressiveMatcher : public Matcher {
  public:
   explicit ProgressiveMatcher(const MatcherConfig& config)
@@ -21,7 +22,8 @@ class ProgressiveMatcher : public Matcher {
     Fit fit;
   };
 
-  Candidate refine(const Submap& map, const MatchRequest& request, const Pose2& start) const;
+  Candidate refine(const Submap& map, const MatchRequest& request,
+                   const Pose2& initial_guess) const;
   void search(const Submap& map, const MatchRequest& request, MatchResult& result,
               Candidate& best) const;
 

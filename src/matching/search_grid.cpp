@@ -58,8 +58,8 @@ CellBox SearchGrid::reach() const {
 }
 
 void SearchGrid::rotate(int k, int first, int count, const CellBox& box, PointCell* cells) const {
-  const double theta = center_.theta + k * angular_step_;
-  const auto c = static_cast<float>(std::cos(theta)), s = static_cast<float>(std::sin(theta));
+  const double yaw = center_.yaw + k * angular_step_;
+  const auto c = static_cast<float>(std::cos(yaw)), s = static_cast<float>(std::sin(yaw));
   // Relative to the box first: floats would not do for cells that are far from the origin.
   const auto x = static_cast<float>(center_.x / resolution_ - box.low.x);
   const auto y = static_cast<float>(center_.y / resolution_ - box.low.y);
@@ -84,7 +84,7 @@ double SearchGrid::preference(const GridPose& pose, int size) const {
 
 Pose2 SearchGrid::pose(const GridPose& at) const {
   return {center_.x + at.dx * resolution_, center_.y + at.dy * resolution_,
-          center_.theta + at.k * angular_step_};
+          center_.yaw + at.k * angular_step_};
 }
 
 }  // namespace kestrel_slam

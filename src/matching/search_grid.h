@@ -7,7 +7,7 @@
 
 namespace kestrel_slam {
 
-/// A pose of the search: steps from the centre of the window.
+/// A pose of the search: steps from the center of the window.
 struct GridPose {
   int k = 0;  ///< angular steps
   int dx = 0, dy = 0;
@@ -23,7 +23,7 @@ struct CellBox {
   Cell low, high;
 };
 
-/// The discretised window and the points that are searched with.
+/// The discretized window and the points that are searched with.
 class SearchGrid {
  public:
   SearchGrid(const SurfelField& surface, const Points& points, const Pose2& center,
@@ -37,7 +37,7 @@ class SearchGrid {
   /// Every cell that a point comes to lie in when the scan is turned, not moved.
   CellBox reach() const;
 
-  /// Cells of the points [first, first + count) relative to `box.low` with the centre turned by `k`
+  /// Cells of the points [first, first + count) relative to `box.low` with the center turned by `k`
   /// steps; points outside of `box` come to lie on its border.
   void rotate(int k, int first, int count, const CellBox& box, PointCell* cells) const;
 

@@ -37,8 +37,8 @@ template <typename Points, typename Visit>
 inline void forEachLanes(const SurfelField& surface, const Points& points, const Pose2& map_T_base,
                          Visit visit) {
   static const Surfel kNothing{Eigen::Vector2f::Zero(), 0.0F, 0.0F, 0.0F, {}};
-  const auto c = static_cast<float>(std::cos(map_T_base.theta));
-  const auto s = static_cast<float>(std::sin(map_T_base.theta));
+  const auto c = static_cast<float>(std::cos(map_T_base.yaw));
+  const auto s = static_cast<float>(std::sin(map_T_base.yaw));
   const auto x = static_cast<float>(map_T_base.x), y = static_cast<float>(map_T_base.y);
   SurfelLanes lanes;
   Lanes sx = Lanes::Zero(), sy = Lanes::Zero(), mx, my;  // scan points, means

@@ -5,9 +5,9 @@
 #include <memory>
 #include <pluginlib/class_list_macros.hpp>
 
-#include "kestrel_slam/ros/mapper_node.h"
-#include "kestrel_slam/ros/pose_filter_node.h"
-#include "kestrel_slam/ros/scan_projector_node.h"
+#include "kestrel_slam/ros/filter/pose_filter_node.h"
+#include "kestrel_slam/ros/mapper/mapper_node.h"
+#include "kestrel_slam/ros/projector/scan_projector_node.h"
 
 namespace kestrel_slam {
 

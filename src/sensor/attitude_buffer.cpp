@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/pose3.h"
 
 namespace kestrel_slam {
 namespace {
@@ -43,21 +44,6 @@ const char* toString(AttitudeError error) {
   return "unknown";
 }
 
-double yawOf(const Eigen::Quaterniond& world_R_base) {
-  const Eigen::Vector3d nose = world_R_base * Eigen::Vector3d::UnitX();
-  return std::atan2(nose.y(), nose.x());
-}
-
-double tiltOf(const Eigen::Quaterniond& world_R_base) {
-  const Eigen::Vector3d up = world_R_base * Eigen::Vector3d::UnitZ();
-  return std::atan2(std::hypot(up.x(), up.y()), up.z());
-}
-
-Eigen::Quaterniond withoutYaw(const Eigen::Quaterniond& world_R_base) {
-  const Eigen::Quaterniond undo(Eigen::AngleAxisd(-yawOf(world_R_base), Eigen::Vector3d::UnitZ()));
-  return (undo * world_R_base).normalized();
-}
-
 AttitudeBuffer::AttitudeBuffer(const AttitudeBufferConfig& config) : config_(config) {}
 
 AttitudeBuffer::Iterator AttitudeBuffer::firstNotBefore(double time) const {
@@ -91,14 +77,17 @@ bool AttitudeBuffer::add(double stamp, const Eigen::Quaterniond& world_R_base,
 
 void AttitudeBuffer::integrateFrom(std::size_t index) {
   if (index == 0 && entries_.size() > 1) {
-    // Headings that were handed out stay as they are: a new first one is fitted to the second.
-    entries_[0].heading = entries_[1].heading - turnBetween(entries_[0], entries_[1]);
-    entries_[0].speed = entries_[1].speed - gainBetween(entries_[0], entries_[1]);
+    // Yaws that were handed out stay as they are: a new first one is fitted to the second.
+    entries_[0].integrated_yaw = entries_[1].integrated_yaw - turnBetween(entries_[0], entries_[1]);
+    entries_[0].integrated_acceleration =
+        entries_[1].integrated_acceleration - gainBetween(entries_[0], entries_[1]);
     return;
   }
   for (std::size_t i = std::max<std::size_t>(index, 1); i < entries_.size(); ++i) {
-    entries_[i].heading = entries_[i - 1].heading + turnBetween(entries_[i - 1], entries_[i]);
-    entries_[i].speed = entries_[i - 1].speed + gainBetween(entries_[i - 1], entries_[i]);
+    entries_[i].integrated_yaw =
+        entries_[i - 1].integrated_yaw + turnBetween(entries_[i - 1], entries_[i]);
+    entries_[i].integrated_acceleration =
+        entries_[i - 1].integrated_acceleration + gainBetween(entries_[i - 1], entries_[i]);
   }
 }
 
@@ -109,8 +98,8 @@ double AttitudeBuffer::turnBetween(const Entry& a, const Entry& b) {
 
 Eigen::Vector2d AttitudeBuffer::gainBetween(const Entry& a, const Entry& b) {
   if (!a.acceleration || !b.acceleration) return Eigen::Vector2d::Zero();
-  const Eigen::Vector2d before = Eigen::Rotation2Dd(a.heading) * *a.acceleration;
-  const Eigen::Vector2d after = Eigen::Rotation2Dd(b.heading) * *b.acceleration;
+  const Eigen::Vector2d before = Eigen::Rotation2Dd(a.integrated_yaw) * *a.acceleration;
+  const Eigen::Vector2d after = Eigen::Rotation2Dd(b.integrated_yaw) * *b.acceleration;
   return 0.5 * (before + after) * (b.stamp - a.stamp);
 }
 
@@ -120,8 +109,8 @@ AttitudeError AttitudeBuffer::lookup(double time, Attitude& attitude) const {
   if (time > entries_.back().stamp) return AttitudeError::kNotYet;
   const Iterator after = firstNotBefore(time);
   if (after->stamp == time) {
-    attitude = {after->stabilized_R_base, after->heading, std::nullopt};
-    if (after->acceleration) attitude.speed = after->speed;
+    attitude = {after->stabilized_R_base, after->integrated_yaw, std::nullopt};
+    if (after->acceleration) attitude.integrated_acceleration = after->integrated_acceleration;
     return AttitudeError::kNone;
   }
   const Entry& b = *after;
@@ -129,15 +118,18 @@ AttitudeError AttitudeBuffer::lookup(double time, Attitude& attitude) const {
   const double span = b.stamp - a.stamp, elapsed = time - a.stamp;
   if (span > config_.max_gap_s) return AttitudeError::kGap;
   attitude.stabilized_R_base = a.stabilized_R_base.slerp(elapsed / span, b.stabilized_R_base);
-  attitude.speed.reset();
+  attitude.integrated_acceleration.reset();
   if (a.acceleration && b.acceleration) {
-    attitude.speed = a.speed + elapsed / span * (b.speed - a.speed);
+    attitude.integrated_acceleration =
+        a.integrated_acceleration +
+        elapsed / span * (b.integrated_acceleration - a.integrated_acceleration);
   }
   if (a.yaw_rate && b.yaw_rate) {  // the rate changes evenly between two readings
     const double change = (*b.yaw_rate - *a.yaw_rate) / span;
-    attitude.heading = a.heading + elapsed * (*a.yaw_rate + 0.5 * change * elapsed);
+    attitude.integrated_yaw = a.integrated_yaw + elapsed * (*a.yaw_rate + 0.5 * change * elapsed);
   } else {
-    attitude.heading = a.heading + elapsed / span * (b.heading - a.heading);
+    attitude.integrated_yaw =
+        a.integrated_yaw + elapsed / span * (b.integrated_yaw - a.integrated_yaw);
   }
   return AttitudeError::kNone;
 }

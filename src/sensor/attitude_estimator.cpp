@@ -1,10 +1,11 @@
-#include "attitude_estimator.h"
+#include "kestrel_slam/sensor/attitude_estimator.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/gravity.h"
 
 namespace kestrel_slam {
 namespace {

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <sstream>
 
-#include "attitude_estimator.h"
-#include "imu_validation.h"
+#include "kestrel_slam/sensor/attitude_estimator.h"
+#include "kestrel_slam/sensor/imu_validation.h"
+#include "kestrel_slam/sensor/stamp_check.h"
 #include "mounting_monitor.h"
-#include "stamp_check.h"
 
 namespace kestrel_slam {
 namespace {

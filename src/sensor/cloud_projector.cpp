@@ -172,8 +172,8 @@ Projection ScanProjector::project(const PointCloud& cloud, const Eigen::Isometry
   Projection result;
   result.scan.stamp = cloud.stamp;
   result.scan.time = cloud.stamp;
-  result.scan.heading = frames.heading();
-  result.scan.speed = frames.speed();
+  result.scan.integrated_yaw = frames.integratedYaw();
+  result.scan.integrated_acceleration = frames.integratedAcceleration();
   result.tilt_rad = frames.maxTilt();
   const Slice slice = sliceOf(config_, vehicle.height_m, std::nullopt, frames.frame(0).origin.z());
   CloudSlicer(cloud, config_, frames, times, slice, result).run();

@@ -4,9 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "imu_validation.h"
 #include "kestrel_slam/geometry/angles.h"
-#include "stamp_check.h"
+#include "kestrel_slam/geometry/pose3.h"
+#include "kestrel_slam/sensor/imu_validation.h"
+#include "kestrel_slam/sensor/stamp_check.h"
 
 namespace kestrel_slam {
 namespace {

@@ -1,4 +1,4 @@
-#include "imu_validation.h"
+#include "kestrel_slam/sensor/imu_validation.h"
 
 #include <cmath>
 #include <sstream>

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
 namespace kestrel_slam {

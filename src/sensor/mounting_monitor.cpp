@@ -4,8 +4,10 @@
 #include <cmath>
 #include <sstream>
 
-#include "attitude_estimator.h"
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/gravity.h"
+#include "kestrel_slam/geometry/pose3.h"
+#include "kestrel_slam/sensor/attitude_estimator.h"
 
 namespace kestrel_slam {
 namespace {

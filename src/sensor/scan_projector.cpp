@@ -43,7 +43,7 @@ class BeamDirections {
 /// Beams farther apart than this do not overlap at an edge, rad.
 constexpr double kMaxMixedIncrement = 0.0075;
 
-/// The directions of some neighbouring beams in base_stabilized, and where the laser was.
+/// The directions of some neighboring beams in base_stabilized, and where the laser was.
 struct BeamBlock {
   static constexpr std::size_t kSize = 64;
   std::array<float, kSize> x, y, z;
@@ -158,7 +158,7 @@ class BeamProjector {
   }
 
   /// A beam that meets an edge measures something between the two surfaces: its range lies between
-  /// those of its neighbours, far from both. So does one on a wall that is seen at a flat angle,
+  /// those of its neighbors, far from both. So does one on a wall that is seen at a flat angle,
   /// but there the ranges go on to grow on both sides.
   bool isMixed(std::size_t i, float range) const {
     constexpr float kFlat = 0.5F;  // share of the jump below which the next range is no jump
@@ -238,8 +238,8 @@ Projection ScanProjector::projectCorrected(const LaserScan& scan,
   Projection result;
   result.scan.stamp = scan.stamp;
   result.scan.time = scan.stamp;
-  result.scan.heading = frames.heading();
-  result.scan.speed = frames.speed();
+  result.scan.integrated_yaw = frames.integratedYaw();
+  result.scan.integrated_acceleration = frames.integratedAcceleration();
   result.tilt_rad = frames.maxTilt();
   result.mirror_height_m = mirrorHeight(scan, base_T_laser, frames.attitude(), mirror_, config_);
   std::optional<double> height = vehicle.height_m ? vehicle.height_m : result.mirror_height_m;

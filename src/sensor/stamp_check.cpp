@@ -1,4 +1,4 @@
-#include "stamp_check.h"
+#include "kestrel_slam/sensor/stamp_check.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "standstill.h"
+#include "kestrel_slam/sensor/standstill.h"
 
 #include <cmath>
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/pose3.h"
 #include "scan_validation.h"
 
 namespace kestrel_slam {
@@ -25,8 +26,8 @@ SweepFrames::SweepFrames(const SweepTimes& times, double stamp,
     error_ = vehicle.attitude->lookup(stamp, reference);
     if (error_ == AttitudeError::kNone) error_ = vehicle.attitude->covers(times.first, times.last);
     if (error_ != AttitudeError::kNone) return;
-    heading_ = reference.heading;
-    speed_ = reference.speed;
+    integrated_yaw_ = reference.integrated_yaw;
+    integrated_acceleration_ = reference.integrated_acceleration;
     attitude_ = reference.stabilized_R_base;
   }
   const bool moves = vehicle.attitude != nullptr || !vehicle.velocity.isZero();
@@ -47,7 +48,7 @@ void SweepFrames::add(double time, double stamp, const Eigen::Isometry3d& base_T
   double turned = 0.0;
   if (vehicle.attitude != nullptr) {
     vehicle.attitude->lookup(time, attitude);
-    turned = attitude.heading - *heading_;
+    turned = attitude.integrated_yaw - *integrated_yaw_;
   }
   max_tilt_ = std::max(max_tilt_, tiltOf(attitude.stabilized_R_base));
   const Eigen::Quaterniond reference_R_base =

@@ -32,8 +32,8 @@ class SweepFrames {
 
   AttitudeError error() const { return error_; }
   double maxTilt() const { return max_tilt_; }
-  std::optional<double> heading() const { return heading_; }
-  std::optional<Eigen::Vector2d> speed() const { return speed_; }
+  std::optional<double> integratedYaw() const { return integrated_yaw_; }
+  std::optional<Eigen::Vector2d> integratedAcceleration() const { return integrated_acceleration_; }
   /// stabilized_R_base at the reference time.
   const Eigen::Quaterniond& attitude() const { return attitude_; }
 
@@ -43,9 +43,9 @@ class SweepFrames {
 
   std::vector<SensorFrame> frames_;
   AttitudeError error_ = AttitudeError::kNone;
-  double max_tilt_ = 0.0;                 ///< rad
-  std::optional<double> heading_;         ///< at the reference time
-  std::optional<Eigen::Vector2d> speed_;  ///< the same; see Attitude
+  double max_tilt_ = 0.0;                                   ///< rad
+  std::optional<double> integrated_yaw_;                    ///< at the reference time
+  std::optional<Eigen::Vector2d> integrated_acceleration_;  ///< the same; see Attitude
   Eigen::Quaterniond attitude_ = Eigen::Quaterniond::Identity();
 };
 
@@ -61,7 +61,7 @@ struct Slice {
 Slice sliceOf(const ProjectorConfig& config, const std::optional<double>& height_m,
               const std::optional<double>& ceiling_m, float laser_z);
 
-/// How far a beam from height `origin_z` that rises by `rise` a metre stays in the slice, m.
+/// How far a beam from height `origin_z` that rises by `rise` a meter stays in the slice, m.
 inline float lengthInSlice(const Slice& slice, float origin_z, float rise) {
   constexpr float kLevel = 1e-6F;
   constexpr float kFar = 1e9F;

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "kestrel_slam/geometry/gravity.h"
+
 namespace kestrel_slam {
 namespace {
-
-const Eigen::Vector3d kGravity(0.0, 0.0, 9.81);  // what an accelerometer at rest measures, m/s²
 
 Eigen::Quaterniond rotation(const Eigen::Vector3d& vector) {
   const double angle = vector.norm();
@@ -45,7 +45,8 @@ ImuSample ImuSimulator::next(const TrueState& truth) {
   sample.angular_velocity =
       imu_R_base * truth.angular_velocity + gyro_bias_ + normal(model_.gyro_noise * noise);
   sample.linear_acceleration =
-      imu_R_base * (world_R_base.conjugate() * (truth.acceleration + kGravity)) +
+      imu_R_base *
+          (world_R_base.conjugate() * (truth.acceleration + kGravity * Eigen::Vector3d::UnitZ())) +
       accelerometer_bias_ + normal(model_.accelerometer_noise * noise);
   gyro_bias_ += normal(model_.gyro_bias_walk * walk);
   accelerometer_bias_ += normal(model_.accelerometer_bias_walk * walk);

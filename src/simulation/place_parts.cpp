@@ -11,10 +11,10 @@ namespace {
 constexpr double kDoorHeight = 2.1;  // m
 constexpr double kLeafThickness = 0.05;
 
-/// A point of something turned by `yaw` around `centre`.
-Eigen::Vector2d turned(const Eigen::Vector2d& centre, double yaw, double x, double y) {
-  return {centre.x() + std::cos(yaw) * x - std::sin(yaw) * y,
-          centre.y() + std::sin(yaw) * x + std::cos(yaw) * y};
+/// A point of something turned by `yaw` around `center`.
+Eigen::Vector2d turned(const Eigen::Vector2d& center, double yaw, double x, double y) {
+  return {center.x() + std::cos(yaw) * x - std::sin(yaw) * y,
+          center.y() + std::sin(yaw) * x + std::cos(yaw) * y};
 }
 
 /// The wall's own box from `from` to `to` along it, between the heights `bottom` and `top`.
@@ -62,42 +62,42 @@ std::vector<WallLine> addRoom(World::Parts& parts, const std::vector<Eigen::Vect
   return walls;
 }
 
-void addBlock(World::Parts& parts, const Eigen::Vector2d& centre, const Eigen::Vector3d& size,
+void addBlock(World::Parts& parts, const Eigen::Vector2d& center, const Eigen::Vector3d& size,
               double yaw, double bottom, Material material) {
-  parts.boxes.push_back({{centre.x(), centre.y(), bottom + size.z() / 2.0}, size, yaw, material});
+  parts.boxes.push_back({{center.x(), center.y(), bottom + size.z() / 2.0}, size, yaw, material});
 }
 
-void addTable(World::Parts& parts, const Eigen::Vector2d& centre, const Eigen::Vector2d& size,
+void addTable(World::Parts& parts, const Eigen::Vector2d& center, const Eigen::Vector2d& size,
               double yaw) {
   constexpr double kTop = 0.74, kThickness = 0.03, kLegRadius = 0.03, kLegInset = 0.08;  // m
-  addBlock(parts, centre, {size.x(), size.y(), kThickness}, yaw, kTop - kThickness);
+  addBlock(parts, center, {size.x(), size.y(), kThickness}, yaw, kTop - kThickness);
   const double x = size.x() / 2.0 - kLegInset, y = size.y() / 2.0 - kLegInset;
   for (const double side : {-1.0, 1.0}) {
-    addPole(parts, turned(centre, yaw, x, side * y), kLegRadius, kTop);
-    addPole(parts, turned(centre, yaw, -x, side * y), kLegRadius, kTop);
+    addPole(parts, turned(center, yaw, x, side * y), kLegRadius, kTop);
+    addPole(parts, turned(center, yaw, -x, side * y), kLegRadius, kTop);
   }
 }
 
-void addChair(World::Parts& parts, const Eigen::Vector2d& centre, double yaw) {
+void addChair(World::Parts& parts, const Eigen::Vector2d& center, double yaw) {
   constexpr double kSeat = 0.45, kWidth = 0.44, kThickness = 0.04, kBack = 0.9;  // m
   constexpr double kLegRadius = 0.02, kLegOffset = 0.19;
-  addBlock(parts, centre, {kWidth, kWidth, kThickness}, yaw, kSeat - kThickness);
-  addBlock(parts, turned(centre, yaw, -(kWidth - kThickness) / 2.0, 0.0),
+  addBlock(parts, center, {kWidth, kWidth, kThickness}, yaw, kSeat - kThickness);
+  addBlock(parts, turned(center, yaw, -(kWidth - kThickness) / 2.0, 0.0),
            {kThickness, kWidth, kBack - kSeat}, yaw, kSeat);
   for (const double side : {-1.0, 1.0}) {
-    addPole(parts, turned(centre, yaw, kLegOffset, side * kLegOffset), kLegRadius, kSeat);
-    addPole(parts, turned(centre, yaw, -kLegOffset, side * kLegOffset), kLegRadius, kSeat);
+    addPole(parts, turned(center, yaw, kLegOffset, side * kLegOffset), kLegRadius, kSeat);
+    addPole(parts, turned(center, yaw, -kLegOffset, side * kLegOffset), kLegRadius, kSeat);
   }
 }
 
-void addLamp(World::Parts& parts, const Eigen::Vector2d& centre, double bottom) {
+void addLamp(World::Parts& parts, const Eigen::Vector2d& center, double bottom) {
   constexpr double kShadeRadius = 0.2, kShadeHeight = 0.25, kCordRadius = 0.01;  // m
-  parts.cylinders.push_back({centre, kShadeRadius, bottom, bottom + kShadeHeight});
-  parts.cylinders.push_back({centre, kCordRadius, bottom + kShadeHeight, parts.ceiling_m});
+  parts.cylinders.push_back({center, kShadeRadius, bottom, bottom + kShadeHeight});
+  parts.cylinders.push_back({center, kCordRadius, bottom + kShadeHeight, parts.ceiling_m});
 }
 
-void addPole(World::Parts& parts, const Eigen::Vector2d& centre, double radius, double top) {
-  parts.cylinders.push_back({centre, radius, 0.0, top});
+void addPole(World::Parts& parts, const Eigen::Vector2d& center, double radius, double top) {
+  parts.cylinders.push_back({center, radius, 0.0, top});
 }
 
 std::vector<FlightPlan::Waypoint> alongLines(const std::vector<Eigen::Vector3d>& corners,

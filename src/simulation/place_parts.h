@@ -42,17 +42,17 @@ std::vector<WallLine> addRoom(World::Parts& parts, const std::vector<Eigen::Vect
                               double height);
 
 /// A box that stands on the floor or hangs at `bottom`; `size` along its own axes.
-void addBlock(World::Parts& parts, const Eigen::Vector2d& centre, const Eigen::Vector3d& size,
+void addBlock(World::Parts& parts, const Eigen::Vector2d& center, const Eigen::Vector3d& size,
               double yaw = 0.0, double bottom = 0.0, Material material = Material::kMatt);
 
 /// A table with a flat top at the height of 0.74 m and four legs.
-void addTable(World::Parts& parts, const Eigen::Vector2d& centre, const Eigen::Vector2d& size,
+void addTable(World::Parts& parts, const Eigen::Vector2d& center, const Eigen::Vector2d& size,
               double yaw = 0.0);
 /// A chair that looks along `yaw`: a seat, a back and four legs.
-void addChair(World::Parts& parts, const Eigen::Vector2d& centre, double yaw);
+void addChair(World::Parts& parts, const Eigen::Vector2d& center, double yaw);
 /// A lamp on a cord; its shade begins at `bottom`.
-void addLamp(World::Parts& parts, const Eigen::Vector2d& centre, double bottom);
-void addPole(World::Parts& parts, const Eigen::Vector2d& centre, double radius, double top);
+void addLamp(World::Parts& parts, const Eigen::Vector2d& center, double bottom);
+void addPole(World::Parts& parts, const Eigen::Vector2d& center, double radius, double top);
 
 /// Waypoints on the straight lines from corner to corner, about `spacing` apart: a smooth path
 /// through them keeps to the lines and rounds the corners.

@@ -39,8 +39,8 @@ void addFitting(World::Parts& parts, const WallLine& line, double at, Random& ra
   }
 }
 
-/// A wall of a corridor with a door or a fitting every few metres, none in the first and last
-/// `ends` metres.
+/// A wall of a corridor with a door or a fitting every few meters, none in the first and last
+/// `ends` meters.
 void addCorridorWall(World::Parts& parts, const WallLine& line, double ends, Random& random) {
   constexpr double kShortestStep = 2.2, kLongestStep = 4.2;  // m
   constexpr double kDoors = 0.5;                             // of all
@@ -67,7 +67,7 @@ std::vector<Eigen::Vector2d> square(double half_width) {
 }  // namespace
 
 Place corridorRing() {
-  constexpr double kOuter = 25.0, kInner = 22.5, kCentreLine = 23.75;  // m from the middle
+  constexpr double kOuter = 25.0, kInner = 22.5, kCenterLine = 23.75;  // m from the middle
   constexpr double kCorner = 3.8;  // m of the outer walls that other corridors take up
   constexpr std::uint64_t kSeed = 5;
   Place ring;
@@ -82,7 +82,7 @@ Place corridorRing() {
     addCorridorWall(ring.parts, {inner[next], inner[i], ring.parts.ceiling_m}, 1.0, random);
   }
   // Once around from the middle of one side, and on to see again where it began.
-  const double c = kCentreLine, z = kFlightHeight;
+  const double c = kCenterLine, z = kFlightHeight;
   ring.plan.waypoints = alongLines(
       {{0, -c, z}, {c, -c, z}, {c, c, z}, {-c, c, z}, {-c, -c, z}, {0, -c, z}, {8, -c, z}}, 1.0);
   ring.plan.speed_m_s = 1.0;

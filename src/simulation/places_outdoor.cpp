@@ -58,8 +58,8 @@ void addPark(World::Parts& parts, Random& random) {
   };
   for (int i = 0; i < kTrees; ++i) addPole(parts, somewhere(), random.uniform(0.1, 0.4), 6.0);
   for (int i = 0; i < kSheds; ++i) {
-    const Eigen::Vector2d centre = somewhere();
-    addBlock(parts, centre, {random.uniform(4.0, 12.0), random.uniform(3.0, 8.0), 4.0},
+    const Eigen::Vector2d center = somewhere();
+    addBlock(parts, center, {random.uniform(4.0, 12.0), random.uniform(3.0, 8.0), 4.0},
              random.uniform(0.0, 3.0));
   }
 }

@@ -15,11 +15,11 @@ std::vector<Eigen::Vector2d> rectangle(double x0, double y0, double x1, double y
 }
 
 /// A table with chairs at its long sides.
-void addMeetingTable(World::Parts& parts, const Eigen::Vector2d& centre) {
-  addTable(parts, centre, {2.0, 1.0});
+void addMeetingTable(World::Parts& parts, const Eigen::Vector2d& center) {
+  addTable(parts, center, {2.0, 1.0});
   for (const double x : {-0.6, 0.1, 0.7}) {
-    addChair(parts, centre + Eigen::Vector2d(x, 0.75), -kPi / 2.0);
-    addChair(parts, centre - Eigen::Vector2d(x, 0.75), kPi / 2.0);
+    addChair(parts, center + Eigen::Vector2d(x, 0.75), -kPi / 2.0);
+    addChair(parts, center - Eigen::Vector2d(x, 0.75), kPi / 2.0);
   }
 }
 

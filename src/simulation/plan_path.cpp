@@ -33,7 +33,7 @@ void validate(const FlightPlan& plan, double yaw_acceleration) {
   }
 }
 
-/// Weights of four neighbouring control points of a uniform cubic B-spline at `u` in [0, 1].
+/// Weights of four neighboring control points of a uniform cubic B-spline at `u` in [0, 1].
 Eigen::Vector4d splineWeights(double u) {
   const double u2 = u * u, u3 = u2 * u, v = 1.0 - u;
   return Eigen::Vector4d(v * v * v, 3.0 * u3 - 6.0 * u2 + 4.0, -3.0 * u3 + 3.0 * u2 + 3.0 * u + 1.0,
@@ -118,20 +118,20 @@ std::vector<PlanPath::Sample> PlanPath::resample(const std::vector<Eigen::Vector
                                                  double& spacing) {
   constexpr double kSpacing = 0.01;       // m
   constexpr std::size_t kMinSamples = 5;  // a short leg needs some, too, to speed up and slow down
-  std::vector<double> travelled = {0.0};
+  std::vector<double> traveled = {0.0};
   for (std::size_t i = 1; i < points.size(); ++i) {
-    travelled.push_back(travelled.back() + (points[i] - points[i - 1]).head<3>().norm());
+    traveled.push_back(traveled.back() + (points[i] - points[i - 1]).head<3>().norm());
   }
-  if (travelled.back() < kSamePlace) return {};
+  if (traveled.back() < kSamePlace) return {};
   const std::size_t count =
-      std::max(static_cast<std::size_t>(std::ceil(travelled.back() / kSpacing)) + 1, kMinSamples);
-  spacing = travelled.back() / static_cast<double>(count - 1);
+      std::max(static_cast<std::size_t>(std::ceil(traveled.back() / kSpacing)) + 1, kMinSamples);
+  spacing = traveled.back() / static_cast<double>(count - 1);
   std::vector<Sample> samples;
   for (std::size_t i = 0, at = 0; i < count; ++i) {
-    const double wanted = std::min(static_cast<double>(i) * spacing, travelled.back());
-    while (at + 2 < points.size() && travelled[at + 1] < wanted) ++at;
-    const double step = travelled[at + 1] - travelled[at];
-    const double share = step > 0.0 ? std::min((wanted - travelled[at]) / step, 1.0) : 1.0;
+    const double wanted = std::min(static_cast<double>(i) * spacing, traveled.back());
+    while (at + 2 < points.size() && traveled[at + 1] < wanted) ++at;
+    const double step = traveled[at + 1] - traveled[at];
+    const double share = step > 0.0 ? std::min((wanted - traveled[at]) / step, 1.0) : 1.0;
     const Eigen::Vector4d point = points[at] + share * (points[at + 1] - points[at]);
     samples.push_back({point.head<3>(), point[3]});
   }

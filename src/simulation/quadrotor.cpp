@@ -2,6 +2,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "kestrel_slam/geometry/gravity.h"
 #include "kestrel_slam/geometry/random.h"
 #include "kestrel_slam/simulation/flight_plan.h"
 #include "plan_path.h"
@@ -14,7 +15,6 @@ using Vector6d = SampledMotion::Vector6d;
 using Sample = SampledMotion::Sample;
 
 constexpr double kStep = 1e-3;  // s
-constexpr double kGravity = 9.81;
 
 /// Wind as an acceleration: a first-order Gauss-Markov process on each axis.
 class Gusts {

@@ -120,15 +120,15 @@ class BeamCaster {
     }
   }
 
-  /// What the beam's border sees where a neighbour in the sweep sees another surface; +inf where
+  /// What the beam's border sees where a neighbor in the sweep sees another surface; +inf where
   /// the whole beam lies on one.
   double edgeRange(std::size_t step, std::size_t ring) const {
     if (errors_.divergence_rad <= 0.0 || !std::isfinite(seen_[index(step, ring)])) {
       return kInfinity;
     }
     const double middle = seen_[index(step, ring)];
-    const auto differs = [&](std::size_t neighbour) {
-      return std::abs(seen_[index(neighbour, ring)] - middle) > kMixedJump;
+    const auto differs = [&](std::size_t neighbor) {
+      return std::abs(seen_[index(neighbor, ring)] - middle) > kMixedJump;
     };
     const bool candidate =
         (step > 0 && differs(step - 1)) || (step + 1 < fan_.steps && differs(step + 1));

@@ -17,7 +17,7 @@ struct AxisSteps {
   double distance;  ///< along the ray from cell to cell
 };
 
-/// `position` in cells, `direction` in cells per metre of the ray, at `start` metres along it.
+/// `position` in cells, `direction` in cells per meter of the ray, at `start` meters along it.
 AxisSteps stepsAlong(double position, double direction, double start, int cells) {
   AxisSteps steps;
   // A ray that enters over the border may be rounded to the outside.
@@ -56,8 +56,8 @@ void SolidGrid::layOut() {
   constexpr double kMargin = 0.01;    // m; nothing lies on the border
   Eigen::Vector2d low = Eigen::Vector2d::Constant(kInfinity), high = -low;
   const auto extend = [&](const auto& solid) {
-    low = low.cwiseMin(solid.centre() - solid.halfExtent());
-    high = high.cwiseMax(solid.centre() + solid.halfExtent());
+    low = low.cwiseMin(solid.center() - solid.halfExtent());
+    high = high.cwiseMax(solid.center() + solid.halfExtent());
   };
   std::for_each(boxes_.begin(), boxes_.end(), extend);
   std::for_each(cylinders_.begin(), cylinders_.end(), extend);
@@ -70,8 +70,8 @@ void SolidGrid::layOut() {
 template <typename Solid>
 void SolidGrid::addToCells(const Solid& solid, std::size_t number,
                            std::vector<std::vector<std::size_t>>& cells) const {
-  const Eigen::Vector2d low = (solid.centre() - solid.halfExtent() - corner_) / cell_size_;
-  const Eigen::Vector2d high = (solid.centre() + solid.halfExtent() - corner_) / cell_size_;
+  const Eigen::Vector2d low = (solid.center() - solid.halfExtent() - corner_) / cell_size_;
+  const Eigen::Vector2d high = (solid.center() + solid.halfExtent() - corner_) / cell_size_;
   // A thing that touches a border belongs to both cells, however the border is rounded.
   constexpr double kTolerance = 1e-6;  // of a cell
   const double half_cell = (0.5 + kTolerance) * cell_size_;
@@ -81,8 +81,8 @@ void SolidGrid::addToCells(const Solid& solid, std::size_t number,
   };
   for (int y = from(1); y <= to(1); ++y) {
     for (int x = from(0); x <= to(0); ++x) {
-      const Eigen::Vector2d centre = corner_ + cell_size_ * Eigen::Vector2d(x + 0.5, y + 0.5);
-      if (!solid.overlapsCell(centre, half_cell)) continue;
+      const Eigen::Vector2d center = corner_ + cell_size_ * Eigen::Vector2d(x + 0.5, y + 0.5);
+      if (!solid.overlapsCell(center, half_cell)) continue;
       cells[static_cast<std::size_t>(y * size_.x() + x)].push_back(number);
     }
   }

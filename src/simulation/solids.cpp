@@ -58,7 +58,7 @@ void keepNearest(const Span& span, Material material, RayHit& nearest) {
 }  // namespace
 
 BoxSolid::BoxSolid(const Box& box)
-    : centre_(box.centre),
+    : center_(box.center),
       half_(box.size / 2.0),
       cos_(std::cos(box.yaw)),
       sin_(std::sin(box.yaw)),
@@ -68,7 +68,7 @@ BoxSolid::BoxSolid(const Box& box)
 
 void BoxSolid::meet(const Ray& ray, RayHit& nearest) const {
   if (ray.time < from_s_ || ray.time >= until_s_) return;
-  const Eigen::Vector3d from = ray.origin - centre_;
+  const Eigen::Vector3d from = ray.origin - center_;
   const Eigen::Vector3d& along = ray.direction;
   Span span;
   span.leave = nearest.distance;
@@ -85,9 +85,9 @@ Eigen::Vector2d BoxSolid::halfExtent() const {
   return {c * half_.x() + s * half_.y(), s * half_.x() + c * half_.y()};
 }
 
-bool BoxSolid::overlapsCell(const Eigen::Vector2d& centre, double half_cell) const {
+bool BoxSolid::overlapsCell(const Eigen::Vector2d& center, double half_cell) const {
   // Two rectangles are apart where an axis of one of them separates them.
-  const Eigen::Vector2d offset = centre - centre_.head<2>();
+  const Eigen::Vector2d offset = center - center_.head<2>();
   const Eigen::Vector2d extent = halfExtent();
   const double half_cell_turned = half_cell * (std::abs(cos_) + std::abs(sin_));
   return std::abs(offset.x()) <= extent.x() + half_cell &&
@@ -101,15 +101,15 @@ void CylinderSolid::meet(const Ray& ray, RayHit& nearest) const {
   Span span;
   span.leave = nearest.distance;
   const bool met =
-      clipCylinder(ray.origin.head<2>() - cylinder_.centre, ray.direction.head<2>(),
+      clipCylinder(ray.origin.head<2>() - cylinder_.center, ray.direction.head<2>(),
                    cylinder_.radius, span) &&
       clipSlab(ray.origin.z() - middle, ray.direction.z(), cylinder_.top - middle, span);
   if (met) keepNearest(span, cylinder_.material, nearest);
 }
 
-bool CylinderSolid::overlapsCell(const Eigen::Vector2d& centre, double half_cell) const {
+bool CylinderSolid::overlapsCell(const Eigen::Vector2d& center, double half_cell) const {
   const Eigen::Vector2d outside =
-      ((centre - cylinder_.centre).cwiseAbs().array() - half_cell).cwiseMax(0.0);
+      ((center - cylinder_.center).cwiseAbs().array() - half_cell).cwiseMax(0.0);
   return outside.squaredNorm() <= cylinder_.radius * cylinder_.radius;
 }
 

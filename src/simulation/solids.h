@@ -19,14 +19,14 @@ class BoxSolid {
 
   /// Updates `nearest` where the ray meets the box before.
   void meet(const Ray& ray, RayHit& nearest) const;
-  /// Does its outline, seen from above, overlap the square cell around `centre`?
-  bool overlapsCell(const Eigen::Vector2d& centre, double half_cell) const;
+  /// Does its outline, seen from above, overlap the square cell around `center`?
+  bool overlapsCell(const Eigen::Vector2d& center, double half_cell) const;
   /// Half the size of its outline along the axes of the world.
   Eigen::Vector2d halfExtent() const;
-  Eigen::Vector2d centre() const { return centre_.head<2>(); }
+  Eigen::Vector2d center() const { return center_.head<2>(); }
 
  private:
-  Eigen::Vector3d centre_, half_;
+  Eigen::Vector3d center_, half_;
   double cos_, sin_;
   Material material_;
   double from_s_, until_s_;  ///< when it is there
@@ -38,9 +38,9 @@ class CylinderSolid {
   explicit CylinderSolid(const Cylinder& cylinder) : cylinder_(cylinder) {}
 
   void meet(const Ray& ray, RayHit& nearest) const;
-  bool overlapsCell(const Eigen::Vector2d& centre, double half_cell) const;
+  bool overlapsCell(const Eigen::Vector2d& center, double half_cell) const;
   Eigen::Vector2d halfExtent() const { return Eigen::Vector2d::Constant(cylinder_.radius); }
-  const Eigen::Vector2d& centre() const { return cylinder_.centre; }
+  const Eigen::Vector2d& center() const { return cylinder_.center; }
 
  private:
   Cylinder cylinder_;

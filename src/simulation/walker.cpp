@@ -62,15 +62,15 @@ WalkerPath::WalkerPath(const Walker& walker) : walker_(walker), corner_at_{0.0} 
 WalkerPath::Step WalkerPath::at(double time) const {
   const std::vector<Eigen::Vector2d>& corners = walker_.corners;
   const double length = corner_at_.back();
-  const double travelled = walker_.phase_m + time * walker_.speed_m_s;
-  if (corners.empty()) return {Eigen::Vector2d::Zero(), Eigen::Vector2d::UnitX(), travelled};
-  if (length == 0.0) return {corners.front(), Eigen::Vector2d::UnitX(), travelled};
-  const double along = travelled - length * std::floor(travelled / length);
+  const double traveled = walker_.phase_m + time * walker_.speed_m_s;
+  if (corners.empty()) return {Eigen::Vector2d::Zero(), Eigen::Vector2d::UnitX(), traveled};
+  if (length == 0.0) return {corners.front(), Eigen::Vector2d::UnitX(), traveled};
+  const double along = traveled - length * std::floor(traveled / length);
   std::size_t side = 0;
   while (side + 1 < corners.size() && corner_at_[side + 1] <= along) ++side;
   const Eigen::Vector2d& from = corners[side];
   const Eigen::Vector2d heading = (corners[(side + 1) % corners.size()] - from).normalized();
-  return {from + (along - corner_at_[side]) * heading, heading, travelled};
+  return {from + (along - corner_at_[side]) * heading, heading, traveled};
 }
 
 void WalkerPath::meet(const Ray& ray, double time, RayHit& nearest) const {
@@ -78,7 +78,7 @@ void WalkerPath::meet(const Ray& ray, double time, RayHit& nearest) const {
   if (!passesNear(ray, step.position)) return;
   const Eigen::Vector2d left(-step.heading.y(), step.heading.x());
   const Eigen::Vector2d swing =
-      kLegSwing * std::sin(2.0 * kPi * step.travelled / kStride) * step.heading;
+      kLegSwing * std::sin(2.0 * kPi * step.traveled / kStride) * step.heading;
   CylinderSolid({step.position + kLegOffset * left + swing, kLegRadius, 0.0, kLegTop})
       .meet(ray, nearest);
   CylinderSolid({step.position - kLegOffset * left - swing, kLegRadius, 0.0, kLegTop})

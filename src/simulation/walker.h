@@ -16,7 +16,7 @@ class WalkerPath {
   struct Step {
     Eigen::Vector2d position;
     Eigen::Vector2d heading;  ///< unit vector
-    double travelled;         ///< m since the first corner, more than one round counts on
+    double traveled;          ///< m since the first corner, more than one round counts on
   };
   Step at(double time) const;
 

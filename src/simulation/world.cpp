@@ -13,14 +13,14 @@ namespace {
 
 void validate(const World::Parts& parts) {
   for (const Box& box : parts.boxes) {
-    if (!box.centre.allFinite() || !box.size.allFinite() || !std::isfinite(box.yaw) ||
+    if (!box.center.allFinite() || !box.size.allFinite() || !std::isfinite(box.yaw) ||
         !(box.size.array() >= 0.0).all() || !(box.from_s < box.until_s)) {
       throw std::invalid_argument(
           "a box of a world must be finite, no size negative, and there for some time");
     }
   }
   for (const Cylinder& cylinder : parts.cylinders) {
-    if (!cylinder.centre.allFinite() || !std::isfinite(cylinder.bottom) ||
+    if (!cylinder.center.allFinite() || !std::isfinite(cylinder.bottom) ||
         !std::isfinite(cylinder.top) || !(cylinder.top >= cylinder.bottom) ||
         !(std::isfinite(cylinder.radius) && cylinder.radius > 0.0)) {
       throw std::invalid_argument(

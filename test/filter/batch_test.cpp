@@ -7,8 +7,9 @@
 #include <array>
 #include <vector>
 
-#include "../../src/sensor/attitude_estimator.h"
 #include "filter_flight.h"
+#include "kestrel_slam/geometry/gravity.h"
+#include "kestrel_slam/sensor/attitude_estimator.h"
 
 namespace kestrel_slam {
 namespace {
@@ -235,7 +236,7 @@ class BatchProblem {
 };
 
 /// At its end a filter knows all that the batch knows: linear, they would be equal. What differs is
-/// where each is linearised, a small part of what the filter claims not to know.
+/// where each is linearized, a small part of what the filter claims not to know.
 TEST(PoseFilterBatch, AgreesWithBatchLeastSquares) {
   const BatchFlight batch;
   const FilterRun run = runFilter(batch);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kestrel_slam/filter/pose_filter.h"
+#include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/geometry/random.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
@@ -130,7 +131,7 @@ inline void feed(const FilterFlight& flight, const Feeding& feeding, PoseFilter&
     if (feeding.per_pose > 0 && taken >= first && taken % feeding.per_pose == 0) {
       PoseMeasurement pose = flight.pose(taken / feeding.imu_hz);
       pose.pose = Pose2(pose.pose.x + pose_noise.x(), pose.pose.y + pose_noise.y(),
-                        pose.pose.theta + 0.5 * pose_noise.z());
+                        pose.pose.yaw + 0.5 * pose_noise.z());
       if (!feeding.pose || feeding.pose(time, pose)) filter.addPose(pose);
     }
   }

@@ -4,7 +4,7 @@
 
 #include "../../src/filter/filter_state.h"
 #include "../../src/filter/measurement.h"
-#include "../../src/sensor/attitude_estimator.h"
+#include "kestrel_slam/sensor/attitude_estimator.h"
 
 namespace kestrel_slam {
 namespace {
@@ -61,7 +61,7 @@ TEST(Jacobian, EveryMeasurementIsThatOfFiniteDifferences) {
   expectJacobian<3>(linearizePosition, m);
   expectJacobian<3>(linearizeGravity, m);
   expectJacobian<6>(linearizeStandstill, m);
-  expectJacobian<1>(linearizeHeading, m);
+  expectJacobian<1>(linearizeYaw, m);
   expectJacobian<1>(linearizeRange, m);
   expectJacobian<1>(linearizeFloorHeight, m);
   expectJacobian<1>(linearizeBarometer, m);

@@ -159,7 +159,7 @@ TEST_F(PoseFilterBadInput, AnImpossibleGyroBiasNeverLooksHealthyForLong) {
     return true;
   };
   fly();
-  EXPECT_GT(status().resets.size() + status().anchors, 0U);
+  EXPECT_GT(status().resets.size() + status().reinitializations, 0U);
 }
 
 TEST_F(PoseFilterBadInput, AccelerometerWithAConstantOffset) {
@@ -301,7 +301,7 @@ TEST_F(PoseFilterBadInput, WildPosesAreGated) {
   };
   fly();
   EXPECT_GT(status().of(FilterSensor::kPose).rejected.at("innovation gate"), 90U);
-  EXPECT_EQ(status().anchors, 0U);
+  EXPECT_EQ(status().reinitializations, 0U);
   expectGood();
 }
 
@@ -313,7 +313,7 @@ TEST_F(PoseFilterBadInput, HeightsThatAreNone) {
     EXPECT_FALSE(filter_.addFloorHeight({stamp, height})) << height;
   }
   EXPECT_FALSE(filter_.addBarometer({stamp, kNan}));
-  EXPECT_FALSE(filter_.addHeading({stamp, kNan, 0.1}));
+  EXPECT_FALSE(filter_.addYaw({stamp, kNan, 0.1}));
   EXPECT_FALSE(filter_.addPosition({stamp, Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()}));
   expectGood();
 }
@@ -347,7 +347,7 @@ TEST_F(PoseFilterBadInput, Garbage) {
                      Eigen::Matrix3d(vector().asDiagonal())});
     filter_.addRange({sample.stamp + 0.1 * wild(), wild()});
     filter_.addBarometer({sample.stamp + 0.1 * wild(), wild()});
-    filter_.addHeading({sample.stamp + 0.1 * wild(), wild(), wild()});
+    filter_.addYaw({sample.stamp + 0.1 * wild(), wild(), wild()});
     filter_.addPosition({sample.stamp, vector(), Eigen::Matrix3d(vector().asDiagonal())});
     return true;
   };

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "filter_flight.h"
+#include "kestrel_slam/geometry/pose3.h"
 
 namespace kestrel_slam {
 namespace {
@@ -40,7 +41,7 @@ TEST(PoseFilter, FollowsAFlightAndLearnsTheBiases) {
   const FilterStatus status = statusAtEnd(filter, flight, 40.0);
   EXPECT_EQ(status.health, FilterHealth::kOk);
   EXPECT_FALSE(status.started_in_air);
-  EXPECT_EQ(status.anchors, 0U);
+  EXPECT_EQ(status.reinitializations, 0U);
   EXPECT_TRUE(status.resets.empty());
   EXPECT_NEAR(status.imu_rate_hz, 100.0, 0.1);
   EXPECT_GT(status.of(FilterSensor::kPose).accepted, 900U);
@@ -115,7 +116,7 @@ TEST(PoseFilter, OdomMovesAsTheVelocitySaysWhateverIsCorrected) {
   feed(flight, feeding, filter);
   EXPECT_LT(worst, 0.001);
   EXPECT_GT(corrected, 0.3);  // the jump is in map
-  EXPECT_EQ(statusAtEnd(filter, flight, 20.0).anchors, 1U);
+  EXPECT_EQ(statusAtEnd(filter, flight, 20.0).reinitializations, 1U);
   EXPECT_NEAR(filter.output()->map_T_base.translation().x(),
               (Pose2(0.5, -0.3, 0.2) * flight.pose(19.99).pose).x, 0.03);
 }
@@ -302,7 +303,7 @@ TEST(PoseFilter, TakesGpsAndHeading) {
       filter.addPosition(fix);
     }
     if (i % 10 == 0) {
-      filter.addHeading({sample.stamp, flight.at(time).yaw() + 0.05 * random.gaussian(), 0.1});
+      filter.addYaw({sample.stamp, flight.at(time).yaw() + 0.05 * random.gaussian(), 0.1});
     }
     return true;
   };
@@ -313,7 +314,7 @@ TEST(PoseFilter, TakesGpsAndHeading) {
   EXPECT_LT(errors.yaw_rad, 0.1);
   const FilterStatus status = statusAtEnd(filter, flight, 40.0);
   EXPECT_EQ(status.health, FilterHealth::kOk);
-  EXPECT_GT(status.of(FilterSensor::kHeading).accepted, 300U);
+  EXPECT_GT(status.of(FilterSensor::kYaw).accepted, 300U);
 }
 
 TEST(PoseFilter, IsPlacedBeforeAndAfterTheStart) {
@@ -345,7 +346,7 @@ TEST(PoseFilter, RestartsOnRequestWithoutAJumpInOdom) {
   const FilterOutput before = *filter.output();
   filter.restart();
   EXPECT_FALSE(filter.output());
-  EXPECT_EQ(statusAtEnd(filter, flight, 10.0).health, FilterHealth::kInitialising);
+  EXPECT_EQ(statusAtEnd(filter, flight, 10.0).health, FilterHealth::kInitializing);
   feeding.from_s = 10.0;
   feeding.until_s = 18.0;
   std::optional<FilterOutput> first;

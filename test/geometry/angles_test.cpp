@@ -8,26 +8,26 @@
 namespace kestrel_slam {
 namespace {
 
-TEST(Angles, keepsWhatIsInTheInterval) {
+TEST(Angles, KeepsWhatIsInTheInterval) {
   for (const double angle : {0.0, 1e-10, -1e-10, 1.0, -1.0, 3.1415, -3.1415, kPi}) {
     EXPECT_EQ(normalizeAngle(angle), angle);
   }
 }
 
-TEST(Angles, minusPiBecomesPi) {
+TEST(Angles, MinusPiBecomesPi) {
   EXPECT_EQ(normalizeAngle(-kPi), kPi);
   EXPECT_DOUBLE_EQ(normalizeAngle(3.0 * kPi), kPi);
   EXPECT_DOUBLE_EQ(normalizeAngle(-3.0 * kPi), kPi);
 }
 
-TEST(Angles, wrapsAcrossThePole) {
+TEST(Angles, WrapsAcrossThePole) {
   EXPECT_NEAR(normalizeAngle(kPi + 0.1), -kPi + 0.1, 1e-15);
   EXPECT_NEAR(normalizeAngle(-kPi - 0.1), kPi - 0.1, 1e-15);
   EXPECT_NEAR(normalizeAngle(2.0 * kPi), 0.0, 1e-15);
   EXPECT_NEAR(normalizeAngle(7.5), 7.5 - 2.0 * kPi, 1e-15);
 }
 
-TEST(Angles, pointsTheSameWayForAnyAngle) {
+TEST(Angles, PointsTheSameWayForAnyAngle) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> angles(-1000.0, 1000.0);
   for (int i = 0; i < 10000; ++i) {
@@ -40,7 +40,7 @@ TEST(Angles, pointsTheSameWayForAnyAngle) {
   }
 }
 
-TEST(Angles, convertsDegrees) {
+TEST(Angles, ConvertsDegrees) {
   EXPECT_EQ(degToRad(180.0), kPi);
   EXPECT_DOUBLE_EQ(degToRad(-90.0), -kPi / 2.0);
   EXPECT_EQ(radToDeg(kPi), 180.0);

@@ -17,7 +17,7 @@ double logOddsOf(const OccupancyGrid& grid, const Cell& cell) {
   return logOdds(grid.probability(cell));
 }
 
-/// One beam along +x from the centre of cell (0, 0) to the centre of cell (`cells`, 0).
+/// One beam along +x from the center of cell (0, 0) to the center of cell (`cells`, 0).
 PlanarScan beam(int cells, bool hit, float resolution = 0.05F) {
   const Eigen::Vector2f from(0.5F * resolution, 0.5F * resolution);
   const Eigen::Vector2f to = from + Eigen::Vector2f(static_cast<float>(cells) * resolution, 0.0F);
@@ -175,7 +175,7 @@ TEST(OccupancyGrid, InterpolationIsBilinearAndTheGradientItsDerivative) {
   for (int level = 0; level < OccupancyGrid::kLevels; ++level) {
     const float size = 0.05F * static_cast<float>(1 << level);
     for (int i = 0; i < 200; ++i) {
-      // Inside the square between four centres: gradients jump on its border.
+      // Inside the square between four centers: gradients jump on its border.
       const int cx = (i * 37) % 90 - 45, cy = (i * 53) % 70 - 35;
       const float u = 0.1F + 0.8F * static_cast<float>(i % 10) / 10.0F, v = 0.9F - 0.7F * u;
       const Eigen::Vector2f p((static_cast<float>(cx) + 0.5F + u) * size,

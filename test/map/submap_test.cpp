@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
 namespace kestrel_slam {
@@ -52,7 +53,7 @@ TEST(Submap, WhatWasInsertedWhollyCanBeMatched) {
     const PlanarScan scan = room::scanFrom(Pose2());
     if (!map.insert(scan, pose)) continue;
     ++whole;
-    for (const Eigen::Vector2f& point : room::hitsOf(scan)) {
+    for (const Eigen::Vector2f& point : hitsOf(scan)) {
       const Eigen::Vector2f in_map = (pose * point.cast<double>()).cast<float>();
       if (!map.grid().isOccupied(map.grid().cellAt(in_map))) continue;  // seen free too often
       ++checked;
@@ -94,7 +95,7 @@ TEST(Submap, KeepsTheLastScans) {
   ASSERT_EQ(map.keyframes().size(), 3U);
   EXPECT_EQ(map.keyframes().front().map_T_base, Pose2(7.0, 0.3, 0.1)) << "oldest first";
   EXPECT_EQ(map.keyframes().back().map_T_base, Pose2(9.0, 0.3, 0.1));
-  EXPECT_EQ(map.keyframes().back().hits, room::hitsOf(room::scanFrom(Pose2())));
+  EXPECT_EQ(map.keyframes().back().hits, hitsOf(room::scanFrom(Pose2())));
   EXPECT_GT(map.memoryBytes(), map.grid().memoryBytes() + map.surface().memoryBytes());
   map.clear();
   EXPECT_TRUE(map.keyframes().empty());

@@ -123,7 +123,7 @@ TEST(SurfelField, MeanIsThatOfTheHitsAndTheShapeThatOfTheWall) {
 }
 
 TEST(SurfelField, SparseHitsOfOneScanMakeALine) {
-  // Hits 0.4 m apart: no neighbours in the map, but neighbours in the scan.
+  // Hits 0.4 m apart: no neighbors in the map, but neighbors in the scan.
   Submap map{OccupancyGridConfig()};
   PlanarScan scan;
   for (int i = -5; i <= 5; ++i) {

@@ -42,7 +42,7 @@ OccupancyGridConfig forgetful() {
   return config;
 }
 
-class Neighbours : public ::testing::Test {
+class Neighbors : public ::testing::Test {
  protected:
   /// Up to eight cells come and go at once.
   void changeSome() {
@@ -61,7 +61,7 @@ class Neighbours : public ::testing::Test {
     }
   }
 
-  /// Squared distance in cells² from the centre of a cell to the nearest mean of a surfel whose
+  /// Squared distance in cells² from the center of a cell to the nearest mean of a surfel whose
   /// cell is within reach; infinite where there is none.
   float nearest2(const Cell& cell) const {
     float best = std::numeric_limits<float>::infinity();
@@ -112,7 +112,7 @@ class Neighbours : public ::testing::Test {
   std::vector<Cell> occupied_;
 };
 
-TEST_F(Neighbours, AreTheNearestAfterThousandsOfInsertionsAndRemovals) {
+TEST_F(Neighbors, AreTheNearestAfterThousandsOfInsertionsAndRemovals) {
   std::size_t most = 0;
   for (int round = 0; round < 100; ++round) {
     for (int i = 0; i < 30; ++i) changeSome();

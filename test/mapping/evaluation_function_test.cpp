@@ -22,11 +22,11 @@ TEST(EvaluationFunction, IsOneOverTheWeightedScoreWhereAllResolutionsAgree) {
             evaluationFunction(resultWith(0.6, 0.3, 0.2), config));
 }
 
-TEST(EvaluationFunction, PenalisesTheSpreadOfThePoses) {
+TEST(EvaluationFunction, PenalizesTheSpreadOfThePoses) {
   EvaluationConfig config;
   MatchResult match = resultWith(1, 1, 1);
   match.pose = Pose2(5, -3, kPi);
-  // Headings on both sides of pi, x 3 cm apart.
+  // Yaws on both sides of pi, x 3 cm apart.
   match.stages[0].pose = Pose2(5.03, -3, kPi - 0.01);
   match.stages[1].pose = Pose2(5, -3, -kPi + 0.02);
   match.stages[2].pose = match.pose;

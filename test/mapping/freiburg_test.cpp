@@ -7,12 +7,12 @@
 #include <limits>
 #include <string>
 
+#include "kestrel_slam/evaluation/evaluation.h"
 #include "kestrel_slam/mapping/mapper.h"
-#include "kestrel_slam/mapping/parameters.h"
+#include "kestrel_slam/parameters/parameters.h"
+#include "kestrel_slam/recording/recording.h"
+#include "kestrel_slam/recording/trajectory.h"
 #include "kestrel_slam/sensor/scan_projector.h"
-#include "kestrel_slam/tools/evaluation.h"
-#include "kestrel_slam/tools/recording.h"
-#include "kestrel_slam/tools/trajectory.h"
 
 namespace kestrel_slam {
 namespace {

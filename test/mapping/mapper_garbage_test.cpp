@@ -17,12 +17,12 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// A pose as it is: the constructor would wrap the heading.
-Pose2 poseOf(double x, double y, double theta) {
+/// A pose as it is: the constructor would wrap the yaw.
+Pose2 poseOf(double x, double y, double yaw) {
   Pose2 pose;
   pose.x = x;
   pose.y = y;
-  pose.theta = theta;
+  pose.yaw = yaw;
   return pose;
 }
 

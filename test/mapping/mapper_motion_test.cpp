@@ -11,46 +11,46 @@ namespace {
 const std::vector<room::Segment> kSquare = {
     {-3, -3, 3, -3}, {3, -3, 3, 3}, {3, 3, -3, 3}, {-3, 3, -3, -3}};
 
-PlanarScan turnedScan(double theta, double time, const std::optional<double>& heading) {
-  PlanarScan scan = room::scanFrom(Pose2(0, 0, theta), kSquare);
+PlanarScan turnedScan(double yaw, double time, const std::optional<double>& integrated_yaw) {
+  PlanarScan scan = room::scanFrom(Pose2(0, 0, yaw), kSquare);
   scan.stamp = scan.time = time;
-  scan.heading = heading;
+  scan.integrated_yaw = integrated_yaw;
   return scan;
 }
 
-TEST(MapperMotion, theGyroTellsTurnsThatTheScanCannot) {
+TEST(MapperMotion, TheGyroTellsTurnsThatTheScanCannot) {
   // A square room looks the same after a quarter turn.
   Mapper with{MapperConfig()}, without{MapperConfig()};
   for (int i = 0; i < 9; ++i) {
-    const double theta = degToRad(90.0) * i, time = 0.4 * i;
-    with.process(turnedScan(theta, time, 100.0 + theta));
-    without.process(turnedScan(theta, time, std::nullopt));
-    EXPECT_NEAR(normalizeAngle(with.pose().theta - theta), 0.0, 1e-3) << i;
-    EXPECT_NEAR(without.pose().theta, 0.0, 1e-3) << i;
+    const double yaw = degToRad(90.0) * i, time = 0.4 * i;
+    with.process(turnedScan(yaw, time, 100.0 + yaw));
+    without.process(turnedScan(yaw, time, std::nullopt));
+    EXPECT_NEAR(normalizeAngle(with.pose().yaw - yaw), 0.0, 1e-3) << i;
+    EXPECT_NEAR(without.pose().yaw, 0.0, 1e-3) << i;
   }
 }
 
-TEST(MapperMotion, aWrongGyroDoesNotBendTheMap) {
+TEST(MapperMotion, AWrongGyroDoesNotBendTheMap) {
   Mapper mapper{MapperConfig()};
   for (int i = 0; i < 40; ++i) {
     PlanarScan scan = room::scanFrom(Pose2(0.02 * i, 0, 0.01 * i));
     scan.stamp = scan.time = 0.1 * i;
-    scan.heading = 0.3 * i;  // thirty times too fast
+    scan.integrated_yaw = 0.3 * i;  // thirty times too fast
     const MapperResult result = mapper.process(scan);
-    EXPECT_NEAR(result.pose.theta, 0.01 * i, 0.01) << i;
+    EXPECT_NEAR(result.pose.yaw, 0.01 * i, 0.01) << i;
     EXPECT_NEAR(result.pose.x, 0.02 * i, 0.03) << i;
   }
 }
 
-TEST(MapperMotion, aHeadingThatIsNotFiniteIsNotUsed) {
+TEST(MapperMotion, AHeadingThatIsNotFiniteIsNotUsed) {
   Mapper mapper{MapperConfig()};
   mapper.process(turnedScan(0.0, 0.0, std::numeric_limits<double>::quiet_NaN()));
   const MapperResult result =
       mapper.process(turnedScan(0.1, 0.1, std::numeric_limits<double>::infinity()));
-  EXPECT_NEAR(result.pose.theta, 0.1, 1e-3);
+  EXPECT_NEAR(result.pose.yaw, 0.1, 1e-3);
 }
 
-TEST(MapperMotion, velocityIsThatOfTheBaseInItsOwnFrame) {
+TEST(MapperMotion, VelocityIsThatOfTheBaseInItsOwnFrame) {
   Mapper mapper{MapperConfig()};
   MapperResult result;
   for (int i = 0; i < 60; ++i) {  // 0.5 m/s along the map's x, looking along its y
@@ -67,29 +67,29 @@ TEST(MapperMotion, velocityIsThatOfTheBaseInItsOwnFrame) {
   EXPECT_EQ(mapper.process(scan).velocity, Eigen::Vector2d(0.0, 0.0));
 }
 
-TEST(MapperMotion, theAccelerometerCarriesTheVehicleWhereTheScanDoesNotHold) {
+TEST(MapperMotion, TheAccelerometerCarriesTheVehicleWhereTheScanDoesNotHold) {
   // In a corridor without ends only the prediction knows how far the vehicle has come. It speeds up
   // with 2 m/s² for 1 s and slows down again: 2 m.
   Mapper with{MapperConfig()}, without{MapperConfig()};
-  MapperResult carried, blind;
+  MapperResult motion_prediction, blind;
   double x = 0.0, speed = 0.0;
   constexpr double kStep = 0.025, kAcceleration = 2.0;
   for (int i = 0; i <= 80; ++i) {
     PlanarScan scan = room::scanFrom(Pose2(x, 0, 0), room::corridor(), 720);
     scan.stamp = scan.time = kStep * i;
-    scan.heading = 0.0;
+    scan.integrated_yaw = 0.0;
     blind = without.process(scan);
-    scan.speed = Eigen::Vector2d(speed, 0.0);
-    carried = with.process(scan);
+    scan.integrated_acceleration = Eigen::Vector2d(speed, 0.0);
+    motion_prediction = with.process(scan);
     if (i == 80) break;
     const double acceleration = i < 40 ? kAcceleration : -kAcceleration;
     x += kStep * (speed + 0.5 * kStep * acceleration);
     speed += kStep * acceleration;
   }
   ASSERT_NEAR(x, 2.0, 1e-9);
-  EXPECT_NEAR(carried.pose.x, 2.0, 0.25);
+  EXPECT_NEAR(motion_prediction.pose.x, 2.0, 0.25);
   EXPECT_LT(blind.pose.x, 1.0);
-  EXPECT_NEAR(carried.pose.y, 0.0, 0.02);
+  EXPECT_NEAR(motion_prediction.pose.y, 0.0, 0.02);
 }
 
 }  // namespace

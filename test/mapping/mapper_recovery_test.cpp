@@ -34,7 +34,7 @@ Mapper mapperInRoom(double& time) {
   return mapper;
 }
 
-TEST(MapperRecovery, halfACoveredViewMovesNothing) {
+TEST(MapperRecovery, HalfACoveredViewMovesNothing) {
   double time = 0.0;
   Mapper mapper = mapperInRoom(time);
   const MapSnapshot before = mapper.snapshot();
@@ -50,7 +50,7 @@ TEST(MapperRecovery, halfACoveredViewMovesNothing) {
   EXPECT_LT(occupied(mapper.snapshot()), occupied(before) + 60);
 }
 
-TEST(MapperRecovery, aCoveredViewIsLostAndFoundAgainWhereverTheVehicleHasFlown) {
+TEST(MapperRecovery, ACoveredViewIsLostAndFoundAgainWhereverTheVehicleHasFlown) {
   double time = 0.0;
   Mapper mapper = mapperInRoom(time);
   for (int i = 0; i < 80; ++i, time += kStep) {
@@ -62,10 +62,10 @@ TEST(MapperRecovery, aCoveredViewIsLostAndFoundAgainWhereverTheVehicleHasFlown) 
   const MapperResult result = mapper.process(freeScan(truth, time));
   EXPECT_NE(result.state, MatchState::kLost);
   EXPECT_NEAR((truth.inverse() * result.pose).distance(), 0.0, 0.03);
-  EXPECT_NEAR(normalizeAngle(result.pose.theta - truth.theta), 0.0, 0.02);
+  EXPECT_NEAR(normalizeAngle(result.pose.yaw - truth.yaw), 0.0, 0.02);
 }
 
-TEST(MapperRecovery, afterSecondsWithoutScansItIsFoundTheSameWay) {
+TEST(MapperRecovery, AfterSecondsWithoutScansItIsFoundTheSameWay) {
   double time = 0.0;
   Mapper mapper = mapperInRoom(time);
   time += 2.0;
@@ -75,7 +75,7 @@ TEST(MapperRecovery, afterSecondsWithoutScansItIsFoundTheSameWay) {
   EXPECT_NEAR((truth.inverse() * result.pose).distance(), 0.0, 0.03);
 }
 
-TEST(MapperRecovery, anotherRoomIsNotTakenForTheKnownOne) {
+TEST(MapperRecovery, AnotherRoomIsNotTakenForTheKnownOne) {
   double time = 0.0;
   Mapper mapper = mapperInRoom(time);
   for (int i = 0; i < 8; ++i, time += kStep) {

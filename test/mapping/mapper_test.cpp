@@ -49,7 +49,7 @@ TEST(Mapper, FollowsADriveWithoutOdometry) {
     const MapperResult result = mapper.process(scanAt(i));
     ASSERT_EQ(result.state, MatchState::kOk) << i;
     ASSERT_LT((drive(i).inverse() * result.pose).distance(), 0.03) << i;
-    ASSERT_LT(std::abs(normalizeAngle(drive(i).theta - result.pose.theta)), 0.01) << i;
+    ASSERT_LT(std::abs(normalizeAngle(drive(i).yaw - result.pose.yaw)), 0.01) << i;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(result.covariance);
     ASSERT_GE(solver.eigenvalues()(0), 0.0);
   }
@@ -68,7 +68,7 @@ TEST(Mapper, FollowsADriveProgressively) {
     const Pose2 error = (map_T_room * drive(i)).inverse() * result.pose;
     ASSERT_EQ(result.state, MatchState::kOk) << i;
     ASSERT_LT(error.distance(), 0.02) << i;
-    ASSERT_LT(std::abs(error.theta), 0.005) << i;
+    ASSERT_LT(std::abs(error.yaw), 0.005) << i;
     expectFinite(result);
   }
 }
@@ -129,7 +129,7 @@ TEST(Mapper, ResetStartsAnewAndSetPoseKeepsTheMap) {
   EXPECT_EQ(result.state, MatchState::kOk);
   EXPECT_NEAR(result.pose.x, 1.0, 0.02);
   EXPECT_NEAR(result.pose.y, 0.4, 0.02);
-  EXPECT_NEAR(result.pose.theta, 0.3, 0.01);
+  EXPECT_NEAR(result.pose.yaw, 0.3, 0.01);
 }
 
 TEST(Mapper, EvaluationFunctionKeepsScansOut) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kestrel_slam/mapping/mapper.h"
+#include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
 namespace kestrel_slam {
@@ -13,12 +14,12 @@ namespace {
 UncertainPose poseAt(double x, double shared_variance, double own_variance) {
   UncertainPose result;
   result.pose = Pose2(x, 0.0, 0.0);
-  result.shared(1, 1) = shared_variance;
-  result.own(1, 1) = own_variance;
+  result.map_covariance(1, 1) = shared_variance;
+  result.match_covariance(1, 1) = own_variance;
   return result;
 }
 
-TEST(RelativeCovariance, whatBothPosesShareCancels) {
+TEST(RelativeCovariance, WhatBothPosesShareCancels) {
   const Eigen::Matrix3d here = relativeCovariance(poseAt(0, 0.5, 1e-4), poseAt(2, 0.5, 2e-4));
   EXPECT_NEAR(here(1, 1), 3e-4, 1e-12);
   // Of two places of one chain the difference remains, whichever comes first.
@@ -26,7 +27,7 @@ TEST(RelativeCovariance, whatBothPosesShareCancels) {
   EXPECT_NEAR(relativeCovariance(poseAt(0, 0.5, 0), poseAt(2, 0.1, 0))(1, 1), 0.4, 1e-12);
 }
 
-TEST(RelativeCovariance, isInTheFrameOfTheFirstPose) {
+TEST(RelativeCovariance, IsInTheFrameOfTheFirstPose) {
   UncertainPose a = poseAt(0, 0, 1e-4), b = poseAt(0, 0, 0);
   a.pose = b.pose = Pose2(1, 2, degToRad(90.0));
   const Eigen::Matrix3d result = relativeCovariance(a, b);
@@ -34,16 +35,16 @@ TEST(RelativeCovariance, isInTheFrameOfTheFirstPose) {
   EXPECT_NEAR(result(1, 1), 0.0, 1e-12);
 }
 
-TEST(RelativeCovariance, anErrorOfTheFirstHeadingSwingsTheSecondPose) {
+TEST(RelativeCovariance, AnErrorOfTheFirstHeadingSwingsTheSecondPose) {
   UncertainPose a = poseAt(0, 0, 0), b = poseAt(10, 0, 0);
-  a.own(2, 2) = 1e-4;
+  a.match_covariance(2, 2) = 1e-4;
   EXPECT_NEAR(relativeCovariance(a, b)(1, 1), 1e-2, 1e-12);
 }
 
-TEST(MapUncertainty, isThatOfTheScansThatMadeTheWalls) {
+TEST(MapUncertainty, IsThatOfTheScansThatMadeTheWalls) {
   Submap map{OccupancyGridConfig()};
   MapUncertainty uncertainty;
-  const Points points = room::hitsOf(room::scanFrom(Pose2()));
+  const Points points = hitsOf(room::scanFrom(Pose2()));
   EXPECT_EQ(uncertainty.at(map.surface(), points, Pose2()), Eigen::Matrix3d::Zero());
   map.insert(room::scanFrom(Pose2()), Pose2());
   const Eigen::Matrix3d first = Eigen::Vector3d(1e-4, 1e-4, 1e-6).asDiagonal();
@@ -56,7 +57,7 @@ TEST(MapUncertainty, isThatOfTheScansThatMadeTheWalls) {
 }
 
 /// The room's scans, a vehicle that hovers.
-TEST(PoseUncertainty, doesNotGrowInAKnownPlace) {
+TEST(PoseUncertainty, DoesNotGrowInAKnownPlace) {
   Mapper mapper{MapperConfig()};
   double early = 0.0, late = 0.0;
   for (int i = 0; i < 400; ++i) {
@@ -87,7 +88,7 @@ MapperResult flyCorridor(int beams, double seconds, bool odometry) {
   return result;
 }
 
-TEST(PoseUncertainty, growsAlongACorridorForEveryLaser) {
+TEST(PoseUncertainty, GrowsAlongACorridorForEveryLaser) {
   for (const int beams : {360, 720, 1440}) {
     const MapperResult shortly = flyCorridor(beams, 3.0, true),
                        long_after = flyCorridor(beams, 9.0, true);
@@ -103,7 +104,7 @@ TEST(PoseUncertainty, growsAlongACorridorForEveryLaser) {
   }
 }
 
-TEST(PoseUncertainty, withoutAnySensorOfTheMotionTheClaimCoversTheError) {
+TEST(PoseUncertainty, WithoutAnySensorOfTheMotionTheClaimCoversTheError) {
   const MapperResult result = flyCorridor(360, 6.0, false);
   EXPECT_TRUE(result.match.degenerate);
   EXPECT_LT(std::abs(result.pose.x - 6.0), 3.0 * std::sqrt(result.covariance(0, 0)));

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "kestrel_slam/map/submap.h"
+#include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
 namespace kestrel_slam {
@@ -25,7 +26,7 @@ Submap mapOf(const std::vector<room::Segment>& walls, double resolution_m) {
 void expectEqual(const SearchResult& found, const SearchResult& expected, int i) {
   ASSERT_EQ(found.pose, expected.pose) << "window " << i;
   ASSERT_EQ(found.score, expected.score) << "window " << i;
-  ASSERT_EQ(found.preferred, expected.preferred) << "window " << i;
+  ASSERT_EQ(found.penalized_score, expected.penalized_score) << "window " << i;
   ASSERT_EQ(found.mean, expected.mean) << "window " << i;
   ASSERT_EQ(found.covariance, expected.covariance) << "window " << i;
 }
@@ -39,7 +40,7 @@ void compareWithBruteForce(double resolution_m, int windows, double most_m, doub
   for (int i = 0; i < windows; ++i) {
     const Pose2 truth(position(random), position(random), angle(random));
     const int beams = 1 + 9 * (i % 40);
-    const Points points = room::hitsOf(room::scanFrom(truth, room::walls(), beams));
+    const Points points = hitsOf(room::scanFrom(truth, room::walls(), beams));
     const SearchWindow window{most_m * std::abs(share(random)), most_rad * std::abs(share(random))};
     const double away = i % 5 == 0 ? 8.0 : 1.0;  // partly or wholly outside of the map
     const Pose2 center = truth * Pose2(away * most_m * share(random), most_m * share(random),
@@ -50,7 +51,7 @@ void compareWithBruteForce(double resolution_m, int windows, double most_m, doub
     const SearchResult found = searchWindow(map.surface(), points, center, window, config);
     expectEqual(found, searchWindowBruteForce(map.surface(), points, center, window, config), i);
     ASSERT_LE(std::abs(found.pose.x - center.x), window.linear_m + resolution_m + 1e-6);
-    ASSERT_LE(std::abs(normalizeAngle(found.pose.theta - center.theta)), window.angular_rad + 0.05);
+    ASSERT_LE(std::abs(normalizeAngle(found.pose.yaw - center.yaw)), window.angular_rad + 0.05);
   }
 }
 
@@ -85,15 +86,15 @@ TEST(Correlative, EqualsBruteForceWhereManyPosesAreEqual) {
   }
 }
 
-TEST(Correlative, FindsAPoseHalfAMetreAndTwentyDegreesAway) {
+TEST(Correlative, FindsAPoseHalfAMeterAndTwentyDegreesAway) {
   const Submap map = mapOf(room::walls(), 0.05);
   const Pose2 truth(0.2, -0.3, 0.7);
-  const Points points = room::hitsOf(room::scanFrom(truth));
+  const Points points = hitsOf(room::scanFrom(truth));
   const SearchResult found = searchWindow(map.surface(), points, truth * Pose2(0.3, -0.35, 0.34),
                                           {0.6, 0.4}, CorrelativeConfig());
   EXPECT_NEAR(found.mean.x, truth.x, 0.04);
   EXPECT_NEAR(found.mean.y, truth.y, 0.04);
-  EXPECT_NEAR(found.mean.theta, truth.theta, 0.02);
+  EXPECT_NEAR(found.mean.yaw, truth.yaw, 0.02);
   EXPECT_GT(found.score, 0.8);
 }
 
@@ -101,7 +102,7 @@ TEST(Correlative, CovarianceIsLargeAlongACorridor) {
   Submap map{OccupancyGridConfig()};
   map.insert(room::scanFrom(Pose2(), room::corridor()), Pose2());
   map.insert(room::scanFrom(Pose2(), room::corridor()), Pose2(0.8, 0, 0));
-  const Points points = room::hitsOf(room::scanFrom(Pose2(), room::corridor()));
+  const Points points = hitsOf(room::scanFrom(Pose2(), room::corridor()));
   const SearchResult found =
       searchWindow(map.surface(), points, Pose2(0.4, 0, 0), {0.3, 0.1}, CorrelativeConfig());
   EXPECT_TRUE(found.covariance.isApprox(found.covariance.transpose()));
@@ -109,7 +110,7 @@ TEST(Correlative, CovarianceIsLargeAlongACorridor) {
   EXPECT_GT(found.covariance(0, 0), 3.0 * found.covariance(1, 1));
 }
 
-TEST(Correlative, NothingToMatchGivesTheCentre) {
+TEST(Correlative, NothingToMatchGivesTheCenter) {
   const Submap map = mapOf(room::walls(), 0.05);
   const Pose2 center(1, 2, 0.3);
   EXPECT_EQ(searchWindow(map.surface(), {}, center, {0.5, 0.5}, CorrelativeConfig()).pose, center);

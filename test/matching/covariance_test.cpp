@@ -8,6 +8,7 @@
 #include <string>
 
 #include "kestrel_slam/matching/matcher.h"
+#include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
 namespace kestrel_slam {
@@ -41,7 +42,7 @@ struct Square {
   }
 };
 
-TEST(Covariance, bothWaysGiveThatOfASquareRoom) {
+TEST(Covariance, BothWaysGiveThatOfASquareRoom) {
   const Eigen::Matrix3d truth = Square::kVariance * Square::hessian().inverse();
   const Eigen::Matrix3d hessian = hessianCovariance(Square::hessian(), Square::kVariance);
   EXPECT_TRUE(hessian.isApprox(truth, 1e-4)) << hessian;
@@ -53,10 +54,10 @@ TEST(Covariance, bothWaysGiveThatOfASquareRoom) {
   }
 }
 
-TEST(Covariance, theSampledOneSeesWhatTheTangentDoesNot) {
+TEST(Covariance, TheSampledOneSeesWhatTheTangentDoesNot) {
   // A double well: flat in the middle, held at its sides.
   const auto cost = [](const Pose2& p) {
-    return 0.5 * (p.y * p.y + p.theta * p.theta) + 0.25 * std::pow(p.x, 4);
+    return 0.5 * (p.y * p.y + p.yaw * p.yaw) + 0.25 * std::pow(p.x, 4);
   };
   const Eigen::Matrix3d sampled =
       sampledCovariance(cost, Pose2(), Eigen::Matrix3d::Identity(), 1.0);
@@ -66,13 +67,13 @@ TEST(Covariance, theSampledOneSeesWhatTheTangentDoesNot) {
   EXPECT_NEAR(sampled(0, 1), 0.0, 1e-9);
 }
 
-TEST(Covariance, theSampledOneOfAFlatCostIsWideAndFinite) {
+TEST(Covariance, TheSampledOneOfAFlatCostIsWideAndFinite) {
   const Eigen::Matrix3d sampled = sampledCovariance([](const Pose2&) { return 0.0; }, Pose2(),
                                                     Eigen::Matrix3d::Identity(), 1.0);
   EXPECT_TRUE(sampled.isApprox(25.0 * Eigen::Matrix3d::Identity(), 1e-9)) << sampled;
 }
 
-TEST(Covariance, stretchedAlongOneDirectionOnly) {
+TEST(Covariance, StretchedAlongOneDirectionOnly) {
   Eigen::Matrix3d covariance;
   covariance << 4.0, 1.0, 0.5, 1.0, 2.0, 0.25, 0.5, 0.25, 1.0;
   const Eigen::Matrix3d result = stretched(covariance, {0.0, 1.0}, 3.0);
@@ -81,9 +82,9 @@ TEST(Covariance, stretchedAlongOneDirectionOnly) {
   EXPECT_TRUE(result.isApprox(expected, 1e-12)) << result;
 }
 
-TEST(Covariance, anErrorInHeadingSwingsWhatIsFarAway) {
-  const Eigen::Matrix3d heading = Eigen::Vector3d(0.0, 0.0, 1e-4).asDiagonal();
-  const Eigen::Matrix3d result = transported(heading, {10.0, 0.0});
+TEST(Covariance, AnErrorInHeadingSwingsWhatIsFarAway) {
+  const Eigen::Matrix3d yaw = Eigen::Vector3d(0.0, 0.0, 1e-4).asDiagonal();
+  const Eigen::Matrix3d result = transported(yaw, {10.0, 0.0});
   EXPECT_NEAR(result(0, 0), 0.0, 1e-12);
   EXPECT_NEAR(result(1, 1), 1e-2, 1e-12);
   EXPECT_NEAR(result(1, 2), 1e-3, 1e-12);
@@ -110,9 +111,9 @@ void matchNoisyScans(const std::string& way, Eigen::Matrix3d& claimed, Eigen::Ma
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
   claimed.setZero();
   for (int i = 0; i < kRuns; ++i) {
-    const Points points = room::hitsOf(noisyScan());
+    const Points points = hitsOf(noisyScan());
     const MatchResult found = matcher->match(map, {points, Pose2(), {Pose2()}, false, 1.0});
-    const Eigen::Vector3d pose(found.pose.x, found.pose.y, found.pose.theta);
+    const Eigen::Vector3d pose(found.pose.x, found.pose.y, found.pose.yaw);
     mean += pose / kRuns;
     second += pose * pose.transpose() / kRuns;
     claimed += found.covariance / kRuns;
@@ -120,7 +121,7 @@ void matchNoisyScans(const std::string& way, Eigen::Matrix3d& claimed, Eigen::Ma
   scatter = second - mean * mean.transpose();
 }
 
-TEST(Covariance, matchedPosesScatterAsClaimed) {
+TEST(Covariance, MatchedPosesScatterAsClaimed) {
   // Beams that err each on its own would scatter half as much as claimed (kBeamCorrelation is 4),
   // but the walls of the map have the noise of their few hits as well.
   for (const std::string way : {"hessian", "sampled"}) {

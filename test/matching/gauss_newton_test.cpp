@@ -5,24 +5,25 @@
 #include <Eigen/Eigenvalues>
 
 #include "kestrel_slam/map/submap.h"
+#include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
 namespace kestrel_slam {
 namespace {
 
 /// The gradient must be the derivative of the cost, as long as no point changes its wall.
-template <typename Linearise>
-void expectGradient(const Pose2& pose, double step, double tolerance, Linearise linearise) {
-  const NormalEquations at = linearise(pose);
-  const std::array<Pose2, 3> forward = {Pose2(pose.x + step, pose.y, pose.theta),
-                                        Pose2(pose.x, pose.y + step, pose.theta),
-                                        Pose2(pose.x, pose.y, pose.theta + step)};
-  const std::array<Pose2, 3> backward = {Pose2(pose.x - step, pose.y, pose.theta),
-                                         Pose2(pose.x, pose.y - step, pose.theta),
-                                         Pose2(pose.x, pose.y, pose.theta - step)};
+template <typename Linearize>
+void expectGradient(const Pose2& pose, double step, double tolerance, Linearize linearize) {
+  const NormalEquations at = linearize(pose);
+  const std::array<Pose2, 3> forward = {Pose2(pose.x + step, pose.y, pose.yaw),
+                                        Pose2(pose.x, pose.y + step, pose.yaw),
+                                        Pose2(pose.x, pose.y, pose.yaw + step)};
+  const std::array<Pose2, 3> backward = {Pose2(pose.x - step, pose.y, pose.yaw),
+                                         Pose2(pose.x, pose.y - step, pose.yaw),
+                                         Pose2(pose.x, pose.y, pose.yaw - step)};
   for (std::size_t i = 0; i < 3; ++i) {
-    const double slope = (static_cast<double>(linearise(forward[i]).cost) -
-                          static_cast<double>(linearise(backward[i]).cost)) /
+    const double slope = (static_cast<double>(linearize(forward[i]).cost) -
+                          static_cast<double>(linearize(backward[i]).cost)) /
                          (2.0 * step);
     const auto row = static_cast<Eigen::Index>(i);
     EXPECT_NEAR(-static_cast<double>(at.gradient(row)), slope, tolerance * (1.0 + std::abs(slope)))
@@ -45,7 +46,7 @@ TEST(GaussNewton, DistanceGradientIsTheDerivativeOfTheCost) {
   for (int i = -9; i <= 9; ++i) points.push_back({0.1F * static_cast<float>(i) + 0.025F, 2.1F});
   for (const float scale : {0.3F, 0.05F}) {
     expectGradient(Pose2(0.0, -0.02, 0.01), 1e-4, 0.02, [&](const Pose2& pose) {
-      return lineariseDistance(map.surface(), points, pose, scale);
+      return linearizeDistance(map.surface(), points, pose, scale);
     });
   }
 }
@@ -56,7 +57,7 @@ TEST(GaussNewton, OccupancyGradientIsTheDerivativeOfTheCost) {
   const Points points = {{3.94F, 0.51F}, {3.96F, -1.02F}, {-0.52F, 2.94F}};
   for (int level = 0; level < OccupancyGrid::kLevels; ++level) {
     expectGradient(Pose2(0.004, 0.003, 0.0005), 2e-4, 0.02, [&](const Pose2& pose) {
-      return lineariseOccupancy(map.grid(), level, points, pose, 0.5F);
+      return linearizeOccupancy(map.grid(), level, points, pose, 0.5F);
     });
   }
 }
@@ -64,25 +65,25 @@ TEST(GaussNewton, OccupancyGradientIsTheDerivativeOfTheCost) {
 TEST(GaussNewton, ConvergesToTheTruth) {
   const Submap map = room::map();
   const Pose2 truth(0.21, -0.13, 0.5);
-  const Points points = room::hitsOf(room::scanFrom(truth));
+  const Points points = hitsOf(room::scanFrom(truth));
   const Descent descent = descend(
       truth * Pose2(0.06, -0.05, 0.04), GaussNewtonConfig(), Eigen::Vector3f::Zero(),
-      [&](const Pose2& pose) { return lineariseDistance(map.surface(), points, pose, 0.1F); });
+      [&](const Pose2& pose) { return linearizeDistance(map.surface(), points, pose, 0.1F); });
   EXPECT_TRUE(descent.converged);
   EXPECT_NEAR(descent.pose.x, truth.x, 3e-3);
   EXPECT_NEAR(descent.pose.y, truth.y, 3e-3);
-  EXPECT_NEAR(descent.pose.theta, truth.theta, 2e-3);
+  EXPECT_NEAR(descent.pose.yaw, truth.yaw, 2e-3);
 }
 
 TEST(GaussNewton, StaysWhereNothingPulls) {
   const Submap map = room::map();
-  const Pose2 start(100, -50, 1);
-  const Points points = room::hitsOf(room::scanFrom(Pose2()));
+  const Pose2 initial_guess(100, -50, 1);
+  const Points points = hitsOf(room::scanFrom(Pose2()));
   for (const Points& some : {points, Points()}) {
     const Descent descent = descend(
-        start, GaussNewtonConfig(), Eigen::Vector3f::Zero(),
-        [&](const Pose2& pose) { return lineariseDistance(map.surface(), some, pose, 0.1F); });
-    EXPECT_EQ(descent.pose, start);
+        initial_guess, GaussNewtonConfig(), Eigen::Vector3f::Zero(),
+        [&](const Pose2& pose) { return linearizeDistance(map.surface(), some, pose, 0.1F); });
+    EXPECT_EQ(descent.pose, initial_guess);
   }
 }
 

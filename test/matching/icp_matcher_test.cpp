@@ -5,6 +5,7 @@
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/matching/fit.h"
 #include "kestrel_slam/matching/matcher.h"
+#include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
 namespace kestrel_slam {
@@ -41,11 +42,11 @@ TEST_P(IcpVariants, FindsAKnownPose) {
   const Submap map = roomFor(config);
   const std::unique_ptr<Matcher> matcher = makeMatcher(config);
   for (const Pose2& truth : {Pose2(0.2, 0.1, 0.3), Pose2(-0.8, 0.6, -2.0), Pose2(0.9, -0.7, 3.1)}) {
-    const Points points = room::hitsOf(room::scanFrom(truth));
-    const Pose2 start = truth * Pose2(0.1, -0.08, 0.08);
-    const MatchResult result = matcher->match(map, {points, start, {start}});
+    const Points points = hitsOf(room::scanFrom(truth));
+    const Pose2 initial_guess = truth * Pose2(0.1, -0.08, 0.08);
+    const MatchResult result = matcher->match(map, {points, initial_guess, {initial_guess}});
     EXPECT_LT((truth.inverse() * result.pose).distance(), 0.03);
-    EXPECT_NEAR(normalizeAngle(result.pose.theta - truth.theta), 0.0, 0.01);
+    EXPECT_NEAR(normalizeAngle(result.pose.yaw - truth.yaw), 0.0, 0.01);
     EXPECT_TRUE(result.converged);
     EXPECT_GT(result.iterations, 3);
     EXPECT_GT(result.score, 0.8);
@@ -70,7 +71,7 @@ TEST_P(IcpVariants, FollowsADriveWithoutOdometry) {
     const MapperResult result = mapper.process(scan);
     ASSERT_EQ(result.state, MatchState::kOk) << i;
     ASSERT_LT((drive(i).inverse() * result.pose).distance(), 0.05) << i;
-    ASSERT_LT(std::abs(normalizeAngle(drive(i).theta - result.pose.theta)), 0.015) << i;
+    ASSERT_LT(std::abs(normalizeAngle(drive(i).yaw - result.pose.yaw)), 0.015) << i;
   }
 }
 
@@ -104,19 +105,19 @@ INSTANTIATE_TEST_SUITE_P(All, IcpVariants,
 TEST(IcpMatcher, FindsATurnThatNoStartForesees) {
   const MatcherConfig config = configOf({"point_to_line", "map", false});
   const Submap map = roomFor(config);
-  const Pose2 truth(0.2, 0.1, 1.2), start(0.2, 0.1, 0.0);
-  const Points points = room::hitsOf(room::scanFrom(truth));
-  MatchRequest request{points, start, {start}};
-  EXPECT_NEAR(makeMatcher(config)->match(map, request).pose.theta, 1.2, 0.01);
+  const Pose2 truth(0.2, 0.1, 1.2), initial_guess(0.2, 0.1, 0.0);
+  const Points points = hitsOf(room::scanFrom(truth));
+  MatchRequest request{points, initial_guess, {initial_guess}};
+  EXPECT_NEAR(makeMatcher(config)->match(map, request).pose.yaw, 1.2, 0.01);
   request.turn_known = true;
-  EXPECT_LT(std::abs(makeMatcher(config)->match(map, request).pose.theta), 1.0);
+  EXPECT_LT(std::abs(makeMatcher(config)->match(map, request).pose.yaw), 1.0);
 }
 
 TEST(IcpMatcher, TakesTheBestOfTheStarts) {
   const MatcherConfig config = configOf({"point_to_point", "map", false});
   const Submap map = roomFor(config);
   const Pose2 truth(0.2, 0.1, 0.3);
-  const Points points = room::hitsOf(room::scanFrom(truth));
+  const Points points = hitsOf(room::scanFrom(truth));
   const Pose2 wrong = truth * Pose2(1.5, 1.0, 0.5), near = truth * Pose2(0.05, 0.0, 0.02);
   MatchRequest request{points, near, {wrong, near}};
   request.turn_known = true;
@@ -130,9 +131,9 @@ TEST(IcpMatcher, RemembersNothingThatMatters) {
     Submap map = roomFor(config);
     const std::unique_ptr<Matcher> old = makeMatcher(config);
     for (int i = 0; i < 12; ++i) {
-      const Pose2 truth(0.3 * i, 0.1, 0.2 * i), start = truth * Pose2(0.05, 0.05, 0.03);
-      const Points points = room::hitsOf(room::scanFrom(truth));
-      const MatchRequest request{points, start, {start}};
+      const Pose2 truth(0.3 * i, 0.1, 0.2 * i), initial_guess = truth * Pose2(0.05, 0.05, 0.03);
+      const Points points = hitsOf(room::scanFrom(truth));
+      const MatchRequest request{points, initial_guess, {initial_guess}};
       const MatchResult remembered = old->match(map, request);
       const MatchResult fresh = makeMatcher(config)->match(map, request);
       ASSERT_NEAR((fresh.pose.inverse() * remembered.pose).distance(), 0.0, 1e-9) << i;
@@ -152,9 +153,9 @@ TEST(IcpMatcher, LastScansAreAllThatItSees) {
     Submap map(OccupancyGridConfig(), submapOptions(config));
     map.insert(room::scanFrom(Pose2()), Pose2());
     map.insert(room::scanFrom(Pose2()), shift);  // the same view: 0.2 m off in the map
-    const Points points = room::hitsOf(room::scanFrom(Pose2()));
+    const Points points = hitsOf(room::scanFrom(Pose2()));
     const MatchResult result = makeMatcher(config)->match(map, {points, Pose2(), {Pose2()}});
-    // One scan: only where the last one was. Two: the scan at the start fits exactly.
+    // One scan: only where the last one was. Two: the scan at the initial guess fits exactly.
     EXPECT_NEAR(result.pose.x, count == 1 ? 0.2 : 0.0, 1e-3);
     EXPECT_NEAR(result.pose.y, 0.0, 1e-3);
   }

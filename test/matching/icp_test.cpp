@@ -35,7 +35,7 @@ std::vector<IcpPair> randomPairs(const Pose2& map_T_base, int count, float noise
 void expectNear(const Pose2& pose, const Pose2& expected, double tolerance) {
   EXPECT_NEAR(pose.x, expected.x, tolerance);
   EXPECT_NEAR(pose.y, expected.y, tolerance);
-  EXPECT_NEAR(normalizeAngle(pose.theta - expected.theta), 0.0, tolerance);
+  EXPECT_NEAR(normalizeAngle(pose.yaw - expected.yaw), 0.0, tolerance);
 }
 
 /// Σ ((T p - q)·n)², written out as in paper 003 eq. 9.
@@ -48,32 +48,32 @@ double lineError(const std::vector<IcpPair>& pairs, const Pose2& pose) {
   return sum;
 }
 
-/// Minimum of a function of the pose near `start`, by ever smaller steps along the axes: slow, and
-/// without any derivative.
+/// Minimum of a function of the pose near `initial_guess`, by ever smaller steps along the axes:
+/// slow, and without any derivative.
 template <typename Cost>
-Pose2 minimumOf(Cost cost, Pose2 start) {
-  double best = cost(start);
+Pose2 minimumOf(Cost cost, Pose2 initial_guess) {
+  double best = cost(initial_guess);
   for (double step = 0.1; step > 1e-10;) {
     bool lower = false;
     for (int axis = 0; axis < 3; ++axis) {
       for (const double signed_step : {step, -step}) {
-        const Pose2 pose(start.x + (axis == 0 ? signed_step : 0.0),
-                         start.y + (axis == 1 ? signed_step : 0.0),
-                         start.theta + (axis == 2 ? signed_step : 0.0));
+        const Pose2 pose(initial_guess.x + (axis == 0 ? signed_step : 0.0),
+                         initial_guess.y + (axis == 1 ? signed_step : 0.0),
+                         initial_guess.yaw + (axis == 2 ? signed_step : 0.0));
         if (cost(pose) >= best) continue;
         best = cost(pose);
-        start = pose;
+        initial_guess = pose;
         lower = true;
       }
     }
     if (!lower) step *= 0.5;
   }
-  return start;
+  return initial_guess;
 }
 
 TEST(PointToPoint, RecoversARigidMotion) {
   for (const Pose2& truth : {Pose2(0.3, -0.2, 0.1), Pose2(-4.0, 7.0, 3.0), Pose2(0, 0, -1.6)}) {
-    // Coordinates of 10 m as float are exact to half a micrometre.
+    // Coordinates of 10 m as float are exact to half a micrometer.
     expectNear(alignPointToPoint(randomPairs(truth, 500, 0.0F), Pose2()), truth, 1e-6);
   }
 }
@@ -91,15 +91,15 @@ TEST(PointToPoint, EqualsUmeyama) {
 }
 
 TEST(PointToPoint, KeepsWhatThePairsLeaveOpen) {
-  const Pose2 start(1.0, 2.0, 0.5);
-  EXPECT_EQ(alignPointToPoint({}, start), start);
-  // One point: its shift, and the heading as it was.
+  const Pose2 initial_guess(1.0, 2.0, 0.5);
+  EXPECT_EQ(alignPointToPoint({}, initial_guess), initial_guess);
+  // One point: its shift, and the yaw as it was.
   const Eigen::Vector2f p(1.0F, 0.0F), q(3.0F, 3.0F), none = Eigen::Vector2f::Zero();
-  const Pose2 one = alignPointToPoint({{p, q, none}}, start);
-  EXPECT_EQ(one.theta, 0.5);
+  const Pose2 one = alignPointToPoint({{p, q, none}}, initial_guess);
+  EXPECT_EQ(one.yaw, 0.5);
   EXPECT_NEAR((one * p.cast<double>() - q.cast<double>()).norm(), 0.0, 1e-12);
-  const Pose2 same = alignPointToPoint({{p, q, none}, {p, q, none}, {p, q, none}}, start);
-  EXPECT_NEAR(same.theta, 0.5, 1e-12);
+  const Pose2 same = alignPointToPoint({{p, q, none}, {p, q, none}, {p, q, none}}, initial_guess);
+  EXPECT_NEAR(same.yaw, 0.5, 1e-12);
   // Two points, and collinear ones, fix everything.
   for (const int count : {2, 5}) {
     std::vector<IcpPair> line;
@@ -107,7 +107,7 @@ TEST(PointToPoint, KeepsWhatThePairsLeaveOpen) {
       const auto s = static_cast<float>(i);
       line.push_back({{s, 0.0F}, {2.0F, 1.0F + s}, none});
     }
-    expectNear(alignPointToPoint(line, start), Pose2(2.0, 1.0, kPi / 2), 1e-6);
+    expectNear(alignPointToPoint(line, initial_guess), Pose2(2.0, 1.0, kPi / 2), 1e-6);
   }
 }
 
@@ -118,10 +118,11 @@ TEST(PointToLine, RecoversARigidMotion) {
 }
 
 TEST(PointToLine, EqualsTheNumericMinimum) {
-  const Pose2 truth(3.0, -2.0, 0.9), start = truth * Pose2(0.1, 0.1, -0.05);
+  const Pose2 truth(3.0, -2.0, 0.9), initial_guess = truth * Pose2(0.1, 0.1, -0.05);
   const std::vector<IcpPair> pairs = randomPairs(truth, 60, 0.3F);
-  const Pose2 oracle = minimumOf([&](const Pose2& pose) { return lineError(pairs, pose); }, start);
-  const Pose2 pose = alignPointToLine(pairs, start);
+  const Pose2 oracle =
+      minimumOf([&](const Pose2& pose) { return lineError(pairs, pose); }, initial_guess);
+  const Pose2 pose = alignPointToLine(pairs, initial_guess);
   expectNear(pose, oracle, 1e-6);
   EXPECT_LE(lineError(pairs, pose), lineError(pairs, oracle) * (1.0 + 1e-9));
 }
@@ -133,20 +134,20 @@ TEST(PointToLine, WithoutNormalsIsPointToPoint) {
 }
 
 TEST(PointToLine, StaysWhereThePairsSayNothing) {
-  const Pose2 start(5.0, 6.0, 0.0);
-  EXPECT_EQ(alignPointToLine({}, start), start);
+  const Pose2 initial_guess(5.0, 6.0, 0.0);
+  EXPECT_EQ(alignPointToLine({}, initial_guess), initial_guess);
   // A wall along x, 0.3 m to the left of where the points see it.
   std::vector<IcpPair> wall;
   for (int i = -20; i <= 20; ++i) {
     const auto s = static_cast<float>(i);
     wall.push_back({{s, 1.0F}, {5.05F + s, 7.3F}, Eigen::Vector2f::UnitY()});
   }
-  expectNear(alignPointToLine(wall, start), Pose2(5.0, 6.3, 0.0), 1e-5);
+  expectNear(alignPointToLine(wall, initial_guess), Pose2(5.0, 6.3, 0.0), 1e-5);
   // One pair: no NaN, and no turn worth the name.
-  const Pose2 one = alignPointToLine({wall.front()}, start);
+  const Pose2 one = alignPointToLine({wall.front()}, initial_guess);
   EXPECT_TRUE(one.isFinite());
-  EXPECT_LT((start.inverse() * one).distance(), 0.31);
-  EXPECT_LT(std::abs(one.theta), 0.1);
+  EXPECT_LT((initial_guess.inverse() * one).distance(), 0.31);
+  EXPECT_LT(std::abs(one.yaw), 0.1);
 }
 
 TEST(RejectWorstPairs, RemovesExactlyTheOutliers) {

@@ -69,7 +69,7 @@ TEST(LikelihoodImage, HoldsTheMaximaOfAllWindowsThatASearchReads) {
   }
 }
 
-TEST(LikelihoodImage, WindowsSideBySideAreNeighboursInMemory) {
+TEST(LikelihoodImage, WindowsSideBySideAreNeighborsInMemory) {
   const Submap map = room::map();
   const Points points = {Eigen::Vector2f(3.9F, 2.9F)};
   const SearchGrid grid(map.surface(), points, Pose2(), {0.8, 0.1}, CorrelativeConfig());

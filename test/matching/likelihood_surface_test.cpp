@@ -6,13 +6,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
 namespace kestrel_slam {
 namespace {
 
 const Points& scanOfTheRoom() {
-  static const Points points = room::hitsOf(room::scanFrom(Pose2(0.2, -0.1, 0.3)));
+  static const Points points = hitsOf(room::scanFrom(Pose2(0.2, -0.1, 0.3)));
   return points;
 }
 
@@ -32,10 +33,10 @@ TEST(LikelihoodSurface, ItsMaximumIsWhatTheSearchFinds) {
   EXPECT_FLOAT_EQ(*best, static_cast<float>(found.score));
   const int dx = static_cast<int>(std::lround((found.pose.x - center.x) / surface.step_m));
   const int dy = static_cast<int>(std::lround((found.pose.y - center.y) / surface.step_m));
-  const int k = static_cast<int>(std::lround((found.pose.theta - center.theta) / surface.step_rad));
+  const int k = static_cast<int>(std::lround((found.pose.yaw - center.yaw) / surface.step_rad));
   EXPECT_EQ(surface.at(dx, dy, k), *best);
   EXPECT_NEAR((surface.pose(dx, dy, k).inverse() * found.pose).distance(), 0.0, 1e-9);
-  const std::vector<float> image = bestOverHeadings(surface);
+  const std::vector<float> image = bestOverYaws(surface);
   ASSERT_EQ(image.size(), 17U * 17U);
   EXPECT_EQ(image[static_cast<std::size_t>((dy + 8) * 17 + dx + 8)], *best);
   EXPECT_EQ(*std::max_element(image.begin(), image.end()), *best);
@@ -109,7 +110,7 @@ TEST(LikelihoodSurface, MomentsOfAGaussianAreItsParameters) {
   const PoseMoments moments = momentsOf(surface);
   EXPECT_NEAR(moments.mean.x, 1.07, 1e-4);
   EXPECT_NEAR(moments.mean.y, 1.96, 1e-4);
-  EXPECT_NEAR(moments.mean.theta, 0.513, 1e-4);
+  EXPECT_NEAR(moments.mean.yaw, 0.513, 1e-4);
   EXPECT_TRUE(moments.covariance.isApprox(covariance, 1e-3)) << moments.covariance;
   EXPECT_LT(moments.linear_border, 1e-4);
   EXPECT_LT(moments.angular_border, 1e-4);
@@ -132,7 +133,7 @@ TEST(LikelihoodSurface, HasAShareWithoutPointsAndALimit) {
   const Submap map = room::map();
   const CorrelativeConfig config;
   EXPECT_TRUE(sampleLikelihood(map.surface(), {}, Pose2(), {0.5, 0.5}, config).score.empty());
-  EXPECT_TRUE(bestOverHeadings(LikelihoodSurface()).empty());
+  EXPECT_TRUE(bestOverYaws(LikelihoodSurface()).empty());
   EXPECT_THROW(sampleLikelihood(map.surface(), scanOfTheRoom(), Pose2(), {50.0, kPi}, config),
                std::invalid_argument);
 }
@@ -143,7 +144,7 @@ TEST(LikelihoodSurface, CovarianceFollowsTheRidgeOfACorridor) {
   for (const double x : {0.0, 0.8}) {
     map.insert(room::scanFrom(Pose2(), room::corridor()), Pose2(x, 0, 0));
   }
-  const Points points = room::hitsOf(room::scanFrom(Pose2(), room::corridor(), 180, 3.0));
+  const Points points = hitsOf(room::scanFrom(Pose2(), room::corridor(), 180, 3.0));
   const Eigen::Matrix3d covariance =
       searchWindow(map.surface(), points, Pose2(0.4, 0, 0), {0.3, 0.1}, CorrelativeConfig())
           .covariance;

@@ -6,16 +6,17 @@
 #include <algorithm>
 
 #include "kestrel_slam/matching/fit.h"
+#include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
 namespace kestrel_slam {
 namespace {
 
 MatchResult match(const std::string& method, const Submap& map, const Points& points,
-                  const Pose2& start) {
+                  const Pose2& initial_guess) {
   MatcherConfig config;
   config.method = method;
-  return makeMatcher(config)->match(map, {points, start, {start}, false, 1.0});
+  return makeMatcher(config)->match(map, {points, initial_guess, {initial_guess}, false, 1.0});
 }
 
 void expectCovariance(const Eigen::Matrix3d& covariance) {
@@ -29,13 +30,13 @@ class EveryMatcher : public ::testing::TestWithParam<std::string> {};
 TEST_P(EveryMatcher, FindsAKnownPose) {
   const Submap map = room::map();
   for (const Pose2& truth : {Pose2(0.2, 0.1, 0.3), Pose2(-0.8, 0.6, -2.0), Pose2(0.9, -0.7, 3.1)}) {
-    const Points points = room::hitsOf(room::scanFrom(truth));
+    const Points points = hitsOf(room::scanFrom(truth));
     const MatchResult result = match(GetParam(), map, points, truth * Pose2(0.06, -0.04, 0.04));
     // Votes cannot tell where in its cells a wall is, and those of the room lie along cells.
     const double tolerance = GetParam() == "progressive" ? 0.05 : 0.03;
     EXPECT_NEAR(result.pose.x, truth.x, tolerance);
     EXPECT_NEAR(result.pose.y, truth.y, tolerance);
-    EXPECT_NEAR(normalizeAngle(result.pose.theta - truth.theta), 0.0, 0.012);
+    EXPECT_NEAR(normalizeAngle(result.pose.yaw - truth.yaw), 0.0, 0.012);
     EXPECT_TRUE(result.converged);
     EXPECT_GT(result.score, 0.8);
     EXPECT_GT(result.known, 0.9);
@@ -75,13 +76,13 @@ INSTANTIATE_TEST_SUITE_P(Methods, EveryMatcher,
 TEST(HybridMatcher, SearchesWhereTheStartIsFarOff) {
   const Submap map = room::map();
   const Pose2 truth(0.3, 0.2, 0.4);
-  const Points points = room::hitsOf(room::scanFrom(truth));
+  const Points points = hitsOf(room::scanFrom(truth));
   const MatchResult near = match("hybrid", map, points, truth * Pose2(0.02, 0.01, 0.01));
   EXPECT_FALSE(near.searched);
   const MatchResult far = match("hybrid", map, points, truth * Pose2(0.6, -0.55, 1.1));
   EXPECT_TRUE(far.searched);
   EXPECT_NEAR((truth.inverse() * far.pose).distance(), 0.0, 0.01);
-  EXPECT_NEAR(normalizeAngle(far.pose.theta - truth.theta), 0.0, 0.005);
+  EXPECT_NEAR(normalizeAngle(far.pose.yaw - truth.yaw), 0.0, 0.005);
 }
 
 TEST(HybridMatcher, TurnedAroundIsFoundWhenAskedFor) {
@@ -90,28 +91,28 @@ TEST(HybridMatcher, TurnedAroundIsFoundWhenAskedFor) {
       {-4, -3, 4, -2}, {4, -2, 2, 3}, {2, 3, -1, 2}, {-1, 2, -4, -3}};
   Submap map{OccupancyGridConfig()};
   map.insert(room::scanFrom(Pose2(), walls), Pose2());
-  const Pose2 truth(0.1, -0.1, 0.4), start = truth * Pose2(0.1, 0.1, 2.8);
-  const Points points = room::hitsOf(room::scanFrom(truth, walls));
+  const Pose2 truth(0.1, -0.1, 0.4), initial_guess = truth * Pose2(0.1, 0.1, 2.8);
+  const Points points = hitsOf(room::scanFrom(truth, walls));
   const MatchResult result =
-      makeMatcher(MatcherConfig())->match(map, {points, start, {start}, true, 1.0});
+      makeMatcher(MatcherConfig())->match(map, {points, initial_guess, {initial_guess}, true, 1.0});
   EXPECT_TRUE(result.searched);
   EXPECT_NEAR((truth.inverse() * result.pose).distance(), 0.0, 0.02);
-  EXPECT_NEAR(normalizeAngle(result.pose.theta - truth.theta), 0.0, 0.01);
+  EXPECT_NEAR(normalizeAngle(result.pose.yaw - truth.yaw), 0.0, 0.01);
 }
 
 TEST(HybridMatcher, CorridorIsDegenerateAlongItself) {
-  // Dense enough that neighbouring hits far away still make the direction of the wall.
+  // Dense enough that neighboring hits far away still make the direction of the wall.
   const PlanarScan scan = room::scanFrom(Pose2(), room::corridor(), 1440);
   Submap map{OccupancyGridConfig()};
   for (int i = 0; i < 4; ++i) map.insert(scan, Pose2(0.5 * i, 0, 0));
-  const Points points = room::hitsOf(scan);
+  const Points points = hitsOf(scan);
   const MatchResult result = match("hybrid", map, points, Pose2(0.7, 0.05, 0.02));
   EXPECT_TRUE(result.degenerate);
   EXPECT_NEAR(std::abs(result.degenerate_direction.x()), 1.0, 0.01);
   EXPECT_GT(result.covariance(0, 0), 0.1);
   EXPECT_LT(result.covariance(1, 1), 0.01);
   EXPECT_NEAR(result.pose.y, 0.0, 0.01);
-  EXPECT_NEAR(result.pose.theta, 0.0, 0.005);
+  EXPECT_NEAR(result.pose.yaw, 0.0, 0.005);
   EXPECT_NEAR(result.pose.x, 0.7, 0.15);  // not corrected far where nothing is known
 }
 

@@ -6,6 +6,7 @@
 
 #include "kestrel_slam/geometry/random.h"
 #include "kestrel_slam/matching/matcher.h"
+#include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
 namespace kestrel_slam {
@@ -40,10 +41,10 @@ TEST(ProgressiveMatcher, SaysThatItStopped) {
 
 TEST(ProgressiveMatcher, TheSeedAloneDecides) {
   const Submap map = room::map();
-  const Pose2 truth(0.2, 0.1, 0.3), start = truth * Pose2(0.06, -0.04, 0.04);
-  const Points points = room::hitsOf(room::scanFrom(truth));
+  const Pose2 truth(0.2, 0.1, 0.3), initial_guess = truth * Pose2(0.06, -0.04, 0.04);
+  const Points points = hitsOf(room::scanFrom(truth));
   const auto poseWith = [&](const Matcher& matcher) {
-    return matcher.match(map, {points, start, {start}, false, 1.0});
+    return matcher.match(map, {points, initial_guess, {initial_guess}, false, 1.0});
   };
   MatcherConfig config;
   config.method = "progressive";
@@ -62,14 +63,15 @@ TEST(ProgressiveMatcher, TheSeedAloneDecides) {
 TEST(ProgressiveMatcher, SearchesWhereTheStartIsFarOff) {
   const Submap map = room::map(kTurned);
   const Pose2 in_room(0.3, 0.2, 0.4), truth = kTurned * in_room;
-  const Pose2 start = truth * Pose2(0.5, -0.4, 0.7);
-  const Points points = room::hitsOf(room::scanFrom(in_room));
+  const Pose2 initial_guess = truth * Pose2(0.5, -0.4, 0.7);
+  const Points points = hitsOf(room::scanFrom(in_room));
   MatcherConfig config;
   config.method = "progressive";
-  const MatchResult result = makeMatcher(config)->match(map, {points, start, {start}, false, 1.0});
+  const MatchResult result =
+      makeMatcher(config)->match(map, {points, initial_guess, {initial_guess}, false, 1.0});
   EXPECT_TRUE(result.searched);
   EXPECT_LT((truth.inverse() * result.pose).distance(), 0.015);
-  EXPECT_NEAR(normalizeAngle(result.pose.theta - truth.theta), 0.0, 0.01);
+  EXPECT_NEAR(normalizeAngle(result.pose.yaw - truth.yaw), 0.0, 0.01);
 }
 
 /// Mean of e' P^-1 e over many matches with 1 cm of range noise; 3 where the covariance is true.
@@ -85,15 +87,16 @@ TEST(ProgressiveMatcher, CovarianceIsThatOfTheError) {
     const Pose2 in_room(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5),
                         random.uniform(-kPi, kPi));
     const Pose2 truth = kTurned * in_room;
-    Points points = room::hitsOf(room::scanFrom(in_room));
+    Points points = hitsOf(room::scanFrom(in_room));
     for (Eigen::Vector2f& p : points) {
       p += 0.01F * static_cast<float>(random.gaussian()) * p.normalized();
     }
-    const Pose2 start =
+    const Pose2 initial_guess =
         truth * Pose2(0.05 * random.gaussian(), 0.05 * random.gaussian(), 0.02 * random.gaussian());
-    const MatchResult result = matcher->match(map, {points, start, {start}, false, 1.0});
+    const MatchResult result =
+        matcher->match(map, {points, initial_guess, {initial_guess}, false, 1.0});
     const Eigen::Vector3d error(result.pose.x - truth.x, result.pose.y - truth.y,
-                                normalizeAngle(result.pose.theta - truth.theta));
+                                normalizeAngle(result.pose.yaw - truth.yaw));
     sum += error.dot(result.covariance.inverse() * error);
   }
   EXPECT_GT(sum / kRuns, 1.0);

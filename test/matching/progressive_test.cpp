@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "kestrel_slam/geometry/random.h"
+#include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
 namespace kestrel_slam {
@@ -56,7 +57,7 @@ TEST(VotingLikelihood, CountsTheProbabilitiesOfOccupiedCells) {
 
 TEST(VotingLikelihood, EqualsThePlainCountAnywhere) {
   const Submap map = room::map();
-  const Points points = room::hitsOf(room::scanFrom(Pose2(0.2, 0.1, 0.3)));
+  const Points points = hitsOf(room::scanFrom(Pose2(0.2, 0.1, 0.3)));
   Random random(1);
   for (int i = 0; i < 200; ++i) {
     const Pose2 pose(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-kPi, kPi));
@@ -109,7 +110,7 @@ TEST(MotionSpread, GrowsWithTheMotion) {
 TEST(BestCandidate, IsTheMaximumOfAllOfThem) {
   const Submap map = room::map();
   const Pose2 truth(0.2, 0.1, 0.3), center = truth * Pose2(0.05, -0.06, 0.03);
-  const Points points = room::hitsOf(room::scanFrom(truth));
+  const Points points = hitsOf(room::scanFrom(truth));
   const StandardCandidates candidates = standardCandidates(500, 3);
   const CandidateSpread spread{0.1, 0.05};
   for (int level = 0; level < OccupancyGrid::kLevels; ++level) {
@@ -119,7 +120,7 @@ TEST(BestCandidate, IsTheMaximumOfAllOfThem) {
     for (const Eigen::Vector3f& candidate : candidates) {
       const Eigen::Vector3d offset =
           candidate.cast<double>().cwiseProduct(Eigen::Vector3d(0.1, 0.1, 0.05));
-      const Pose2 pose(center.x + offset.x(), center.y + offset.y(), center.theta + offset.z());
+      const Pose2 pose(center.x + offset.x(), center.y + offset.y(), center.yaw + offset.z());
       const double vote = votingLikelihood(map.grid(), level, points, pose);
       const double prior = 0.5 * static_cast<double>(candidate.squaredNorm());
       total += std::exp(kBeams * vote);
@@ -135,11 +136,11 @@ TEST(BestCandidate, IsTheMaximumOfAllOfThem) {
     // What is given up early has a weight below e^-6.
     EXPECT_NEAR(estimate.mean.x, center.x + first.x() / total, 0.005);
     EXPECT_NEAR(estimate.mean.y, center.y + first.y() / total, 0.005);
-    EXPECT_NEAR(estimate.mean.theta, center.theta + first.z() / total, 0.0025);
+    EXPECT_NEAR(estimate.mean.yaw, center.yaw + first.z() / total, 0.0025);
   }
 }
 
-TEST(BestCandidate, WhereNothingVotesIsTheCentre) {
+TEST(BestCandidate, WhereNothingVotesIsTheCenter) {
   const OccupancyGrid empty{OccupancyGridConfig()};
   const Pose2 center(1, 2, 3);
   for (const Points& points : {Points(), lineAt(2.0F)}) {
@@ -161,12 +162,12 @@ TEST(ProgressiveRefiner, FindsADisplacementWithinTheFinestCell) {
   const Submap map = room::map(map_T_room);
   const ProgressiveRefiner refiner{ProgressiveConfig()};
   const Pose2 in_room(0.2, 0.1, 0.3), truth = map_T_room * in_room;
-  const Points points = room::hitsOf(room::scanFrom(in_room));
+  const Points points = hitsOf(room::scanFrom(in_room));
   for (const Pose2& offset : {Pose2(0.12, 0.0, 0.0), Pose2(-0.08, 0.1, 0.04), Pose2(0, 0, -0.08)}) {
     const Refinement result = refiner.refine(map.grid(), points, truth * offset, {0.1, 0.05});
     const Pose2 error = truth.inverse() * result.poses.back();
     EXPECT_LT(error.distance(), 0.01);
-    EXPECT_LT(std::abs(error.theta), 0.003);
+    EXPECT_LT(std::abs(error.yaw), 0.003);
     EXPECT_EQ(result.levels, 3);
     EXPECT_FALSE(result.stopped);
   }
@@ -176,7 +177,7 @@ TEST(ProgressiveRefiner, CandidateSpaceShrinks) {
   ProgressiveConfig config;
   config.shrink = 0.5;
   const Submap map = room::map();
-  const Points points = room::hitsOf(room::scanFrom(Pose2()));
+  const Points points = hitsOf(room::scanFrom(Pose2()));
   const Refinement result =
       ProgressiveRefiner(config).refine(map.grid(), points, Pose2(0.05, 0, 0), {0.2, 0.08});
   ASSERT_EQ(result.levels, 3);

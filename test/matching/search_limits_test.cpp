@@ -7,6 +7,7 @@
 
 #include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/matching/correlative.h"
+#include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
 namespace kestrel_slam {
@@ -51,7 +52,7 @@ TEST(SearchLimits, WindowReachesExactlyItsBorder) {
   }
 }
 
-TEST(SearchLimits, EmptyWindowIsTheCentreAlone) {
+TEST(SearchLimits, EmptyWindowIsTheCenterAlone) {
   const SearchResult found = searchFor(onePost(), 0.1, 0.0, 0.0);
   EXPECT_EQ(found.pose, Pose2(0.1, 0.0, 0.0));
   EXPECT_NEAR(found.score, std::exp(-0.5), 0.5 / 255.0 + 1e-6);
@@ -65,22 +66,22 @@ TEST(SearchLimits, PreferenceIsWhatTheMotionCosts) {
       searchWindow(onePost().surface(), points, Pose2(0.15, 0.2, 0.0), {0.3, 0.0}, config);
   // Straight to the post: 0.25 m, worth it.
   EXPECT_NEAR(found.pose.distance(), 0.0, 1e-6);
-  EXPECT_NEAR(found.preferred, 1.0 - 0.3 * 0.25, 1e-6);
+  EXPECT_NEAR(found.penalized_score, 1.0 - 0.3 * 0.25, 1e-6);
 }
 
 TEST(SearchLimits, TenMetresAllRoundFindTheOnePoseInTheRoom) {
   Submap map{OccupancyGridConfig()};
   map.insert(room::scanFrom(Pose2()), Pose2());
   const Pose2 truth(0.3, -0.2, 2.2);
-  const Points points = room::hitsOf(room::scanFrom(truth, room::walls(), 180));
+  const Points points = hitsOf(room::scanFrom(truth, room::walls(), 180));
   const SearchResult found =
       searchWindow(map.surface(), points, Pose2(6.0, 5.0, -0.5), {10.0, kPi}, CorrelativeConfig());
   EXPECT_NEAR(found.mean.x, truth.x, 0.05);
   EXPECT_NEAR(found.mean.y, truth.y, 0.05);
-  EXPECT_NEAR(normalizeAngle(found.mean.theta - truth.theta), 0.0, 0.02);
+  EXPECT_NEAR(normalizeAngle(found.mean.yaw - truth.yaw), 0.0, 0.02);
 }
 
-TEST(SearchLimits, NoPointsGiveTheCentreByBruteForceToo) {
+TEST(SearchLimits, NoPointsGiveTheCenterByBruteForceToo) {
   const Submap post = onePost();
   const Pose2 center(1.0, 2.0, 0.3);
   const SearchResult found =
@@ -94,7 +95,7 @@ TEST(SearchLimits, FarPointsCostNeitherMemoryNorTime) {
   Submap map{OccupancyGridConfig()};
   map.insert(room::scanFrom(Pose2()), Pose2());
   const Pose2 truth(0.2, 0.1, 0.1);
-  Points points = room::hitsOf(room::scanFrom(truth));
+  Points points = hitsOf(room::scanFrom(truth));
   const auto start = std::chrono::steady_clock::now();
   // An image with all of them would have 400 000 cells a side.
   for (const float range : {200.0F, 1000.0F, 9999.0F}) points.push_back({range, 0.5F * range});
@@ -105,13 +106,13 @@ TEST(SearchLimits, FarPointsCostNeitherMemoryNorTime) {
   EXPECT_LT(seconds.count(), 5.0);
   EXPECT_NEAR(found.mean.x, truth.x, 0.04);
   EXPECT_NEAR(found.mean.y, truth.y, 0.04);
-  EXPECT_NEAR(found.mean.theta, truth.theta, 0.02);
+  EXPECT_NEAR(found.mean.yaw, truth.yaw, 0.02);
   const SearchResult expected =
       searchWindowBruteForce(map.surface(), points, Pose2(), window, CorrelativeConfig());
-  EXPECT_DOUBLE_EQ(found.preferred, expected.preferred);
+  EXPECT_DOUBLE_EQ(found.penalized_score, expected.penalized_score);
 }
 
-TEST(SearchLimits, OnlyFarPointsGiveTheCentre) {
+TEST(SearchLimits, OnlyFarPointsGiveTheCenter) {
   const Points points(3, Eigen::Vector2f(5000.0F, 0.0F));
   const SearchResult found =
       searchWindow(onePost().surface(), points, Pose2(), {0.3, 0.2}, CorrelativeConfig());
@@ -125,7 +126,7 @@ TEST(SearchLimits, CovarianceIsSymmetricAndNotNegativeAnywhere) {
   map.insert(room::scanFrom(Pose2()), Pose2());
   for (int i = 0; i < 40; ++i) {
     const Pose2 truth(0.05 * i - 1.0, 0.03 * i - 0.6, 0.3 * i);
-    const Points points = room::hitsOf(room::scanFrom(truth, room::walls(), 3 + 5 * i));
+    const Points points = hitsOf(room::scanFrom(truth, room::walls(), 3 + 5 * i));
     const Eigen::Matrix3d covariance =
         searchWindow(map.surface(), points, truth, {0.2, 0.1}, CorrelativeConfig()).covariance;
     ASSERT_TRUE(covariance.isApprox(covariance.transpose(), 1e-12)) << i;

@@ -4,9 +4,9 @@
 
 #include <random>
 
+#include "kestrel_slam/experiments/mapped_log.h"
 #include "kestrel_slam/matching/correlative.h"
-#include "kestrel_slam/tools/mapped_log.h"
-#include "tools/temporary_folder.h"
+#include "temporary_folder.h"
 
 namespace kestrel_slam {
 namespace {
@@ -36,7 +36,7 @@ class SearchRecording : public ::testing::Test {
       const MappedScan& scan = log().scans[i * log().scans.size() / count];
       const double x = window.linear_m * share(random), y = window.linear_m * share(random);
       const double turn = window.angular_rad * share(random);
-      const Pose2 center(scan.pose.x + x, scan.pose.y + y, scan.pose.theta + turn);
+      const Pose2 center(scan.pose.x + x, scan.pose.y + y, scan.pose.yaw + turn);
       const CorrelativeConfig config;
       const SearchResult found = searchWindow(surface, scan.points, center, window, config);
       const SearchResult expected =
@@ -44,7 +44,7 @@ class SearchRecording : public ::testing::Test {
       ASSERT_GT(expected.score, 0.0);
       ASSERT_EQ(found.pose, expected.pose) << "scan " << i;
       ASSERT_EQ(found.score, expected.score) << "scan " << i;
-      ASSERT_EQ(found.preferred, expected.preferred) << "scan " << i;
+      ASSERT_EQ(found.penalized_score, expected.penalized_score) << "scan " << i;
       ASSERT_EQ(found.mean, expected.mean) << "scan " << i;
       // The two images end at different cells, which the outermost poses of the surface may touch.
       ASSERT_LT((found.covariance - expected.covariance).norm(), 1e-3 * expected.covariance.norm())

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "kestrel_slam/ros/conversions.h"
-#include "kestrel_slam/tools/simulated_recording.h"
+#include "kestrel_slam/messages/conversions.h"
+#include "kestrel_slam/recording/simulated_recording.h"
 
 namespace kestrel_slam {
 namespace {
@@ -37,7 +37,7 @@ LaserModel testLaser() {
 
 double distanceToOutline(const Box& box, const Eigen::Vector2d& point) {
   const Eigen::Vector2d local =
-      Eigen::Rotation2Dd(-box.yaw) * (point - Eigen::Vector2d(box.centre.head<2>()));
+      Eigen::Rotation2Dd(-box.yaw) * (point - Eigen::Vector2d(box.center.head<2>()));
   const Eigen::Vector2d beyond = local.cwiseAbs() - Eigen::Vector2d(box.size.head<2>()) / 2.0;
   const double inside = std::min(beyond.maxCoeff(), 0.0);
   return beyond.cwiseMax(0.0).norm() - inside;
@@ -64,7 +64,7 @@ double TestFlight::distanceToSurface(const Eigen::Vector2d& point) const {
   double nearest = std::numeric_limits<double>::infinity();
   for (const Box& box : parts.boxes) nearest = std::min(nearest, distanceToOutline(box, point));
   for (const Cylinder& cylinder : parts.cylinders) {
-    nearest = std::min(nearest, std::abs((point - cylinder.centre).norm() - cylinder.radius));
+    nearest = std::min(nearest, std::abs((point - cylinder.center).norm() - cylinder.radius));
   }
   return nearest;
 }

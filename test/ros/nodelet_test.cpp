@@ -13,7 +13,7 @@
 #include <string>
 
 #include "kestrel_slam/geometry/angles.h"
-#include "kestrel_slam/ros/conversions.h"
+#include "kestrel_slam/messages/conversions.h"
 #include "projector_client.h"
 
 namespace kestrel_slam {
@@ -145,7 +145,7 @@ class Nodelets : public testing::Test {
       const Pose2 pose = planarFromMessage(pose_.pose.pose);
       const double turn = client_->flight.yaw_rate * (stamp - start_).toSec();
       EXPECT_LT(pose.distance(), kLimit_m) << "scan " << i;
-      EXPECT_LT(std::abs(normalizeAngle(pose.theta - turn)), kLimit_rad) << "scan " << i;
+      EXPECT_LT(std::abs(normalizeAngle(pose.yaw - turn)), kLimit_rad) << "scan " << i;
     }
   }
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "kestrel_slam/ros/planar_scan_message.h"
+#include "kestrel_slam/messages/planar_scan_message.h"
 
 namespace kestrel_slam {
 namespace {

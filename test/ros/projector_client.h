@@ -46,7 +46,7 @@ class ProjectorClient : public NodeWatcher {
   /// are right.
   void flyOn();
 
-  /// Expects that every hit is where a beam of the flight ended, to a millimetre.
+  /// Expects that every hit is where a beam of the flight ended, to a millimeter.
   void expectRight(const std::optional<PlanarScan>& scan, double time,
                    const Eigen::Isometry3d& base_T_laser) const;
 

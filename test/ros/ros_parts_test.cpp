@@ -9,12 +9,12 @@
 #include <thread>
 #include <vector>
 
-#include "kestrel_slam/ros/bounded_queue.h"
-#include "kestrel_slam/ros/conversions.h"
-#include "kestrel_slam/ros/fair_mutex.h"
-#include "kestrel_slam/ros/shared_mapper.h"
-#include "kestrel_slam/ros/trajectory_log.h"
-#include "kestrel_slam/ros/uncertainty_markers.h"
+#include "kestrel_slam/messages/conversions.h"
+#include "kestrel_slam/ros/common/bounded_queue.h"
+#include "kestrel_slam/ros/common/fair_mutex.h"
+#include "kestrel_slam/ros/mapper/shared_mapper.h"
+#include "kestrel_slam/ros/mapper/trajectory_log.h"
+#include "kestrel_slam/ros/mapper/uncertainty_markers.h"
 #include "mapper_client.h"
 
 namespace kestrel_slam {
@@ -161,7 +161,7 @@ TEST(Conversions, PoseThereAndBack) {
   const Pose2 back = planarFromMessage(toMessage(pose));
   EXPECT_DOUBLE_EQ(back.x, pose.x);
   EXPECT_DOUBLE_EQ(back.y, pose.y);
-  EXPECT_NEAR(back.theta, pose.theta, 1e-12);
+  EXPECT_NEAR(back.yaw, pose.yaw, 1e-12);
 }
 
 TEST(Conversions, PoseRefusesNonsense) {

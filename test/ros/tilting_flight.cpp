@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/gravity.h"
 
 namespace kestrel_slam {
 namespace {

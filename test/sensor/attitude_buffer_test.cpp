@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/pose3.h"
 
 namespace kestrel_slam {
 namespace {
@@ -25,7 +26,7 @@ Attitude lookUp(const AttitudeBuffer& buffer, double time) {
   return attitude;
 }
 
-TEST(AttitudeParts, separateYawFromTilt) {
+TEST(AttitudeParts, SeparateYawFromTilt) {
   const Quaterniond q = fromEuler(0.2, -0.3, 2.0);
   EXPECT_NEAR(yawOf(q), 2.0, 1e-12);
   EXPECT_LT(withoutYaw(q).angularDistance(fromEuler(0.2, -0.3, 0.0)), 1e-12);
@@ -33,7 +34,7 @@ TEST(AttitudeParts, separateYawFromTilt) {
   EXPECT_NEAR(tiltOf(fromEuler(kPi, 0.0, 0.0)), kPi, 1e-12);
 }
 
-TEST(AttitudeBuffer, interpolatesBetweenTwoAttitudes) {
+TEST(AttitudeBuffer, InterpolatesBetweenTwoAttitudes) {
   AttitudeBuffer buffer;
   ASSERT_TRUE(buffer.add(10.0, fromEuler(0.0, 0.0, 1.0), Vector3d::Zero()));
   ASSERT_TRUE(buffer.add(10.1, fromEuler(0.2, 0.0, 1.0), Vector3d::Zero()));
@@ -41,24 +42,25 @@ TEST(AttitudeBuffer, interpolatesBetweenTwoAttitudes) {
   EXPECT_LT(attitude.stabilized_R_base.angularDistance(fromEuler(0.05, 0.0, 0.0)), 1e-9);
 }
 
-TEST(AttitudeBuffer, integratesTheGyroAndNotTheMagnetometer) {
+TEST(AttitudeBuffer, IntegratesTheGyroAndNotTheMagnetometer) {
   AttitudeBuffer buffer;
   // The rate grows from 0 to 2 rad/s in 1 s: 1 rad. The quaternion's yaw jumps about.
   for (int i = 0; i <= 100; ++i) {
     const double t = 0.01 * i;
     buffer.add(t, fromEuler(0.0, 0.0, 0.5 * (i % 3)), Vector3d(0.0, 0.0, 2.0 * t));
   }
-  EXPECT_NEAR(lookUp(buffer, 1.0).heading - lookUp(buffer, 0.0).heading, 1.0, 1e-9);
-  EXPECT_NEAR(lookUp(buffer, 0.505).heading - lookUp(buffer, 0.0).heading, 0.505 * 0.505, 1e-9);
+  EXPECT_NEAR(lookUp(buffer, 1.0).integrated_yaw - lookUp(buffer, 0.0).integrated_yaw, 1.0, 1e-9);
+  EXPECT_NEAR(lookUp(buffer, 0.505).integrated_yaw - lookUp(buffer, 0.0).integrated_yaw,
+              0.505 * 0.505, 1e-9);
 }
 
-TEST(AttitudeBuffer, takesTheTurnFromTheOrientationWhereThereIsNoGyro) {
+TEST(AttitudeBuffer, TakesTheTurnFromTheOrientationWhereThereIsNoGyro) {
   AttitudeBuffer buffer;
   for (int i = 0; i <= 80; ++i) buffer.add(0.1 * i, fromEuler(0.0, 0.0, 0.1 * i), std::nullopt);
-  EXPECT_NEAR(lookUp(buffer, 8.0).heading - lookUp(buffer, 0.05).heading, 7.95, 1e-9);
+  EXPECT_NEAR(lookUp(buffer, 8.0).integrated_yaw - lookUp(buffer, 0.05).integrated_yaw, 7.95, 1e-9);
 }
 
-TEST(AttitudeBuffer, theHeadingOfATiltedBaseIsThatOfItsYaw) {
+TEST(AttitudeBuffer, TheHeadingOfATiltedBaseIsThatOfItsYaw) {
   // A base that is tilted and turns about the vertical of the world at 1 rad/s.
   const Quaterniond tilt = fromEuler(0.3, -0.2, 0.0);
   AttitudeBuffer buffer;
@@ -66,10 +68,10 @@ TEST(AttitudeBuffer, theHeadingOfATiltedBaseIsThatOfItsYaw) {
     const Quaterniond orientation = AngleAxisd(0.01 * i, Vector3d::UnitZ()) * tilt;
     buffer.add(0.01 * i, orientation, orientation.inverse() * Vector3d::UnitZ());
   }
-  EXPECT_NEAR(lookUp(buffer, 1.0).heading - lookUp(buffer, 0.0).heading, 1.0, 1e-9);
+  EXPECT_NEAR(lookUp(buffer, 1.0).integrated_yaw - lookUp(buffer, 0.0).integrated_yaw, 1.0, 1e-9);
 }
 
-TEST(AttitudeBuffer, aLateStampIsPutIntoItsPlace) {
+TEST(AttitudeBuffer, ALateStampIsPutIntoItsPlace) {
   AttitudeBuffer sorted, shuffled;
   const int order[] = {0, 2, 1, 4, 5, 3, 6};
   for (int i = 0; i <= 6; ++i) {
@@ -80,11 +82,11 @@ TEST(AttitudeBuffer, aLateStampIsPutIntoItsPlace) {
   for (double t = 0.0; t <= 0.6; t += 0.037) {
     const Attitude a = lookUp(sorted, t), b = lookUp(shuffled, t);
     EXPECT_LT(a.stabilized_R_base.angularDistance(b.stabilized_R_base), 1e-12);
-    EXPECT_NEAR(a.heading, b.heading, 1e-12);
+    EXPECT_NEAR(a.integrated_yaw, b.integrated_yaw, 1e-12);
   }
 }
 
-TEST(AttitudeBuffer, saysWhyThereIsNone) {
+TEST(AttitudeBuffer, SaysWhyThereIsNone) {
   AttitudeBuffer buffer;
   Attitude attitude;
   EXPECT_EQ(buffer.lookup(1.0, attitude), AttitudeError::kEmpty);
@@ -101,7 +103,7 @@ TEST(AttitudeBuffer, saysWhyThereIsNone) {
   EXPECT_EQ(buffer.covers(1.05, 2.05), AttitudeError::kNotYet);
 }
 
-TEST(AttitudeBuffer, refusesWhatIsNotFiniteTwiceThereOrTooOld) {
+TEST(AttitudeBuffer, RefusesWhatIsNotFiniteTwiceThereOrTooOld) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   AttitudeBuffer buffer;
   EXPECT_TRUE(buffer.add(100.0, Quaterniond::Identity(), std::nullopt));
@@ -114,16 +116,16 @@ TEST(AttitudeBuffer, refusesWhatIsNotFiniteTwiceThereOrTooOld) {
   EXPECT_EQ(buffer.size(), 1U);
 }
 
-TEST(AttitudeBuffer, forgetsTheDistantPast) {
+TEST(AttitudeBuffer, ForgetsTheDistantPast) {
   AttitudeBuffer buffer;
   for (int i = 0; i < 10000; ++i) buffer.add(0.01 * i, Quaterniond::Identity(), Vector3d::UnitZ());
   EXPECT_LE(buffer.size(), 1001U);
   EXPECT_NEAR(*buffer.latest(), 99.99, 1e-9);
-  // Headings go on over what was forgotten.
-  EXPECT_NEAR(lookUp(buffer, *buffer.latest()).heading, 99.99, 1e-6);
+  // Yaws go on over what was forgotten.
+  EXPECT_NEAR(lookUp(buffer, *buffer.latest()).integrated_yaw, 99.99, 1e-6);
 }
 
-TEST(AttitudeBuffer, integratesTheHorizontalAcceleration) {
+TEST(AttitudeBuffer, IntegratesTheHorizontalAcceleration) {
   // Tilted by 0.1 rad, it accelerates with 1.5 m/s² along its nose and turns at 1 rad/s.
   const Quaterniond tilt = fromEuler(0.0, 0.1, 0.0);
   const Vector3d force = tilt.inverse() * Vector3d(1.5, 0.0, 9.81);
@@ -134,22 +136,23 @@ TEST(AttitudeBuffer, integratesTheHorizontalAcceleration) {
     buffer.add(t, orientation, orientation.inverse() * Vector3d::UnitZ(), force);
   }
   const Attitude a = lookUp(buffer, 0.0), b = lookUp(buffer, 1.0);
-  ASSERT_TRUE(a.speed && b.speed);
-  const Eigen::Vector2d gained = Eigen::Rotation2Dd(-a.heading) * (*b.speed - *a.speed);
+  ASSERT_TRUE(a.integrated_acceleration && b.integrated_acceleration);
+  const Eigen::Vector2d gained = Eigen::Rotation2Dd(-a.integrated_yaw) *
+                                 (*b.integrated_acceleration - *a.integrated_acceleration);
   EXPECT_NEAR(gained.x(), 1.5 * std::sin(1.0), 1e-4);  // the integral of 1.5 (cos t, sin t)
   EXPECT_NEAR(gained.y(), 1.5 * (1.0 - std::cos(1.0)), 1e-4);
 }
 
-TEST(AttitudeBuffer, doesNotTakeEverythingForAnAcceleration) {
+TEST(AttitudeBuffer, DoesNotTakeEverythingForAnAcceleration) {
   AttitudeBuffer buffer;
   for (const Vector3d& force : {Vector3d(0, 0, 1), Vector3d(0, 0, 1000)}) {  // in g; broken
     buffer.add(static_cast<double>(buffer.size()), Quaterniond::Identity(), Vector3d::Zero(),
                force);
-    EXPECT_FALSE(lookUp(buffer, *buffer.latest()).speed);
+    EXPECT_FALSE(lookUp(buffer, *buffer.latest()).integrated_acceleration);
   }
 }
 
-TEST(AttitudeError, everyErrorHasAText) {
+TEST(AttitudeError, EveryErrorHasAText) {
   for (const AttitudeError error :
        {AttitudeError::kNone, AttitudeError::kEmpty, AttitudeError::kTooOld, AttitudeError::kNotYet,
         AttitudeError::kGap}) {

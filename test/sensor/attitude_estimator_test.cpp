@@ -1,4 +1,4 @@
-#include "../../src/sensor/attitude_estimator.h"
+#include "kestrel_slam/sensor/attitude_estimator.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,8 @@
 #include <functional>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/gravity.h"
+#include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/geometry/random.h"
 
 namespace kestrel_slam {

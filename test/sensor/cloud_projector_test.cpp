@@ -57,7 +57,7 @@ Projection projectIt(const PointCloud& cloud, const AttitudeBuffer* attitude) {
   return ScanProjector(ProjectorConfig()).project(cloud, Isometry3d::Identity(), vehicle);
 }
 
-TEST(CloudProjector, slicesARoomFromATiltedAndTurningLidar) {
+TEST(CloudProjector, SlicesARoomFromATiltedAndTurningLidar) {
   const Quaterniond tilt(AngleAxisd(0.15, Vector3d(0.6, 0.8, 0.0)));
   const AttitudeBuffer attitude = attitudeOf(tilt, 1.5);
   const Projection result = projectIt(scanRoundRoom(tilt, 1.5), &attitude);
@@ -71,7 +71,7 @@ TEST(CloudProjector, slicesARoomFromATiltedAndTurningLidar) {
   }
 }
 
-TEST(CloudProjector, keepsTheNearestReturnOfEveryDirectionWhereItTrulyIs) {
+TEST(CloudProjector, KeepsTheNearestReturnOfEveryDirectionWhereItTrulyIs) {
   PointCloud cloud;
   cloud.stamp = kStamp;
   cloud.points = {
@@ -83,7 +83,7 @@ TEST(CloudProjector, keepsTheNearestReturnOfEveryDirectionWhereItTrulyIs) {
   EXPECT_FLOAT_EQ(result.scan.rays[0].end.y(), 0.001F);
 }
 
-TEST(CloudProjector, whatIsOutsideOfTheSliceClearsWhatItPassed) {
+TEST(CloudProjector, WhatIsOutsideOfTheSliceClearsWhatItPassed) {
   PointCloud cloud;
   cloud.stamp = kStamp;
   cloud.points = {{4.0F, 0.001F, 3.0F, 0.0F}};  // 1.5 m high after 2 m
@@ -94,7 +94,7 @@ TEST(CloudProjector, whatIsOutsideOfTheSliceClearsWhatItPassed) {
   EXPECT_EQ(result.counts.outside, 1U);
 }
 
-TEST(CloudProjector, countsWhatIsInvalidAndRefusesWhatIsEmptyOrBroken) {
+TEST(CloudProjector, CountsWhatIsInvalidAndRefusesWhatIsEmptyOrBroken) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   PointCloud cloud;
   cloud.stamp = kStamp;

@@ -49,7 +49,7 @@ class GarbageScans {
   std::mt19937_64 random_{117};
 };
 
-TEST(ScanProjector, garbageGivesFiniteRaysOrAReason) {
+TEST(ScanProjector, GarbageGivesFiniteRaysOrAReason) {
   GarbageScans garbage;
   ScanProjector projector{ProjectorConfig()};
   std::size_t used = 0, refused = 0;

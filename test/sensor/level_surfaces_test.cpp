@@ -25,7 +25,7 @@ std::vector<Eigen::Vector3f> returnsOf(double pitch, double wall, double ceiling
   return returns;
 }
 
-TEST(LevelSurfaces, remembersACeilingAndIsNotFooledByAWall) {
+TEST(LevelSurfaces, RemembersACeilingAndIsNotFooledByAWall) {
   LevelSurfaces surfaces;
   for (int i = 0; i < 20; ++i) {
     const double pitch = degToRad(5.0 + 0.5 * i), time = 0.05 * i;
@@ -40,7 +40,7 @@ TEST(LevelSurfaces, remembersACeilingAndIsNotFooledByAWall) {
   EXPECT_FALSE(surfaces.floorHeight(0.95)) << "the wall ahead is no floor";
 }
 
-TEST(LevelSurfaces, aLineNeedsTiltAndReturns) {
+TEST(LevelSurfaces, ALineNeedsTiltAndReturns) {
   EXPECT_FALSE(outermostLine(returnsOf(0.02, 3.0, 1.0), pitched(0.02), +1));
   EXPECT_FALSE(outermostLine({}, pitched(0.2), +1));
   const auto highest = outermostLine(returnsOf(0.2, 3.0, 1.0), pitched(0.2), +1);

@@ -11,7 +11,7 @@
 namespace kestrel_slam {
 namespace {
 
-TEST(RangeCorrection, isLinearBetweenItsRangesAndConstantBeyond) {
+TEST(RangeCorrection, IsLinearBetweenItsRangesAndConstantBeyond) {
   const RangeCorrection correction("4:0.2, 6:-0.4");
   EXPECT_FLOAT_EQ(correction.corrected(2.0F), 2.1F);  // from zero at zero
   EXPECT_FLOAT_EQ(correction.corrected(4.0F), 4.2F);
@@ -19,7 +19,7 @@ TEST(RangeCorrection, isLinearBetweenItsRangesAndConstantBeyond) {
   EXPECT_FLOAT_EQ(correction.corrected(9.0F), 8.6F);
 }
 
-TEST(RangeCorrection, leavesAloneWhatIsNoRange) {
+TEST(RangeCorrection, LeavesAloneWhatIsNoRange) {
   const RangeCorrection correction("4:0.2");
   EXPECT_EQ(correction.corrected(0.0F), 0.0F);
   EXPECT_EQ(correction.corrected(-1.0F), -1.0F);
@@ -28,18 +28,18 @@ TEST(RangeCorrection, leavesAloneWhatIsNoRange) {
   EXPECT_TRUE(std::isnan(correction.corrected(std::nanf(""))));
 }
 
-TEST(RangeCorrection, anEmptyTextCorrectsNothing) {
+TEST(RangeCorrection, AnEmptyTextCorrectsNothing) {
   EXPECT_TRUE(RangeCorrection("").isEmpty());
   EXPECT_EQ(RangeCorrection("").corrected(3.0F), 3.0F);
 }
 
-TEST(RangeCorrection, refusesWhatItCannotRead) {
+TEST(RangeCorrection, RefusesWhatItCannotRead) {
   for (const char* text : {"4", "4:", "4:x", "0:1", "-1:0.1", "4:0.1, 3:0.1", "4:-5", "4:nan"}) {
     EXPECT_THROW(RangeCorrection{text}, std::invalid_argument) << text;
   }
 }
 
-TEST(RangeCorrection, isAppliedByTheScanProjector) {
+TEST(RangeCorrection, IsAppliedByTheScanProjector) {
   ProjectorConfig config;
   config.range_correction = "2:0.1";
   LaserScan scan;

@@ -44,7 +44,7 @@ void expectPoint(const Eigen::Vector2f& actual, float x, float y) {
   EXPECT_NEAR(actual.y(), y, 1e-6F);
 }
 
-TEST(ScanProjector, projectsBeamsIntoTheBaseFrame) {
+TEST(ScanProjector, ProjectsBeamsIntoTheBaseFrame) {
   const Projection result = project(makeScan({1.0F, 2.0F, 3.0F, 4.0F}));
   ASSERT_EQ(result.error, ScanError::kNone);
   EXPECT_EQ(result.message, "");
@@ -61,7 +61,7 @@ TEST(ScanProjector, projectsBeamsIntoTheBaseFrame) {
   }
 }
 
-TEST(ScanProjector, usesTheMounting) {
+TEST(ScanProjector, UsesTheMounting) {
   Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
   base_T_laser.translate(Eigen::Vector3d(0.1, -0.2, 0.3));
   base_T_laser.rotate(Eigen::AngleAxisd(kPi / 2.0, Eigen::Vector3d::UnitZ()));
@@ -72,7 +72,7 @@ TEST(ScanProjector, usesTheMounting) {
   expectPoint(result.scan.rays[1].end, -1.9F, -0.2F);
 }
 
-TEST(ScanProjector, mirrorsALaserThatHangsUpsideDown) {
+TEST(ScanProjector, MirrorsALaserThatHangsUpsideDown) {
   Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
   base_T_laser.rotate(Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX()));
   const Projection result = project(makeScan({1.0F, 2.0F}), BeamFilterConfig(), base_T_laser);
@@ -81,7 +81,7 @@ TEST(ScanProjector, mirrorsALaserThatHangsUpsideDown) {
   expectPoint(result.scan.rays[1].end, 0.0F, -2.0F);
 }
 
-TEST(ScanProjector, shortensATiltedBeamToTheHorizontal) {
+TEST(ScanProjector, ShortensATiltedBeamToTheHorizontal) {
   Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
   base_T_laser.rotate(Eigen::AngleAxisd(kPi / 3.0, Eigen::Vector3d::UnitY()));
   const Projection result = project(makeScan({2.0F, 2.0F}), BeamFilterConfig(), base_T_laser);
@@ -90,7 +90,7 @@ TEST(ScanProjector, shortensATiltedBeamToTheHorizontal) {
   expectPoint(result.scan.rays[1].end, 0.0F, 2.0F);
 }
 
-TEST(ScanProjector, directionsMatchSineAndCosineToTheLastBeam) {
+TEST(ScanProjector, DirectionsMatchSineAndCosineToTheLastBeam) {
   LaserScan scan = makeScan(std::vector<float>(20000, 10.0F));
   scan.angle_min = -2.5;
   scan.angle_increment = 2.0 * kPi / 20000.0;
@@ -103,13 +103,13 @@ TEST(ScanProjector, directionsMatchSineAndCosineToTheLastBeam) {
   }
 }
 
-TEST(ScanProjector, acceptsAFanThatTurnsClockwise) {
+TEST(ScanProjector, AcceptsAFanThatTurnsClockwise) {
   LaserScan scan = makeScan({1.0F, 2.0F});
   scan.angle_increment = -kPi / 2.0;
   expectPoint(project(scan).scan.rays.at(1).end, 0.0F, -2.0F);
 }
 
-TEST(ScanProjector, followsRep117) {
+TEST(ScanProjector, FollowsRep117) {
   BeamFilterConfig config;
   config.min_range_m = 0.5;
   config.max_range_m = 20.0;
@@ -129,7 +129,7 @@ TEST(ScanProjector, followsRep117) {
   expectPoint(result.scan.rays[1].end, 0.5F * std::cos(0.6F), 0.5F * std::sin(0.6F));
 }
 
-TEST(ScanProjector, clearsNoFartherThanTheSensorSees) {
+TEST(ScanProjector, ClearsNoFartherThanTheSensorSees) {
   LaserScan scan = makeScan({kInf, 5.6F, 5.5F});
   scan.range_max = 5.6F;
   const Projection result = project(scan);  // clear_range_m is 10
@@ -141,7 +141,7 @@ TEST(ScanProjector, clearsNoFartherThanTheSensorSees) {
   expectPoint(result.scan.rays[1].end, 0.0F, 5.6F);
 }
 
-TEST(ScanProjector, clearRangeZeroTurnsClearingOff) {
+TEST(ScanProjector, ClearRangeZeroTurnsClearingOff) {
   BeamFilterConfig config;
   config.clear_range_m = 0.0;
   const Projection result = project(makeScan({kInf, 2.0F, 45.0F}), config);
@@ -150,7 +150,7 @@ TEST(ScanProjector, clearRangeZeroTurnsClearingOff) {
   EXPECT_TRUE(result.scan.rays[0].hit);
 }
 
-TEST(ScanProjector, rangeMaxZeroIsUnset) {
+TEST(ScanProjector, RangeMaxZeroIsUnset) {
   LaserScan scan = makeScan({2.0F, 29.0F, 31.0F});
   scan.range_max = 0.0;
   const Projection result = project(scan);
@@ -159,21 +159,21 @@ TEST(ScanProjector, rangeMaxZeroIsUnset) {
   EXPECT_EQ(result.counts.clears, 1U);
 }
 
-TEST(ScanProjector, aScanOfNoReturnsClears) {
+TEST(ScanProjector, AScanOfNoReturnsClears) {
   const Projection result = project(makeScan({kInf, kInf, kInf}));
   EXPECT_EQ(result.error, ScanError::kNone);
   EXPECT_EQ(result.counts.clears, 3U);
   EXPECT_EQ(result.scan.hitCount(), 0U);
 }
 
-TEST(ScanProjector, refusesAScanWithoutAValidBeam) {
+TEST(ScanProjector, RefusesAScanWithoutAValidBeam) {
   const Projection result = project(makeScan({kNan, kNan, -kInf, 0.01F}));
   EXPECT_EQ(result.error, ScanError::kNoValidBeam);
   EXPECT_EQ(result.message, "no usable beam: 2 invalid, 2 too close");
   EXPECT_EQ(project(makeScan({})).error, ScanError::kNoBeams);
 }
 
-TEST(ScanProjector, refusesTooManyBeams) {
+TEST(ScanProjector, RefusesTooManyBeams) {
   BeamFilterConfig config;
   config.max_beams = 3;
   EXPECT_EQ(project(makeScan({1.0F, 1.0F, 1.0F}), config).error, ScanError::kNone);
@@ -183,7 +183,7 @@ TEST(ScanProjector, refusesTooManyBeams) {
   EXPECT_EQ(project(makeScan(std::vector<float>(10000000, 1.0F))).error, ScanError::kTooManyBeams);
 }
 
-TEST(ScanProjector, refusesBadGeometry) {
+TEST(ScanProjector, RefusesBadGeometry) {
   const auto with = [](void (*change)(LaserScan&)) {
     LaserScan scan = makeScan({1.0F, 1.0F, 1.0F, 1.0F});
     change(scan);
@@ -206,7 +206,7 @@ TEST(ScanProjector, refusesBadGeometry) {
   EXPECT_EQ(with([](LaserScan& s) { s.stamp = kInf; }), ScanError::kBadStamp);
 }
 
-TEST(ScanProjector, allowsOneBeamMoreThanAFullTurn) {
+TEST(ScanProjector, AllowsOneBeamMoreThanAFullTurn) {
   LaserScan scan = makeScan(std::vector<float>(361, 1.0F));
   scan.angle_increment = degToRad(1.0);
   EXPECT_EQ(project(scan).error, ScanError::kNone);
@@ -214,14 +214,14 @@ TEST(ScanProjector, allowsOneBeamMoreThanAFullTurn) {
   EXPECT_EQ(project(scan).error, ScanError::kBadGeometry);
 }
 
-TEST(ScanProjector, refusesAMountingThatIsNotFinite) {
+TEST(ScanProjector, RefusesAMountingThatIsNotFinite) {
   Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
   base_T_laser.translation().x() = std::nan("");
   EXPECT_EQ(project(makeScan({1.0F}), BeamFilterConfig(), base_T_laser).error,
             ScanError::kBadGeometry);
 }
 
-TEST(ScanProjector, everyErrorHasAWord) {
+TEST(ScanProjector, EveryErrorHasAWord) {
   EXPECT_STREQ(toString(ScanError::kNone), "none");
   EXPECT_STREQ(toString(ScanError::kNoBeams), "no-beams");
   EXPECT_STREQ(toString(ScanError::kBadGeometry), "bad-geometry");

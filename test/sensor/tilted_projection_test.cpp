@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/scan_projector.h"
 
 namespace kestrel_slam {
@@ -92,7 +93,7 @@ double worstWallDistance(const PlanarScan& scan, const Isometry3d& world_T_base)
 
 const Isometry3d kMounting = poseOf(Vector3d(0.1, -0.05, 0.08), tilt(kPi, 0.0, 0.3));
 
-TEST(TiltedProjection, putsTheWallsOfATiltedLaserWhereTheyAre) {
+TEST(TiltedProjection, PutsTheWallsOfATiltedLaserWhereTheyAre) {
   const Isometry3d world_T_base = poseOf(Vector3d(0.5, -0.7, 1.0), tilt(0.17, -0.12, 0.6));
   const PoseAt base = [&](double) { return world_T_base; };
   const LaserScan scan = scanRoom([&](double t) { return base(t) * kMounting; }, 0.0);
@@ -112,7 +113,7 @@ TEST(TiltedProjection, putsTheWallsOfATiltedLaserWhereTheyAre) {
   EXPECT_GT(worstWallDistance(level.scan, world_T_base), 0.05);
 }
 
-TEST(TiltedProjection, turnsEveryBeamWithTheAttitudeAtItsOwnTime) {
+TEST(TiltedProjection, TurnsEveryBeamWithTheAttitudeAtItsOwnTime) {
   // 2 rad/s of yaw, 3 rad/s of roll and 1 m/s of translation during a sweep of 19 ms.
   const PoseAt base = [](double t) {
     const double s = t - kStamp;
@@ -136,7 +137,7 @@ TEST(TiltedProjection, turnsEveryBeamWithTheAttitudeAtItsOwnTime) {
             0.01);
 }
 
-TEST(TiltedProjection, floorIsNoWallAndBeamsClearWhatTheyPassed) {
+TEST(TiltedProjection, FloorIsNoWallAndBeamsClearWhatTheyPassed) {
   const Isometry3d world_T_base = poseOf(Vector3d(0.0, 0.0, 0.5), tilt(0.0, 0.25));
   const PoseAt base = [&](double) { return world_T_base; };
   const LaserScan scan = scanRoom(base, 0.0);
@@ -160,7 +161,7 @@ TEST(TiltedProjection, floorIsNoWallAndBeamsClearWhatTheyPassed) {
   EXPECT_TRUE(found);
 }
 
-TEST(TiltedProjection, leavesOutWhatIsAboveAndBelowTheSlice) {
+TEST(TiltedProjection, LeavesOutWhatIsAboveAndBelowTheSlice) {
   ProjectorConfig config;
   config.slice_min_m = -0.2;
   config.slice_max_m = 0.3;
@@ -180,7 +181,7 @@ TEST(TiltedProjection, leavesOutWhatIsAboveAndBelowTheSlice) {
   }
 }
 
-TEST(TiltedProjection, dropsAScanBeyondTheTiltLimitOrWithoutAttitude) {
+TEST(TiltedProjection, DropsAScanBeyondTheTiltLimitOrWithoutAttitude) {
   const PoseAt base = [](double) { return poseOf(Vector3d(0, 0, 1), tilt(0.7, 0.0)); };
   const LaserScan scan = scanRoom(base, 0.0);
   AttitudeBuffer attitude = imuOf(base);
@@ -194,7 +195,7 @@ TEST(TiltedProjection, dropsAScanBeyondTheTiltLimitOrWithoutAttitude) {
   EXPECT_EQ(projector.project(scan, Isometry3d::Identity(), vehicle).error, ScanError::kNoAttitude);
 }
 
-TEST(TiltedProjection, measuresTheHeightByAMirror) {
+TEST(TiltedProjection, MeasuresTheHeightByAMirror) {
   ProjectorConfig config;
   config.mirror_angles = "120:135";
   config.mirror_distance_m = 0.08;
@@ -244,15 +245,15 @@ std::vector<double> floorHeights(double height, double x) {
   return heights;
 }
 
-TEST(TiltedProjection, findsTheHeightOverTheFloorByItsReturns) {
+TEST(TiltedProjection, FindsTheHeightOverTheFloorByItsReturns) {
   const std::vector<double> heights = floorHeights(0.5, -3.8);
   ASSERT_GT(heights.size(), 3U);
   for (const double height : heights) EXPECT_NEAR(height, 0.5, 0.02);
 }
 
-TEST(TiltedProjection, aWallAheadIsNoFloor) { EXPECT_TRUE(floorHeights(50.0, 1.0).empty()); }
+TEST(TiltedProjection, AWallAheadIsNoFloor) { EXPECT_TRUE(floorHeights(50.0, 1.0).empty()); }
 
-TEST(TiltedProjection, leavesOutMixedPixelsButNotWallsSeenAtAFlatAngle) {
+TEST(TiltedProjection, LeavesOutMixedPixelsButNotWallsSeenAtAFlatAngle) {
   LaserScan scan;
   scan.stamp = kStamp;
   scan.angle_min = 0.0;
@@ -271,7 +272,7 @@ TEST(TiltedProjection, leavesOutMixedPixelsButNotWallsSeenAtAFlatAngle) {
   EXPECT_EQ(wall.counts.hits, 400U);
 }
 
-TEST(TiltedProjection, masksTheVehiclesFrame) {
+TEST(TiltedProjection, MasksTheVehiclesFrame) {
   ProjectorConfig config;
   config.ignored_angles = "-135:-110, 110:135";
   config.vehicle_radius_m = 0.3;
@@ -291,7 +292,7 @@ TEST(TiltedProjection, masksTheVehiclesFrame) {
   EXPECT_EQ(parseAngleRanges("").size(), 0U);
 }
 
-TEST(TiltedProjection, aBeamWithoutAReturnClearsOnlyInsideTheSlice) {
+TEST(TiltedProjection, ABeamWithoutAReturnClearsOnlyInsideTheSlice) {
   ProjectorConfig config;
   config.slice_min_m = -0.5;
   const PoseAt base = [](double) { return poseOf(Vector3d::Zero(), tilt(0.0, 0.2)); };

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_tracker.h"
 
 namespace kestrel_slam {

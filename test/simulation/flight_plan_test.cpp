@@ -33,12 +33,12 @@ double distanceToSolids(const Place& place, const Eigen::Vector3d& point) {
   double distance = std::min(point.z(), place.parts.ceiling_m - point.z());
   for (const Box& box : place.parts.boxes) {
     const Eigen::Vector3d local =
-        Eigen::AngleAxisd(-box.yaw, Eigen::Vector3d::UnitZ()) * (point - box.centre);
+        Eigen::AngleAxisd(-box.yaw, Eigen::Vector3d::UnitZ()) * (point - box.center);
     const Eigen::Vector3d outside = (local.cwiseAbs() - box.size / 2.0).cwiseMax(0.0);
     distance = std::min(distance, outside.norm());
   }
   for (const Cylinder& cylinder : place.parts.cylinders) {
-    const double aside = (point.head<2>() - cylinder.centre).norm() - cylinder.radius;
+    const double aside = (point.head<2>() - cylinder.center).norm() - cylinder.radius;
     const double above = std::max(point.z() - cylinder.top, cylinder.bottom - point.z());
     distance = std::min(distance, std::hypot(std::max(aside, 0.0), std::max(above, 0.0)));
   }
@@ -54,7 +54,7 @@ double smallestDistance(const Place& place, const Motion& motion) {
   return smallest;
 }
 
-TEST(RandomPlan, flightsStayClearOfEverythingAlsoOfGlass) {
+TEST(RandomPlan, FlightsStayClearOfEverythingAlsoOfGlass) {
   const Place place = room();
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const FlightPlan plan = randomPlan(place, 30.0, seed);
@@ -63,7 +63,7 @@ TEST(RandomPlan, flightsStayClearOfEverythingAlsoOfGlass) {
   }
 }
 
-TEST(RandomPlan, wanderAboutWithYawAndHeightForAboutTheGivenTime) {
+TEST(RandomPlan, WanderAboutWithYawAndHeightForAboutTheGivenTime) {
   double farthest = 0.0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const FlightPlan plan = randomPlan(room(), 30.0, seed);
@@ -82,13 +82,13 @@ TEST(RandomPlan, wanderAboutWithYawAndHeightForAboutTheGivenTime) {
   EXPECT_GT(farthest, 4.0);
 }
 
-TEST(RandomPlan, beginsWhereThePlanOfThePlaceBegins) {
+TEST(RandomPlan, BeginsWhereThePlanOfThePlaceBegins) {
   const FlightPlan plan = randomPlan(room(), 10.0, 1);
   EXPECT_EQ(plan.waypoints.front().position, room().plan.waypoints.front().position);
   EXPECT_EQ(plan.waypoints.front().yaw, 0.3);
 }
 
-TEST(RandomPlan, keepsAwayFromWherePeopleWalk) {
+TEST(RandomPlan, KeepsAwayFromWherePeopleWalk) {
   Place place = room();
   Walker walker;
   walker.corners = {{-3.0, 0.2}, {3.0, 0.2}};
@@ -100,7 +100,7 @@ TEST(RandomPlan, keepsAwayFromWherePeopleWalk) {
   }
 }
 
-TEST(RandomPlan, sameSeedSamePlan) {
+TEST(RandomPlan, SameSeedSamePlan) {
   const FlightPlan a = randomPlan(room(), 30.0, 5), b = randomPlan(room(), 30.0, 5);
   const FlightPlan other = randomPlan(room(), 30.0, 6);
   ASSERT_EQ(a.waypoints.size(), b.waypoints.size());
@@ -109,7 +109,7 @@ TEST(RandomPlan, sameSeedSamePlan) {
   EXPECT_NE(a.waypoints.back().position, other.waypoints.back().position);
 }
 
-TEST(RandomPlan, staysWhereThereIsNoWay) {
+TEST(RandomPlan, StaysWhereThereIsNoWay) {
   Place place = room();
   place.parts.boxes.push_back({{-2.5, -1.5, 1.5}, {0.8, 0.8, 3.0}});  // in a cage
   const FlightPlan plan = randomPlan(place, 20.0, 1);
@@ -117,7 +117,7 @@ TEST(RandomPlan, staysWhereThereIsNoWay) {
   EXPECT_EQ(plan.waypoints[0].hover_s, 20.0);
 }
 
-TEST(RandomPlan, climbsFirstWhereThePlanBeginsCloseToTheFloor) {
+TEST(RandomPlan, ClimbsFirstWhereThePlanBeginsCloseToTheFloor) {
   Place place = room();
   place.plan.waypoints[0].position.z() = 0.3;
   const FlightPlan plan = randomPlan(place, 20.0, 1);
@@ -126,7 +126,7 @@ TEST(RandomPlan, climbsFirstWhereThePlanBeginsCloseToTheFloor) {
   EXPECT_EQ(plan.waypoints[1].position, Eigen::Vector3d(-2.5, -1.5, 0.7));
 }
 
-TEST(RandomPlan, refusesAPlaceWithoutAStartAndADurationThatIsNone) {
+TEST(RandomPlan, RefusesAPlaceWithoutAStartAndADurationThatIsNone) {
   Place place = room();
   EXPECT_THROW(randomPlan(place, std::numeric_limits<double>::infinity(), 1),
                std::invalid_argument);
@@ -135,7 +135,7 @@ TEST(RandomPlan, refusesAPlaceWithoutAStartAndADurationThatIsNone) {
   EXPECT_THROW(randomPlan(place, 10.0, 1), std::invalid_argument);
 }
 
-TEST(BuiltInPlaces, haveRoomForRandomFlights) {
+TEST(BuiltInPlaces, HaveRoomForRandomFlights) {
   for (const Place& place : places()) {
     const FlightPlan plan = randomPlan(place, 20.0, 1);
     const auto motion = flyQuadrotor(plan, place.quadrotor, 1);
@@ -144,7 +144,7 @@ TEST(BuiltInPlaces, haveRoomForRandomFlights) {
   }
 }
 
-TEST(BuiltInPlaces, areFlownAlongTheirPlans) {
+TEST(BuiltInPlaces, AreFlownAlongTheirPlans) {
   for (const Place& place : places()) {
     const auto motion = flyQuadrotor(place.plan, place.quadrotor, 1);
     const Eigen::Vector3d end = motion->at(motion->duration()).world_T_base.translation();

@@ -26,13 +26,13 @@ class FlightSimulatorTest : public testing::Test {
   const KnownMotion motion_ = KnownMotion(4.0);
 };
 
-TEST_F(FlightSimulatorTest, everySensorSendsAtItsRateFromTheStartToTheEnd) {
+TEST_F(FlightSimulatorTest, EverySensorSendsAtItsRateFromTheStartToTheEnd) {
   const auto counts = countsByType(simulateAll(world_, motion_, smallVehicle(), 1));
   const std::vector<std::size_t> expected = {39, 19, 401, 81, 41, 401, 41};
   EXPECT_EQ(counts, expected);  // laser, lidar, IMU, range finder, barometer, truth, walkers
 }
 
-TEST_F(FlightSimulatorTest, messagesComeInTheOrderOfTheirArrival) {
+TEST_F(FlightSimulatorTest, MessagesComeInTheOrderOfTheirArrival) {
   const auto events = simulateAll(world_, motion_, smallVehicle(), 1);
   EXPECT_EQ(events.front().arrival, kFlightStart);
   for (std::size_t i = 1; i < events.size(); ++i) {
@@ -40,7 +40,7 @@ TEST_F(FlightSimulatorTest, messagesComeInTheOrderOfTheirArrival) {
   }
 }
 
-TEST_F(FlightSimulatorTest, latencyIsThatOfTheSensorAfterItsSweep) {
+TEST_F(FlightSimulatorTest, LatencyIsThatOfTheSensorAfterItsSweep) {
   constexpr double kRounding = 1e-6;  // of stamps of 1.4e9 s
   for (const FlightEvent& event : simulateAll(world_, motion_, smallVehicle(), 1)) {
     const std::vector<double> expected = {0.0091 + 0.005, 0.2 + 0.005, 0.005, 0.01, 0.02, 0.0, 0.0};
@@ -49,7 +49,7 @@ TEST_F(FlightSimulatorTest, latencyIsThatOfTheSensorAfterItsSweep) {
   }
 }
 
-TEST_F(FlightSimulatorTest, stampsInsideOfMessagesAreThoseOfTheEvents) {
+TEST_F(FlightSimulatorTest, StampsInsideOfMessagesAreThoseOfTheEvents) {
   for (const FlightEvent& event : simulateAll(world_, motion_, smallVehicle(), 1)) {
     if (const auto* scan = std::get_if<LaserScan>(&event.message)) {
       ASSERT_EQ(scan->stamp, event.stamp);
@@ -65,7 +65,7 @@ TEST_F(FlightSimulatorTest, stampsInsideOfMessagesAreThoseOfTheEvents) {
   }
 }
 
-TEST_F(FlightSimulatorTest, truthIsTheMotionAtItsStamp) {
+TEST_F(FlightSimulatorTest, TruthIsTheMotionAtItsStamp) {
   std::size_t walkers = 0;
   for (const FlightEvent& event : simulateAll(world_, motion_, smallVehicle(), 1)) {
     const double time = event.stamp - kFlightStart;
@@ -80,7 +80,7 @@ TEST_F(FlightSimulatorTest, truthIsTheMotionAtItsStamp) {
   EXPECT_EQ(walkers, 41U);
 }
 
-TEST_F(FlightSimulatorTest, jitterIsInTheStampsAndNotInWhatIsMeasured) {
+TEST_F(FlightSimulatorTest, JitterIsInTheStampsAndNotInWhatIsMeasured) {
   VehicleModel vehicle = smallVehicle();
   const auto clean = simulateAll(world_, motion_, vehicle, 1);
   vehicle.stamp_jitter_s = 0.002;
@@ -100,7 +100,7 @@ TEST_F(FlightSimulatorTest, jitterIsInTheStampsAndNotInWhatIsMeasured) {
   EXPECT_NEAR(deviationOf(errors), 0.002, 0.0003);
 }
 
-TEST_F(FlightSimulatorTest, lostMessagesAreMissingAndTheOthersUnchanged) {
+TEST_F(FlightSimulatorTest, LostMessagesAreMissingAndTheOthersUnchanged) {
   VehicleModel vehicle = smallVehicle();
   std::map<double, LaserScan> all;
   for (const auto& scan : messagesOf<LaserScan>(simulateAll(world_, motion_, vehicle, 1))) {
@@ -118,7 +118,7 @@ TEST_F(FlightSimulatorTest, lostMessagesAreMissingAndTheOthersUnchanged) {
   EXPECT_EQ(counts, (std::vector<std::size_t>{0, 0, 0, 0, 0, 401, 41}));
 }
 
-TEST_F(FlightSimulatorTest, oneSensorMoreDoesNotChangeTheOthers) {
+TEST_F(FlightSimulatorTest, OneSensorMoreDoesNotChangeTheOthers) {
   const auto all = messagesOf<LaserScan>(simulateAll(world_, motion_, smallVehicle(), 1));
   VehicleModel vehicle = smallVehicle();
   vehicle.imu.reset();
@@ -129,7 +129,7 @@ TEST_F(FlightSimulatorTest, oneSensorMoreDoesNotChangeTheOthers) {
   for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(all[i].ranges, alone[i].ranges);
 }
 
-TEST_F(FlightSimulatorTest, aSecondLaserSweepsHalfwayBetweenTheSweepsOfTheFirst) {
+TEST_F(FlightSimulatorTest, ASecondLaserSweepsHalfwayBetweenTheSweepsOfTheFirst) {
   VehicleModel vehicle = smallVehicle();
   const auto alone = messagesOf<LaserScan>(simulateAll(world_, motion_, vehicle, 1));
   vehicle.second_laser = vehicle.laser;
@@ -148,7 +148,7 @@ TEST_F(FlightSimulatorTest, aSecondLaserSweepsHalfwayBetweenTheSweepsOfTheFirst)
   }
 }
 
-TEST_F(FlightSimulatorTest, aBlockedViewCoversItsBeamsWhileItLasts) {
+TEST_F(FlightSimulatorTest, ABlockedViewCoversItsBeamsWhileItLasts) {
   VehicleModel vehicle = smallVehicle();
   const auto free = messagesOf<LaserScan>(simulateAll(world_, motion_, vehicle, 1));
   BlockedView view;
@@ -173,7 +173,7 @@ TEST_F(FlightSimulatorTest, aBlockedViewCoversItsBeamsWhileItLasts) {
   }
 }
 
-TEST_F(FlightSimulatorTest, sameSeedSameMessagesOtherSeedOtherMessages) {
+TEST_F(FlightSimulatorTest, SameSeedSameMessagesOtherSeedOtherMessages) {
   const auto ranges = [&](std::uint64_t seed) {
     return messagesOf<LaserScan>(simulateAll(world_, motion_, smallVehicle(), seed))[3].ranges;
   };
@@ -181,13 +181,13 @@ TEST_F(FlightSimulatorTest, sameSeedSameMessagesOtherSeedOtherMessages) {
   EXPECT_NE(ranges(1), ranges(2));
 }
 
-TEST_F(FlightSimulatorTest, refusesARateThatIsNone) {
+TEST_F(FlightSimulatorTest, RefusesARateThatIsNone) {
   VehicleModel vehicle;
   vehicle.imu->rate_hz = 0.0;
   EXPECT_THROW(FlightSimulator(world_, motion_, vehicle, 1), std::invalid_argument);
 }
 
-TEST(VehicleModels, namesChooseTheScannerAndUnknownOnesAreAnsweredWithTheKnown) {
+TEST(VehicleModels, NamesChooseTheScannerAndUnknownOnesAreAnsweredWithTheKnown) {
   const VehicleModel utm = quadrotorWith("utm30lx");
   EXPECT_EQ(utm.laser->beams, 1081);
   EXPECT_FALSE(utm.lidar.has_value());

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/gravity.h"
+#include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 #include "kestrel_slam/simulation/flight_simulator.h"
 #include "simulation/statistics.h"
@@ -25,7 +27,7 @@ class ImuAndHeightModelsTest : public testing::Test {
   const KnownMotion motion_ = KnownMotion(4.0);
 };
 
-TEST_F(ImuAndHeightModelsTest, anIdealImuMeasuresTurnRateAndSpecificForceInItsOwnFrame) {
+TEST_F(ImuAndHeightModelsTest, AnIdealImuMeasuresTurnRateAndSpecificForceInItsOwnFrame) {
   // Mounted nose down and turned: its axes are not those of the base.
   const Eigen::Quaterniond base_R_imu(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()) *
                                       Eigen::AngleAxisd(kPi / 2.0, Eigen::Vector3d::UnitY()));
@@ -43,7 +45,7 @@ TEST_F(ImuAndHeightModelsTest, anIdealImuMeasuresTurnRateAndSpecificForceInItsOw
   }
 }
 
-TEST_F(ImuAndHeightModelsTest, imuNoiseIsItsDensityTimesTheRootOfTheRate) {
+TEST_F(ImuAndHeightModelsTest, ImuNoiseIsItsDensityTimesTheRootOfTheRate) {
   ImuModel imu = idealImu();
   imu.rate_hz = 400.0;
   imu.gyro_noise = 0.001;
@@ -60,7 +62,7 @@ TEST_F(ImuAndHeightModelsTest, imuNoiseIsItsDensityTimesTheRootOfTheRate) {
   EXPECT_NEAR(meanOf(accelerometer), 9.81, 0.002);
 }
 
-TEST_F(ImuAndHeightModelsTest, imuBiasesAreDrawnOnceAndWalk) {
+TEST_F(ImuAndHeightModelsTest, ImuBiasesAreDrawnOnceAndWalk) {
   ImuModel imu = idealImu();
   imu.gyro_bias = 0.01;
   imu.accelerometer_bias = 0.1;
@@ -79,7 +81,7 @@ TEST_F(ImuAndHeightModelsTest, imuBiasesAreDrawnOnceAndWalk) {
   EXPECT_NEAR(deviationOf(walks), 0.002 * std::sqrt(4.0), 0.0004);
 }
 
-TEST_F(ImuAndHeightModelsTest, attitudeErrorsWanderAboutTheGivenDeviation) {
+TEST_F(ImuAndHeightModelsTest, AttitudeErrorsWanderAboutTheGivenDeviation) {
   ImuModel imu = idealImu();
   imu.rate_hz = 10.0;
   imu.attitude_sigma_rad = 0.01;
@@ -93,11 +95,11 @@ TEST_F(ImuAndHeightModelsTest, attitudeErrorsWanderAboutTheGivenDeviation) {
   }
   EXPECT_NEAR(deviationOf(rolls), 0.01, 0.0006);
   EXPECT_NEAR(deviationOf(yaws), 0.05, 0.003);
-  // exp(-0.1 / 2) is the correlation of neighbours: they differ by sqrt(1 - correlation).
+  // exp(-0.1 / 2) is the correlation of neighbors: they differ by sqrt(1 - correlation).
   EXPECT_NEAR(noiseOf(rolls), 0.01 * std::sqrt(1.0 - std::exp(-0.05)), 0.0003);
 }
 
-TEST_F(ImuAndHeightModelsTest, misalignmentTurnsAllThatAnImuMeasures) {
+TEST_F(ImuAndHeightModelsTest, MisalignmentTurnsAllThatAnImuMeasures) {
   ImuModel imu = idealImu();
   imu.misalignment_rad = 0.02;
   std::vector<double> tilts;
@@ -110,7 +112,7 @@ TEST_F(ImuAndHeightModelsTest, misalignmentTurnsAllThatAnImuMeasures) {
   EXPECT_NEAR(deviationOf(tilts), 0.02, 0.002);
 }
 
-TEST_F(ImuAndHeightModelsTest, aRawImuGivesNoOrientation) {
+TEST_F(ImuAndHeightModelsTest, ARawImuGivesNoOrientation) {
   ImuModel imu;
   imu.gives_orientation = false;
   const ImuSample raw = imuOf(motion_, imu, 1).at(7);
@@ -120,7 +122,7 @@ TEST_F(ImuAndHeightModelsTest, aRawImuGivesNoOrientation) {
   EXPECT_EQ(*raw.angular_velocity, *full.angular_velocity);
 }
 
-TEST_F(ImuAndHeightModelsTest, rangeFinderAndBarometerHaveTheirErrors) {
+TEST_F(ImuAndHeightModelsTest, RangeFinderAndBarometerHaveTheirErrors) {
   VehicleModel vehicle;
   vehicle.barometer->drift_m_per_sqrt_s = 0.0;
   std::vector<double> ranges, heights;
@@ -144,7 +146,7 @@ TEST_F(ImuAndHeightModelsTest, rangeFinderAndBarometerHaveTheirErrors) {
   EXPECT_NEAR(deviationOf(drifts), 0.2 * 3.0, 0.08);
 }
 
-TEST_F(ImuAndHeightModelsTest, rangesOutOfRangeFollowRep117) {
+TEST_F(ImuAndHeightModelsTest, RangesOutOfRangeFollowRep117) {
   VehicleModel vehicle;
   vehicle.range_finder->range_max = 0.9;  // the floor is at 1 m
   const NoMotion still(1.0);

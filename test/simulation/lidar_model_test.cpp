@@ -8,7 +8,7 @@
 namespace kestrel_slam {
 namespace {
 
-TEST(LidarModel, itsPointsLieOnTheWallAndTheFloor) {
+TEST(LidarModel, ItsPointsLieOnTheWallAndTheFloor) {
   LidarModel lidar = lidarModels().front();
   lidar.errors = BeamErrors();
   Random random(1);
@@ -40,7 +40,7 @@ TEST(LidarModel, itsPointsLieOnTheWallAndTheFloor) {
   EXPECT_LT(none, 1000);  // about half a turn
 }
 
-TEST(LidarModel, turnsClockwiseFromItsBack) {
+TEST(LidarModel, TurnsClockwiseFromItsBack) {
   LidarModel lidar = lidarModels().front();
   Random random(1);
   const World world = worldOf({{{-3, 0, 1}, {1, 1, 2}}, {{0, 3, 1}, {1, 1, 2}}});
@@ -50,7 +50,7 @@ TEST(LidarModel, turnsClockwiseFromItsBack) {
   EXPECT_NEAR(level_ring(452).y, 2.5, 0.1);  // a quarter of a turn later it looks to the left
 }
 
-TEST(LidarModel, itsColumnsAreCastAtTheirOwnTime) {
+TEST(LidarModel, ItsColumnsAreCastAtTheirOwnTime) {
   LidarModel lidar = lidarModels().front();
   lidar.errors = BeamErrors();
   SteadyMotion motion;

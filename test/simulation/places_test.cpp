@@ -85,7 +85,7 @@ double yawSpread(const Place& place) {
 
 class EveryPlace : public testing::TestWithParam<std::string> {};
 
-TEST_P(EveryPlace, itsPlanKeepsItsDistance) {
+TEST_P(EveryPlace, ItsPlanKeepsItsDistance) {
   const Place& place = kestrel_slam::place(GetParam());
   const World world(place.parts);
   const Points points = alongPlan(place.plan);
@@ -96,7 +96,7 @@ TEST_P(EveryPlace, itsPlanKeepsItsDistance) {
   }
 }
 
-TEST_P(EveryPlace, itsFlightKeepsItsDistanceInGustsToo) {
+TEST_P(EveryPlace, ItsFlightKeepsItsDistanceInGustsToo) {
   const Place& place = kestrel_slam::place(GetParam());
   const World world(place.parts);
   double time = 0.0;
@@ -107,7 +107,7 @@ TEST_P(EveryPlace, itsFlightKeepsItsDistanceInGustsToo) {
   }
 }
 
-TEST_P(EveryPlace, isClosed) {
+TEST_P(EveryPlace, IsClosed) {
   // From anywhere on the flight, every level beam ends somewhere.
   const Place& place = kestrel_slam::place(GetParam());
   const World world(place.parts);
@@ -126,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(Places, EveryPlace,
                                          "glass", "people", "doors"),
                          [](const auto& test) { return test.param; });
 
-TEST(Places, areFoundByName) {
+TEST(Places, AreFoundByName) {
   std::set<std::string> names;
   for (const Place& place : places()) {
     names.insert(place.name);
@@ -145,7 +145,7 @@ TEST(Places, areFoundByName) {
   }
 }
 
-TEST(Places, theLaboratoryIsThePapers) {
+TEST(Places, TheLaboratoryIsThePapers) {
   const Place& lab = place("laboratory");
   EXPECT_EQ(lab.plan.speed_m_s, 0.5);
   QuadrotorConfig calm = lab.quadrotor;
@@ -162,7 +162,7 @@ TEST(Places, theLaboratoryIsThePapers) {
   EXPECT_EQ(yawSpread(lab), 4.0);
 }
 
-TEST(Places, theRingIsFlownAroundOnceAndABitMore) {
+TEST(Places, TheRingIsFlownAroundOnceAndABitMore) {
   const Place& ring = place("ring");
   EXPECT_EQ(ring.plan.speed_m_s, 1.0);
   const Points points = alongPlan(ring.plan);
@@ -170,7 +170,7 @@ TEST(Places, theRingIsFlownAroundOnceAndABitMore) {
   EXPECT_EQ(yawSpread(ring), 4.0);
 }
 
-TEST(Places, theRingHasSomethingEveryFewMetres) {
+TEST(Places, TheRingHasSomethingEveryFewMeters) {
   // What a perfect laser sees straight to the right, on the walls along the flight.
   const Place& ring = place("ring");
   const World world(ring.parts);
@@ -184,7 +184,7 @@ TEST(Places, theRingHasSomethingEveryFewMetres) {
   EXPECT_GT(longest, 0.5);
 }
 
-TEST(Places, theCorridorIsLongAndHasFewFeatures) {
+TEST(Places, TheCorridorIsLongAndHasFewFeatures) {
   const World world(place("corridor").parts);
   EXPECT_NEAR(world.cast({0.1, 0, 1}, {1, 0, 0}, 0.0, 100.0).distance, 59.9, 1e-9);
   int edges = 0;
@@ -199,7 +199,7 @@ TEST(Places, theCorridorIsLongAndHasFewFeatures) {
   EXPECT_EQ(edges, 8);  // two of each door
 }
 
-TEST(Places, theHallIsLargerThanTheLasersRange) {
+TEST(Places, TheHallIsLargerThanTheLasersRange) {
   const Place& hall = place("hall");
   const World world(hall.parts);
   double smallest = 1.0;
@@ -210,7 +210,7 @@ TEST(Places, theHallIsLargerThanTheLasersRange) {
   EXPECT_GT(smallest, 0.01);  // but something is always there
 }
 
-TEST(Places, theClutteredRoomDiffersWithHeight) {
+TEST(Places, TheClutteredRoomDiffersWithHeight) {
   const Place& room = place("cluttered");
   const World world(room.parts);
   const auto ranges = [&](double height) {
@@ -240,7 +240,7 @@ TEST(Places, theClutteredRoomDiffersWithHeight) {
   EXPECT_EQ(highest, 2.0);
 }
 
-TEST(Places, theOfficeHasBeamsWithoutAReturn) {
+TEST(Places, TheOfficeHasBeamsWithoutAReturn) {
   const Place& office = place("glass");
   const World world(office.parts);
   double least = 1.0;
@@ -251,7 +251,7 @@ TEST(Places, theOfficeHasBeamsWithoutAReturn) {
   EXPECT_GT(least, 0.4);
 }
 
-TEST(Places, peopleWalkInTheRoom) {
+TEST(Places, PeopleWalkInTheRoom) {
   EXPECT_EQ(place("people").parts.walkers.size(), 4u);
   for (const Place& other : places()) {
     EXPECT_EQ(other.parts.walkers.empty(), other.name != "people") << other.name;

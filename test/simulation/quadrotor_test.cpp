@@ -6,6 +6,8 @@
 #include <stdexcept>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/gravity.h"
+#include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 #include "kestrel_slam/simulation/flight_plan.h"
 
@@ -82,7 +84,7 @@ void expectConsistent(const Motion& motion) {
   }
 }
 
-TEST(Quadrotor, everyMemberOfTheStateIsTheDerivativeThatItsNameSays) {
+TEST(Quadrotor, EveryMemberOfTheStateIsTheDerivativeThatItsNameSays) {
   expectConsistent(*flyQuadrotor(square(), QuadrotorConfig(), kSeed));
   expectConsistent(*flyQuadrotor(dashes(), QuadrotorConfig(), kSeed));
   QuadrotorConfig level;
@@ -90,7 +92,7 @@ TEST(Quadrotor, everyMemberOfTheStateIsTheDerivativeThatItsNameSays) {
   expectConsistent(*flyQuadrotor(dashes(), level, kSeed));
 }
 
-TEST(Quadrotor, inStillAirOnlyGravityAndThrustAlongTheBodyAccelerate) {
+TEST(Quadrotor, InStillAirOnlyGravityAndThrustAlongTheBodyAccelerate) {
   const auto motion = flyQuadrotor(dashes(), stillAir(), kSeed);
   double largest_horizontal = 0.0;
   for (double t = 0.0; t < motion->duration(); t += 0.01) {
@@ -103,7 +105,7 @@ TEST(Quadrotor, inStillAirOnlyGravityAndThrustAlongTheBodyAccelerate) {
   EXPECT_GT(largest_horizontal, 3.0);
 }
 
-TEST(Quadrotor, integratingGyroAndAccelerometerGivesThePathBack) {
+TEST(Quadrotor, IntegratingGyroAndAccelerometerGivesThePathBack) {
   const auto motion = flyQuadrotor(dashes(), QuadrotorConfig(), kSeed);
   constexpr double kStep = 1e-3;  // s
   TrueState state = motion->at(0.0);
@@ -130,7 +132,7 @@ TEST(Quadrotor, integratingGyroAndAccelerometerGivesThePathBack) {
   EXPECT_LT(attitude.angularDistance(Eigen::Quaterniond(end.world_T_base.linear())), 1e-5);
 }
 
-TEST(Quadrotor, fliesAggressivelyUpToTwentyDegreesOfRollAndPitch) {
+TEST(Quadrotor, FliesAggressivelyUpToTwentyDegreesOfRollAndPitch) {
   const auto motion = flyQuadrotor(dashes(), stillAir(), kSeed);
   const double limit = degToRad(20.0), overshoot = degToRad(1.5);
   for (const int sign : {-1, 1}) {
@@ -143,7 +145,7 @@ TEST(Quadrotor, fliesAggressivelyUpToTwentyDegreesOfRollAndPitch) {
   EXPECT_GT(largest(*motion, speedOf), 2.5);
 }
 
-TEST(Quadrotor, pitchesForwardToAccelerateForwardAndRollsRightToGoRight) {
+TEST(Quadrotor, PitchesForwardToAccelerateForwardAndRollsRightToGoRight) {
   const auto motion = flyQuadrotor(dashes(), stillAir(), kSeed);
   const TrueState forward = motion->at(1.4);  // after a second of hovering
   EXPECT_GT(forward.acceleration.x(), 2.0);
@@ -155,7 +157,7 @@ TEST(Quadrotor, pitchesForwardToAccelerateForwardAndRollsRightToGoRight) {
   EXPECT_GT(rollPitch(sideways).x(), degToRad(10.0));
 }
 
-TEST(Quadrotor, beginsAndEndsAtRestInTheWaypoints) {
+TEST(Quadrotor, BeginsAndEndsAtRestInTheWaypoints) {
   const auto motion = flyQuadrotor(square(), QuadrotorConfig(), kSeed);
   for (const double t : {-3.0, 0.0}) {
     EXPECT_LT((motion->at(t).world_T_base.translation() - Eigen::Vector3d(0, 0, 1)).norm(), 1e-9);
@@ -169,7 +171,7 @@ TEST(Quadrotor, beginsAndEndsAtRestInTheWaypoints) {
   EXPECT_EQ(motion->at(end + 100.0).world_T_base.matrix(), motion->at(end).world_T_base.matrix());
 }
 
-TEST(Quadrotor, fliesAtTheGivenSpeedNearThePath) {
+TEST(Quadrotor, FliesAtTheGivenSpeedNearThePath) {
   FlightPlan plan;
   plan.waypoints = {{{0, 0, 1}, 0.0, 0.0}, {{10, 0, 1}, 0.0, 0.0}};
   plan.speed_m_s = 0.5;
@@ -187,7 +189,7 @@ TEST(Quadrotor, fliesAtTheGivenSpeedNearThePath) {
   EXPECT_LT(off, 0.3);
 }
 
-TEST(Quadrotor, spinsAtTheGivenRateThroughSeveralTurns) {
+TEST(Quadrotor, SpinsAtTheGivenRateThroughSeveralTurns) {
   FlightPlan plan;
   plan.waypoints = {{{1, 2, 1}, 0.0, 0.0}, {{1, 2, 1}, 4.0 * kPi, 0.0}};
   plan.yaw_rate_rad_s = 2.0;
@@ -203,7 +205,7 @@ TEST(Quadrotor, spinsAtTheGivenRateThroughSeveralTurns) {
   EXPECT_LT(largest(*motion, speedOf), 1e-9);
 }
 
-TEST(Quadrotor, climbsAndDescends) {
+TEST(Quadrotor, ClimbsAndDescends) {
   FlightPlan plan;
   plan.waypoints = {{{0, 0, 0.5}, 0.0, 1.0}, {{1, 0, 2.0}, 0.0, 1.0}, {{2, 0, 0.5}, 0.0, 0.0}};
   const auto motion = flyQuadrotor(plan, stillAir(), kSeed);
@@ -211,7 +213,7 @@ TEST(Quadrotor, climbsAndDescends) {
   EXPECT_NEAR(heightOf(motion->at(motion->duration())), 0.5, 1e-3);
 }
 
-TEST(Quadrotor, theNoseFollowsThePath) {
+TEST(Quadrotor, TheNoseFollowsThePath) {
   FlightPlan plan = square();
   plan.nose_forward = true;
   const auto motion = flyQuadrotor(plan, stillAir(), kSeed);
@@ -226,7 +228,7 @@ TEST(Quadrotor, theNoseFollowsThePath) {
   EXPECT_GT(compared, 100U);
 }
 
-TEST(Quadrotor, roundsCornersOrStopsAtThem) {
+TEST(Quadrotor, RoundsCornersOrStopsAtThem) {
   FlightPlan plan = square();
   const Eigen::Vector3d corner = plan.waypoints[1].position;
   const auto nearest = [&](const Motion& motion) {
@@ -239,7 +241,7 @@ TEST(Quadrotor, roundsCornersOrStopsAtThem) {
   EXPECT_LT(nearest(*flyQuadrotor(plan, stillAir(), kSeed)), 0.02);
 }
 
-TEST(Quadrotor, theLevelFlightIsTheSamePathWithoutTilt) {
+TEST(Quadrotor, TheLevelFlightIsTheSamePathWithoutTilt) {
   QuadrotorConfig level;
   level.level = true;
   const auto tilting = flyQuadrotor(dashes(), QuadrotorConfig(), kSeed);
@@ -253,7 +255,7 @@ TEST(Quadrotor, theLevelFlightIsTheSamePathWithoutTilt) {
   }
 }
 
-TEST(Quadrotor, gustsHaveTheGivenStrength) {
+TEST(Quadrotor, GustsHaveTheGivenStrength) {
   FlightPlan plan;
   plan.waypoints = {{{0, 0, 1}, 0.0, 400.0}};
   QuadrotorConfig config;
@@ -271,7 +273,7 @@ TEST(Quadrotor, gustsHaveTheGivenStrength) {
   EXPECT_NEAR(std::sqrt(squares / count), 0.5, 0.05);
 }
 
-TEST(Quadrotor, sameSeedSameFlightOtherSeedOtherFlight) {
+TEST(Quadrotor, SameSeedSameFlightOtherSeedOtherFlight) {
   const auto first = flyQuadrotor(square(), QuadrotorConfig(), 1);
   const auto same = flyQuadrotor(square(), QuadrotorConfig(), 1);
   const auto other = flyQuadrotor(square(), QuadrotorConfig(), 2);
@@ -279,7 +281,7 @@ TEST(Quadrotor, sameSeedSameFlightOtherSeedOtherFlight) {
   EXPECT_NE(first->at(7.0).world_T_base.matrix(), other->at(7.0).world_T_base.matrix());
 }
 
-TEST(Quadrotor, refusesWhatCannotBeFlown) {
+TEST(Quadrotor, RefusesWhatCannotBeFlown) {
   const auto refuses = [](const FlightPlan& plan, const QuadrotorConfig& config) {
     EXPECT_THROW(flyQuadrotor(plan, config, kSeed), std::invalid_argument);
   };
@@ -299,7 +301,7 @@ TEST(Quadrotor, refusesWhatCannotBeFlown) {
   refuses(square(), config);
 }
 
-TEST(Quadrotor, fliesOddPlansToo) {
+TEST(Quadrotor, FliesOddPlansToo) {
   FlightPlan plan;
   plan.waypoints = {{{0, 0, 1}, 0.0, 0.0}};  // only hovers
   EXPECT_GE(flyQuadrotor(plan, stillAir(), kSeed)->duration(), 2.0);

@@ -50,7 +50,7 @@ Statistics statistics(const LaserScan& scan) {
   return result;
 }
 
-TEST(SensorModels, idealBeamsMeetThePlaneWhereTheyShould) {
+TEST(SensorModels, IdealBeamsMeetThePlaneWhereTheyShould) {
   const LaserModel laser = laserModel("ideal");
   const LaserScan seen = scan(laser, wallAt(5.0));
   int compared = 0;
@@ -67,7 +67,7 @@ TEST(SensorModels, idealBeamsMeetThePlaneWhereTheyShould) {
   EXPECT_EQ(compared, 643);  // beams within acos(5 / 30) = 80.4 deg
 }
 
-TEST(SensorModels, aScanCarriesTheModelsGeometry) {
+TEST(SensorModels, AScanCarriesTheModelsGeometry) {
   const LaserModel laser = laserModel("utm30lx");
   const LaserScan seen = scan(laser, wallAt(5.0), SteadyMotion(), 12.5);
   EXPECT_EQ(seen.stamp, 12.5);
@@ -82,21 +82,21 @@ TEST(SensorModels, aScanCarriesTheModelsGeometry) {
   EXPECT_NEAR(seen.angle_min + 1080 * seen.angle_increment, degToRad(135.0), 1e-12);
 }
 
-TEST(SensorModels, aTiltedLaserMeetsTheFloor) {
+TEST(SensorModels, ATiltedLaserMeetsTheFloor) {
   SteadyMotion motion;
   const double pitch = degToRad(20.0);  // nose down
   motion.start.linear() = Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()).toRotationMatrix();
   const LaserScan seen = scan(laserModel("ideal"), worldOf({}), motion);
   for (std::size_t i = 0; i < seen.ranges.size(); ++i) {
     const double angle = seen.angle_min + static_cast<double>(i) * seen.angle_increment;
-    const double climb = -std::cos(angle) * std::sin(pitch);  // of a metre along the beam
+    const double climb = -std::cos(angle) * std::sin(pitch);  // of a meter along the beam
     const double expected = climb < 0.0 ? -1.0 / climb : 2.0 / climb;
     if (!(expected < 29.9)) continue;
     EXPECT_NEAR(seen.ranges[i], expected, 1e-4) << "at beam " << i;
   }
 }
 
-TEST(SensorModels, theMountingOfTheLaserCounts) {
+TEST(SensorModels, TheMountingOfTheLaserCounts) {
   Random random(1);
   const Eigen::Isometry3d base_T_laser(Eigen::Translation3d(0.3, 0.0, 0.1) *
                                        Eigen::AngleAxisd(kPi / 2.0, Eigen::Vector3d::UnitZ()));
@@ -106,7 +106,7 @@ TEST(SensorModels, theMountingOfTheLaserCounts) {
   EXPECT_EQ(seen.ranges[540], std::numeric_limits<float>::infinity());
 }
 
-TEST(SensorModels, everyBeamIsCastFromWhereTheLaserIsAtItsOwnTime) {
+TEST(SensorModels, EveryBeamIsCastFromWhereTheLaserIsAtItsOwnTime) {
   SteadyMotion motion;
   motion.velocity = {2.0, 0.0, 0.0};
   motion.yaw_rate = 2.0;
@@ -125,7 +125,7 @@ TEST(SensorModels, everyBeamIsCastFromWhereTheLaserIsAtItsOwnTime) {
   EXPECT_GT(compared, 500);
 }
 
-TEST(SensorModels, rangeNoiseHasTheDataSheetsSize) {
+TEST(SensorModels, RangeNoiseHasTheDataSheetsSize) {
   const LaserModel laser = staring(laserModel("utm30lx"), 20000);
   const Statistics near = statistics(scan(laser, wallAt(1.0)));
   EXPECT_NEAR(near.mean, 1.0, 3e-4);
@@ -137,13 +137,13 @@ TEST(SensorModels, rangeNoiseHasTheDataSheetsSize) {
   EXPECT_NEAR(urg.sigma, 0.0401, 1e-3);  // 1 %
 }
 
-TEST(SensorModels, someBeamsDropOut) {
+TEST(SensorModels, SomeBeamsDropOut) {
   const Statistics seen = statistics(scan(staring(laserModel("urg04lx"), 20000), wallAt(4.0)));
   EXPECT_NEAR(seen.nan, 400, 80);  // 2 %
   EXPECT_EQ(statistics(scan(laserModel("ideal"), wallAt(4.0))).nan, 0);
 }
 
-TEST(SensorModels, rangesAreMultiplesOfTheResolution) {
+TEST(SensorModels, RangesAreMultiplesOfTheResolution) {
   for (const char* name : {"utm30lx", "urg04lx", "sick180"}) {
     const LaserModel& laser = laserModel(name);
     for (const float range : scan(laser, wallAt(3.0)).ranges) {
@@ -154,7 +154,7 @@ TEST(SensorModels, rangesAreMultiplesOfTheResolution) {
   }
 }
 
-TEST(SensorModels, whatIsTooFarOrTooCloseFollowsRep117) {
+TEST(SensorModels, WhatIsTooFarOrTooCloseFollowsRep117) {
   const LaserModel laser = staring(laserModel("ideal"), 10);
   EXPECT_EQ(statistics(scan(laser, wallAt(30.1))).beyond, 10);
   EXPECT_EQ(statistics(scan(laser, wallAt(29.9))).valid, 10);
@@ -165,7 +165,7 @@ TEST(SensorModels, whatIsTooFarOrTooCloseFollowsRep117) {
   EXPECT_NEAR(limit.valid, 500, 80);
 }
 
-TEST(SensorModels, blackFlatAndGlassSendNothingBack) {
+TEST(SensorModels, BlackFlatAndGlassSendNothingBack) {
   LaserModel laser = staring(laserModel("utm30lx"), 100);
   laser.errors.dropout_probability = 0.0;
   EXPECT_EQ(statistics(scan(laser, wallAt(5.0, Material::kBlack))).beyond, 100);
@@ -177,7 +177,7 @@ TEST(SensorModels, blackFlatAndGlassSendNothingBack) {
   EXPECT_EQ(statistics(scan(laser, wallAt(0.3))).valid, 100);
 }
 
-TEST(SensorModels, beamsAtAnEdgeMixBothSurfaces) {
+TEST(SensorModels, BeamsAtAnEdgeMixBothSurfaces) {
   // A box 3 m away in front of a wall at 6 m; its left edge is at the bearing of 0.1 deg.
   LaserModel laser = laserModel("ideal");
   laser.errors.divergence_rad = degToRad(0.25);
@@ -199,7 +199,7 @@ TEST(SensorModels, beamsAtAnEdgeMixBothSurfaces) {
   EXPECT_LE(largest, 6.0 + 1e-3);
 }
 
-TEST(SensorModels, anEdgeBeforeNothingIsNotMixed) {
+TEST(SensorModels, AnEdgeBeforeNothingIsNotMixed) {
   LaserModel laser = laserModel("ideal");
   laser.errors.divergence_rad = degToRad(0.25);
   const World world = worldOf({{{3.5, 0.0, 1.5}, {1.0, 2.0, 3.0}}});
@@ -208,7 +208,7 @@ TEST(SensorModels, anEdgeBeforeNothingIsNotMixed) {
   }
 }
 
-TEST(SensorModels, theSameSeedGivesTheSameScan) {
+TEST(SensorModels, TheSameSeedGivesTheSameScan) {
   const LaserModel& laser = laserModel("utm30lx");
   const auto bits = [&](std::uint64_t seed) {
     std::vector<float> ranges = scan(laser, wallAt(5.0), SteadyMotion(), 0.0, seed).ranges;
@@ -219,7 +219,7 @@ TEST(SensorModels, theSameSeedGivesTheSameScan) {
   EXPECT_NE(bits(3), bits(4));
 }
 
-TEST(SensorModels, aFarWallDoesNotChangeTheNextBeam) {
+TEST(SensorModels, AFarWallDoesNotChangeTheNextBeam) {
   const LaserModel& laser = laserModel("utm30lx");
   const Box wall = {{5.5, 0.0, 1.5}, {1.0, 500.0, 3.0}};
   const Box post = {{2.0, 0.0, 1.5}, {0.1, 0.1, 3.0}};
@@ -236,7 +236,7 @@ TEST(SensorModels, aFarWallDoesNotChangeTheNextBeam) {
   EXPECT_LT(different, 16);
 }
 
-TEST(SensorModels, areFoundByName) {
+TEST(SensorModels, AreFoundByName) {
   for (const char* name : {"utm30lx", "urg04lx", "sick180", "alasca", "ideal"}) {
     EXPECT_EQ(laserModel(name).name, name);
     EXPECT_FALSE(laserModel(name).description.empty());

@@ -24,7 +24,7 @@ double distance(const World& world, const Eigen::Vector3d& origin, const Eigen::
   return world.cast(origin, direction, time, kFar).distance;
 }
 
-TEST(Walker, aWalkerGoesAroundItsPolygon) {
+TEST(Walker, AWalkerGoesAroundItsPolygon) {
   const Walker walker = {{{0, 0}, {4, 0}, {4, 3}}, 1.0, 0.0};  // 3-4-5: 12 m around
   EXPECT_TRUE(walker.at(0.0).isApprox(Eigen::Vector2d(0, 0)));
   EXPECT_TRUE(walker.at(2.5).isApprox(Eigen::Vector2d(2.5, 0)));
@@ -36,7 +36,7 @@ TEST(Walker, aWalkerGoesAroundItsPolygon) {
   EXPECT_TRUE(late.at(1.0).isApprox(Eigen::Vector2d(4, 1)));
 }
 
-TEST(Walker, aWalkersTrunkIsWhereItWalksAndItsLegsBelow) {
+TEST(Walker, AWalkersTrunkIsWhereItWalksAndItsLegsBelow) {
   const World world = worldWith({{{5, -10}, {5, 10}}, 1.0, 0.0});
   // At 10 s it is at (5, 0), seen from the side.
   EXPECT_NEAR(distance(world, {0, 0, 1.3}, {1, 0, 0}, 10.0), 5.0 - 0.2, 1e-12);
@@ -61,7 +61,7 @@ std::vector<double> legsSeen(const World& world, double time) {
   return legs;
 }
 
-TEST(Walker, aWalkersLegsSwing) {
+TEST(Walker, AWalkersLegsSwing) {
   const World world = worldWith({{{5, -7}, {5, 7}}, 1.0, 0.0});
   // A stride of 1.4 m: after five of them the legs are side by side, a quarter later far apart.
   const std::vector<double> together = legsSeen(world, 7.0);
@@ -76,9 +76,9 @@ TEST(Walker, aWalkersLegsSwing) {
 // ---- what is moved
 // ------------------------------------------------------------------------
 
-TEST(Walker, needsAWay) { EXPECT_THROW(worldWith({{}, 1.0, 0.0}), std::invalid_argument); }
+TEST(Walker, NeedsAWay) { EXPECT_THROW(worldWith({{}, 1.0, 0.0}), std::invalid_argument); }
 
-TEST(Walker, tellsTheDistanceToItsWay) {
+TEST(Walker, TellsTheDistanceToItsWay) {
   const Walker square{{{0.0, 0.0}, {2.0, 0.0}, {2.0, 2.0}, {0.0, 2.0}}};
   EXPECT_DOUBLE_EQ(square.distanceToWay({1.0, 0.75}), 0.75);  // to the side below
   EXPECT_DOUBLE_EQ(square.distanceToWay({-0.5, 1.0}), 0.5);   // to the last side, back to the start

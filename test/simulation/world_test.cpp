@@ -36,7 +36,7 @@ double distance(const World& world, const Eigen::Vector3d& origin, const Eigen::
 
 bool inside(const Box& box, const Eigen::Vector3d& point, double tolerance) {
   const Eigen::Vector3d local =
-      Eigen::AngleAxisd(-box.yaw, Eigen::Vector3d::UnitZ()) * (point - box.centre);
+      Eigen::AngleAxisd(-box.yaw, Eigen::Vector3d::UnitZ()) * (point - box.center);
   return ((local.cwiseAbs() - box.size / 2.0).array() <= tolerance).all();
 }
 
@@ -48,7 +48,7 @@ double oracle(const Box& box, const Eigen::Vector3d& origin, const Eigen::Vector
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {-1.0, 1.0}) {
       const Eigen::Vector3d normal = sign * axes.col(axis);
-      const Eigen::Vector3d on_face = box.centre + normal * (box.size[axis] / 2.0);
+      const Eigen::Vector3d on_face = box.center + normal * (box.size[axis] / 2.0);
       const double along = normal.dot(on_face - origin) / normal.dot(direction);
       if (!(along >= 0.0) || !inside(box, origin + along * direction, 1e-9)) continue;
       nearest = std::min(nearest, along);
@@ -63,7 +63,7 @@ double oracle(const Cylinder& cylinder, const Eigen::Vector3d& origin,
   double nearest = kInfinity;
   const auto consider = [&](double along) {
     const Eigen::Vector3d point = origin + along * direction;
-    const bool on_it = (point.head<2>() - cylinder.centre).norm() <= cylinder.radius + 1e-9 &&
+    const bool on_it = (point.head<2>() - cylinder.center).norm() <= cylinder.radius + 1e-9 &&
                        point.z() >= cylinder.bottom - 1e-9 && point.z() <= cylinder.top + 1e-9;
     if (along >= 0.0 && on_it) nearest = std::min(nearest, along);
   };
@@ -71,7 +71,7 @@ double oracle(const Cylinder& cylinder, const Eigen::Vector3d& origin,
   consider((cylinder.bottom - origin.z()) / direction.z());
   const double level_share = direction.head<2>().norm();
   const Eigen::Vector2d heading = direction.head<2>() / level_share;
-  const Eigen::Vector2d to_axis = cylinder.centre - origin.head<2>();
+  const Eigen::Vector2d to_axis = cylinder.center - origin.head<2>();
   const double foot = heading.dot(to_axis);
   const double miss = (to_axis - foot * heading).norm();
   if (miss < cylinder.radius) {
@@ -98,7 +98,7 @@ bool isFree(const World& world, const Eigen::Vector3d& point) {
     if (inside(box, point, 1e-3)) return false;
   }
   for (const Cylinder& cylinder : world.parts().cylinders) {
-    if ((point.head<2>() - cylinder.centre).norm() < cylinder.radius + 1e-3) return false;
+    if ((point.head<2>() - cylinder.center).norm() < cylinder.radius + 1e-3) return false;
   }
   return true;
 }
@@ -117,12 +117,12 @@ World randomWorld(Random& random, double half_width, int count) {
   World::Parts parts;
   for (int i = 0; i < count; ++i) {
     Box box;
-    box.centre = randomPoint(random, half_width);
+    box.center = randomPoint(random, half_width);
     box.size = {random.uniform(0.02, 3.0), random.uniform(0.02, 1.0), random.uniform(0.02, 3.0)};
     box.yaw = random.uniform() < 0.3 ? 0.0 : random.uniform(-kPi, kPi);
     parts.boxes.push_back(box);
     Cylinder cylinder;
-    cylinder.centre = randomPoint(random, half_width).head<2>();
+    cylinder.center = randomPoint(random, half_width).head<2>();
     cylinder.radius = random.uniform(0.02, 0.8);
     cylinder.bottom = random.uniform(0.0, 1.0);
     cylinder.top = cylinder.bottom + random.uniform(0.1, 2.0);
@@ -134,7 +134,7 @@ World randomWorld(Random& random, double half_width, int count) {
 // ---- planes
 // --------------------------------------------------------------------------------------
 
-TEST(World, aBeamMeetsThePlaneOfAWall) {
+TEST(World, ABeamMeetsThePlaneOfAWall) {
   const World world = worldOf({{{5.5, 0.0, 1.5}, {1.0, 40.0, 3.0}}});
   for (int degrees = -70; degrees <= 70; ++degrees) {
     const RayHit hit = world.cast({0.0, 0.0, 1.0}, level(degrees), 0.0, kFar);
@@ -143,7 +143,7 @@ TEST(World, aBeamMeetsThePlaneOfAWall) {
   }
 }
 
-TEST(World, aTiltedBeamMeetsFloorAndCeiling) {
+TEST(World, ATiltedBeamMeetsFloorAndCeiling) {
   const World world = worldOf({});
   for (int degrees = 1; degrees <= 90; ++degrees) {
     const double tilt = degToRad(degrees);
@@ -156,7 +156,7 @@ TEST(World, aTiltedBeamMeetsFloorAndCeiling) {
   EXPECT_EQ(distance(world, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}), kInfinity);
 }
 
-TEST(World, theOpenSkyIsNotMet) {
+TEST(World, TheOpenSkyIsNotMet) {
   World::Parts parts;
   parts.ceiling_m = kInfinity;
   EXPECT_EQ(distance(World(parts), {0, 0, 1}, {0, 0, 1}), kInfinity);
@@ -167,17 +167,17 @@ TEST(World, theOpenSkyIsNotMet) {
 // ---- solids
 // --------------------------------------------------------------------------------------
 
-TEST(World, aTurnedBoxShowsItsFacesAndCorners) {
+TEST(World, ATurnedBoxShowsItsFacesAndCorners) {
   const World world = worldOf({{{4.0, 0.0, 1.0}, {2.0, 2.0, 2.0}, kPi / 4.0}});
   EXPECT_NEAR(distance(world, {0, 0, 1}, {1, 0, 0}), 4.0 - std::sqrt(2.0), 1e-12);
-  // Parallel to the axis, one metre beside the corner: the faces fall back at 45 degrees.
+  // Parallel to the axis, one meter beside the corner: the faces fall back at 45 degrees.
   const RayHit hit = world.cast({0, 1, 1}, {1, 0, 0}, 0.0, kFar);
   EXPECT_NEAR(hit.distance, 4.0 - std::sqrt(2.0) + 1.0, 1e-12);
   EXPECT_NEAR(hit.cosine, std::sqrt(0.5), 1e-12);
   EXPECT_EQ(distance(world, {0, 1.42, 1}, {1, 0, 0}), kInfinity);
 }
 
-TEST(World, beamsPassOverAndUnderATableTop) {
+TEST(World, BeamsPassOverAndUnderATableTop) {
   const World world = worldOf({{{3.0, 0.0, 0.73}, {1.0, 1.0, 0.02}}});
   EXPECT_EQ(distance(world, {0, 0, 0.70}, {1, 0, 0}), kInfinity);
   EXPECT_EQ(distance(world, {0, 0, 0.75}, {1, 0, 0}), kInfinity);
@@ -187,7 +187,7 @@ TEST(World, beamsPassOverAndUnderATableTop) {
   EXPECT_NEAR(distance(world, {4, 0, 1.0}, {0, 0, -1}), 1.0, 1e-12);
 }
 
-TEST(World, aCylinderIsRound) {
+TEST(World, ACylinderIsRound) {
   const World world = worldOf({}, {{{0.0, 0.0}, 0.5, 0.0, 2.0}});
   for (int degrees = 0; degrees < 360; ++degrees) {
     const Eigen::Vector3d towards = level(degrees);
@@ -203,7 +203,7 @@ TEST(World, aCylinderIsRound) {
   EXPECT_EQ(distance(world, {-3, 0, 2.01}, {1, 0, 0}), kInfinity);
 }
 
-TEST(World, theNearestOfSeveralIsMetAndNothingBeyondTheLimit) {
+TEST(World, TheNearestOfSeveralIsMetAndNothingBeyondTheLimit) {
   const World world =
       worldOf({{{6, 0, 1}, {1, 1, 2}}, {{9, 0, 1}, {1, 1, 2}}}, {{{3, 0}, 0.5, 0, 2}});
   EXPECT_DOUBLE_EQ(distance(world, {0, 0, 1}, {1, 0, 0}), 2.5);
@@ -213,7 +213,7 @@ TEST(World, theNearestOfSeveralIsMetAndNothingBeyondTheLimit) {
   EXPECT_DOUBLE_EQ(world.cast({0, 0, 1}, {1, 0, 0}, 0.0, 2.51).distance, 2.5);
 }
 
-TEST(World, insideOfASolidThingEverythingIsAtDistanceZero) {
+TEST(World, InsideOfASolidThingEverythingIsAtDistanceZero) {
   const World world = worldOf({{{0, 0, 1}, {2, 2, 2}}}, {{{5, 0}, 0.5, 0, 2}});
   for (int degrees = 0; degrees < 360; degrees += 15) {
     EXPECT_EQ(distance(world, {0.5, 0.5, 1}, level(degrees)), 0.0);
@@ -221,7 +221,7 @@ TEST(World, insideOfASolidThingEverythingIsAtDistanceZero) {
   }
 }
 
-TEST(World, everyRayAgreesWithSurfacesTriedOneByOne) {
+TEST(World, EveryRayAgreesWithSurfacesTriedOneByOne) {
   Random random(11);
   for (const double half_width : {2.0, 8.0, 40.0}) {
     const World world = randomWorld(random, half_width, 40);
@@ -242,7 +242,7 @@ TEST(World, everyRayAgreesWithSurfacesTriedOneByOne) {
   }
 }
 
-TEST(World, raysAlongTheAxesAndBordersOfTheGridAgree) {
+TEST(World, RaysAlongTheAxesAndBordersOfTheGridAgree) {
   Random random(12);
   const World world = randomWorld(random, 6.0, 30);
   for (int i = 0; i < 4000; ++i) {
@@ -269,7 +269,7 @@ TEST(World, raysAlongTheAxesAndBordersOfTheGridAgree) {
 // ---- materials
 // -----------------------------------------------------------------------------------
 
-TEST(World, glassLetsThroughWhatDoesNotHitItStraightOn) {
+TEST(World, GlassLetsThroughWhatDoesNotHitItStraightOn) {
   Box pane = {{2.0, 0.0, 1.5}, {0.01, 10.0, 3.0}, 0.0, Material::kGlass};
   const World world = worldOf({pane, {{4.5, 0.0, 1.5}, {1.0, 40.0, 3.0}}});
   const RayHit straight = world.cast({0, 0, 1}, level(3.0), 0.0, kFar);
@@ -280,7 +280,7 @@ TEST(World, glassLetsThroughWhatDoesNotHitItStraightOn) {
   EXPECT_EQ(oblique.material, Material::kMatt);
 }
 
-TEST(World, blackThingsSwallowTheBeam) {
+TEST(World, BlackThingsSwallowTheBeam) {
   const World world = worldOf({{{2.5, 0.0, 1.0}, {1.0, 1.0, 2.0}, 0.0, Material::kBlack}});
   const RayHit hit = world.cast({0, 0, 1}, {1, 0, 0}, 0.0, kFar);
   EXPECT_DOUBLE_EQ(hit.distance, 2.0);
@@ -290,7 +290,7 @@ TEST(World, blackThingsSwallowTheBeam) {
 // ---- walkers
 // -------------------------------------------------------------------------------------
 
-TEST(World, aBoxIsThereWhileItStands) {
+TEST(World, ABoxIsThereWhileItStands) {
   Box before = {{3, 0, 1}, {2, 2, 2}}, after = {{6, 0, 1}, {2, 2, 2}};
   before.until_s = after.from_s = 10.0;
   const World world = worldOf({before, after});
@@ -304,7 +304,7 @@ TEST(World, aBoxIsThereWhileItStands) {
   EXPECT_THROW(worldOf({before}), std::invalid_argument);
 }
 
-TEST(World, refusesThingsWithoutAShape) {
+TEST(World, RefusesThingsWithoutAShape) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(worldOf({{{nan, 0, 0}, {1, 1, 1}}}), std::invalid_argument);
   EXPECT_THROW(worldOf({{{0, 0, 0}, {1, -1, 1}}}), std::invalid_argument);
@@ -316,7 +316,7 @@ TEST(World, refusesThingsWithoutAShape) {
   EXPECT_THROW(World{buried}, std::invalid_argument);
 }
 
-TEST(World, canBeMoved) {
+TEST(World, CanBeMoved) {
   World world = worldOf({{{3, 0, 1}, {2, 2, 2}}});
   World moved = std::move(world);
   EXPECT_DOUBLE_EQ(distance(moved, {0, 0, 1}, {1, 0, 0}), 2.0);

@@ -16,7 +16,7 @@ enum class FilterSensor {
   kRange,       ///< range finder that looks down
   kFloorBeams,  ///< the laser's own beams that hit the floor
   kBarometer,
-  kHeading,           ///< magnetometer
+  kYaw,               ///< magnetometer
   kPosition,          ///< GPS
   kGravityDirection,  ///< the filter's own: the accelerometer tells where up is
   kZeroVelocity,      ///< the filter's own: the vehicle stands
@@ -30,14 +30,14 @@ const char* toString(FilterSensor sensor);
 struct PoseMeasurement {
   double stamp = 0.0;                                    ///< of the scan, s
   Pose2 pose;                                            ///< map_T_base
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, theta) in map, m² and rad²
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw) in map, m² and rad²
 };
 
-/// A magnetometer's heading: yaw of the base in map (REP-103: 0 is the map's x axis).
-struct HeadingMeasurement {
+/// A magnetometer's yaw: yaw of the base in map (REP-103: 0 is the map's x axis).
+struct YawMeasurement {
   double stamp = 0.0;
   double yaw = 0.0;    ///< rad
-  double sigma = 0.0;  ///< rad; at least PoseFilterConfig::heading_sigma_rad is used
+  double sigma = 0.0;  ///< rad; at least PoseFilterConfig::yaw_sigma_rad is used
 };
 
 /// A position in space in map, such as a GPS fix in the local ENU frame.
@@ -108,7 +108,7 @@ Eigen::Matrix<double, 6, 6> twistCovariance(const FilterOutput& output, double g
 enum class FilterHealth {
   kOk,
   kCoasting,      ///< no pose or position lately: the position drifts
-  kInitialising,  ///< collects samples
+  kInitializing,  ///< collects samples
   kNoImu,         ///< nothing has come, or nothing for silent_s
   kBadImu,        ///< frozen, not finite, or gravity is not where it has to be
 };
@@ -126,7 +126,7 @@ struct FilterStatus {
   std::string message;  ///< a sentence for the user: what is wrong, with values, and what to do
   SensorCounts imu;
   std::array<SensorCounts, kFilterSensors> sensors;  ///< by FilterSensor
-  std::size_t anchors = 0;                    ///< poses and heights taken over against the filter
+  std::size_t reinitializations = 0;          ///< poses and heights taken over against the filter
   std::map<std::string, std::size_t> resets;  ///< by reason
   double imu_rate_hz = 0.0;                   ///< smoothed
   bool started_in_air = false;                ///< the last start was no standstill

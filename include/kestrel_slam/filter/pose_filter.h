@@ -38,17 +38,17 @@ class PoseFilter {
   /// Measurements. False where one is refused at once (status() counts why); one that is newer
   /// than the newest IMU sample waits for it, and may then still be rejected by its gate.
   bool addPose(const PoseMeasurement& measurement);
-  /// Distance along the base's negative z axis, m. Steps below (tables) are recognised.
+  /// Distance along the base's negative z axis, m. Steps below (tables) are recognized.
   bool addRange(const HeightSample& sample);
   /// Height of the base over the floor by beams that hit the floor (Projection::floor_height_m, or
   /// mirror_height_m), m.
   bool addFloorHeight(const HeightSample& sample);
   /// Height over anything fixed, m: the offset is estimated, and drifts.
   bool addBarometer(const HeightSample& sample);
-  bool addHeading(const HeadingMeasurement& measurement);
+  bool addYaw(const YawMeasurement& measurement);
   bool addPosition(const PositionMeasurement& measurement);
 
-  /// The newest state; nothing while initialising.
+  /// The newest state; nothing while initializing.
   const std::optional<FilterOutput>& output() const;
 
   /// The state at `time` (s) between the oldest that is remembered (history_s) and a little after

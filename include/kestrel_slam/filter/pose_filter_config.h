@@ -26,13 +26,14 @@ struct ImuInputConfig {
 
 /// How measurements are judged.
 struct GateConfig {
-  double probability = 0.999;   ///< share of right measurements that pass (chi-square); 0 to 1
-  double history_s = 1.0;       ///< later measurements come too late; 0.05 to 10
-  double anchor_after_s = 1.0;  ///< poses that are rejected for this long in a row are right, and
-                                ///< the filter takes them over (the mapper has found itself); > 0
-  double coast_after_s = 0.5;   ///< without an accepted pose or position the filter coasts; > 0
-  int max_anchors = 3;          ///< so many take-overs within diverged_s: the filter has diverged
-  double diverged_s = 20.0;     ///< s; > 0
+  double probability = 0.999;  ///< share of right measurements that pass (chi-square); 0 to 1
+  double history_s = 1.0;      ///< later measurements come too late; 0.05 to 10
+  double reinitialize_after_s =
+      1.0;                        ///< poses that are rejected for this long in a row are right, and
+                                  ///< the filter takes them over (the mapper has found itself); > 0
+  double coast_after_s = 0.5;     ///< without an accepted pose or position the filter coasts; > 0
+  int max_reinitializations = 3;  ///< so many take-overs within diverged_s: the filter has diverged
+  double diverged_s = 20.0;       ///< s; > 0
 };
 
 /// Range finder, barometer and floor beams.
@@ -63,8 +64,8 @@ struct PoseFilterConfig {
   GateConfig gate;
   HeightFusionConfig height;
   MotionConfig motion;
-  double heading_sigma_rad = 0.1;  ///< least deviation that a magnetometer's heading has; > 0
-  double max_gyro_bias = 0.5;      ///< a larger estimate is a broken gyro or filter, rad/s; > 0
+  double yaw_sigma_rad = 0.1;  ///< least deviation that a magnetometer's yaw has; > 0
+  double max_gyro_bias = 0.5;  ///< a larger estimate is a broken gyro or filter, rad/s; > 0
   double max_accelerometer_bias = 3.0;  ///< the same, m/s²; > 0
 };
 

@@ -6,7 +6,7 @@
 
 namespace kestrel_slam {
 
-/// A grey image, row-major from the upper left corner, 0 black to 255 white.
+/// A gray image, row-major from the upper left corner, 0 black to 255 white.
 struct GrayImage {
   int width = 0;
   int height = 0;

@@ -28,9 +28,9 @@ struct Surfel {
   Cell cell;
   float count = 0.0F;  ///< hits in the mean, capped so that the mean can follow changes
   /// Direction of the wall as the scans saw it, summed as (cos, sin) of twice its angle, so that
-  /// opposite directions agree; zero where no scan saw neighbouring points of a wall.
+  /// opposite directions agree; zero where no scan saw neighboring points of a wall.
   Eigen::Vector2f tangent2 = Eigen::Vector2f::Zero();
-  /// The same from neighbours so far apart that the match does not trust it: where nothing else
+  /// The same from neighbors so far apart that the match does not trust it: where nothing else
   /// tells the direction, the surfel stays a point, which holds the pose in both directions. But
   /// it is no proof that the wall constrains the direction along itself.
   Eigen::Vector2f sparse2 = Eigen::Vector2f::Zero();
@@ -47,7 +47,7 @@ inline bool isPoint(const Surfel& surfel) {
   return surfel.a11 + surfel.a22 >= kPointTrace;
 }
 
-/// What a wall can constrain: the elements (11, 12, 22) of A, or of the line that far neighbours
+/// What a wall can constrain: the elements (11, 12, 22) of A, or of the line that far neighbors
 /// make of a lonely point.
 inline Eigen::Vector3f constraintOf(const Surfel& surfel) {
   const float length = isPoint(surfel) ? surfel.sparse2.norm() : 0.0F;
@@ -125,7 +125,7 @@ class SurfelField {
       distance2.fill(kFar);
     }
     std::array<std::uint32_t, kTileCells> nearest;
-    /// From the cell's centre to its mean, in steps; 0 where the cell has a surfel itself.
+    /// From the cell's center to its mean, in steps; 0 where the cell has a surfel itself.
     std::array<std::uint16_t, kTileCells> distance2;
     std::array<std::uint32_t, kTileSide> own{};  ///< one bit a cell: has a surfel itself
   };

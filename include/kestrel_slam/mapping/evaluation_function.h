@@ -4,7 +4,7 @@
 
 namespace kestrel_slam {
 
-/// Parameters of the penalised evaluation function (paper 000 eq. 4-5).
+/// Parameters of the penalized evaluation function (paper 000 eq. 4-5).
 struct EvaluationConfig {
   bool enabled = true;
   /// T_V: a scan with f below this may enter the map. What it separates is drawn by
@@ -12,7 +12,7 @@ struct EvaluationConfig {
   double threshold = 1.75;
   double penalty = 0.25;    ///< the paper's positive penalty parameter
   double sigma_m = 0.05;    ///< unit in which the spread of the positions is measured
-  double sigma_rad = 0.02;  ///< unit of the spread of the headings
+  double sigma_rad = 0.02;  ///< unit of the spread of the yaws
 };
 
 /// f of paper 000 eq. 4: small where the scan fits well and the resolutions agree on its pose.

@@ -19,7 +19,7 @@ namespace kestrel_slam {
 class MapUncertainty {
  public:
   /// Of the next scan that enters the map: its pose (map_T_base) and the covariance of that (x, y,
-  /// theta in map, m² and rad²). To be called once for every update of the surface.
+  /// yaw in map, m² and rad²). To be called once for every update of the surface.
   void add(const Pose2& pose, const Eigen::Matrix3d& covariance);
 
   /// What the walls that a scan meets at `pose` say of it: the mean over their birth scans, each

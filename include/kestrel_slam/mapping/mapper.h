@@ -22,7 +22,7 @@ const char* toString(MatchState state);
 /// What happened to one scan.
 struct MapperResult {
   Pose2 pose;  ///< map_T_base at the scan's time (the prediction where lost)
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, theta) in map, m² and rad²
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw) in map, m² and rad²
   /// Of the motion since the scan before, in the base frame of that, m² and rad².
   Eigen::Matrix3d motion_covariance = Eigen::Matrix3d::Zero();
   UncertainPose uncertain;  ///< `covariance` in its parts, for relativeCovariance

@@ -16,7 +16,7 @@ struct MapperConfig {
   double insert_angle_rad = 0.25;   ///< or this much rotation
   double lost_score = 0.35;         ///< a best fit below this is no fit
   double min_known_share = 0.1;     ///< nor is one of fewer beams than this in known space
-  double gap_s = 1.0;               ///< after this long without a scan any heading is searched
+  double gap_s = 1.0;               ///< after this long without a scan any yaw is searched
 };
 
 }  // namespace kestrel_slam

@@ -25,18 +25,19 @@ class MotionModel {
   const Eigen::Vector2d& velocity() const { return velocity_; }  ///< in map, smoothed, m/s
   double time() const { return time_; }                          ///< of the last scan, s
 
-  /// Where to look for the next scan: the starts of the match, best first, and how far to search.
-  /// `points` must outlive the result.
+  /// Where to look for the next scan: the initial guesses of the match, best first, and how far to
+  /// search. `points` must outlive the result.
   MatchRequest request(const Points& points, const PlanarScan& scan,
                        const std::optional<Pose2>& odom_T_base) const;
 
   /// What the prediction of the next scan stands on.
-  Carrier carrierOf(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
+  PredictionSource predictionSourceOf(const PlanarScan& scan,
+                                      const std::optional<Pose2>& odom_T_base) const;
 
   /// Where the motion alone leads, for the directions that the scan does not constrain; nothing
   /// after a gap, while lost, and where somebody placed the vehicle.
-  std::optional<Pose2> carried(const MatchRequest& request, const PlanarScan& scan,
-                               const std::optional<Pose2>& odom_T_base) const;
+  std::optional<Pose2> motionPrediction(const MatchRequest& request, const PlanarScan& scan,
+                                        const std::optional<Pose2>& odom_T_base) const;
 
   /// Seconds since the last scan, at most those after which motion says nothing.
   double secondsSince(const PlanarScan& scan) const;
@@ -62,8 +63,9 @@ class MotionModel {
   Pose2 motion_;                          ///< from the scan before the last one to the last one
   std::optional<Pose2> odom_;             ///< odom_T_base of the last scan
   std::optional<Pose2> predicted_;        ///< of a pose filter, at the last scan
-  std::optional<double> heading_;         ///< of the gyro, at the last scan, rad
-  std::optional<Eigen::Vector2d> speed_;  ///< of the accelerometer, at the last scan
+  std::optional<double> integrated_yaw_;  ///< of the gyro, at the last scan, rad
+  std::optional<Eigen::Vector2d>
+      integrated_acceleration_;  ///< of the accelerometer, at the last scan
   Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
   double time_ = 0.0;
   double found_time_ = 0.0;  ///< of the last scan that was not lost

@@ -10,7 +10,7 @@
 
 namespace kestrel_slam {
 
-/// What to search, around a centre.
+/// What to search, around a center.
 struct SearchWindow {
   double linear_m = 0.6;     ///< ± in x and y
   double angular_rad = 0.5;  ///< ±
@@ -20,16 +20,16 @@ struct SearchWindow {
 struct CorrelativeConfig {
   double sigma_m = 0.1;  ///< of the likelihood of a distance to a wall
   double min_angular_step_rad = 0.0044;
-  double linear_preference = 0.05;   ///< what a metre of motion costs, in units of the score
+  double linear_preference = 0.05;   ///< what a meter of motion costs, in units of the score
   double angular_preference = 0.02;  ///< what a radian costs
 };
 
 /// The best pose of a window.
 struct SearchResult {
-  Pose2 pose;              ///< the cell and angular step of the maximum
-  Pose2 mean;              ///< mean of the likelihood surface around it: finer than a cell
-  double score = 0.0;      ///< mean likelihood of the points, 0 to 1
-  double preferred = 0.0;  ///< the score less the cost of the motion: what was maximised
+  Pose2 pose;                    ///< the cell and angular step of the maximum
+  Pose2 mean;                    ///< mean of the likelihood surface around it: finer than a cell
+  double score = 0.0;            ///< mean likelihood of the points, 0 to 1
+  double penalized_score = 0.0;  ///< the score less the cost of the motion: what was maximized
   Eigen::Matrix3d covariance =
       Eigen::Matrix3d::Identity();  ///< of the likelihood surface around it
 };

@@ -40,15 +40,15 @@ struct IcpPair {
   float error = 0.0F;       ///< of the metric, m²: what rejection compares
 };
 
-/// The pose map_T_base that minimises Σ |T p - q|² (paper 003 eq. 8, paper 004 eq. 3-5), in closed
-/// form: the turn of the centred points, then the shift of the centroids. Keeps of `start` what the
-/// pairs leave open: all of it without pairs, the heading where the points have no extent.
-Pose2 alignPointToPoint(const std::vector<IcpPair>& pairs, const Pose2& start);
+/// The pose map_T_base that minimizes Σ |T p - q|² (paper 003 eq. 8, paper 004 eq. 3-5), in closed
+/// form: the turn of the centerd points, then the shift of the centroids. Keeps of `initial_guess`
+/// what the pairs leave open: all of it without pairs, the yaw where the points have no extent.
+Pose2 alignPointToPoint(const std::vector<IcpPair>& pairs, const Pose2& initial_guess);
 
-/// The pose map_T_base that minimises Σ ((T p - q)·n)² (paper 003 eq. 9) by damped Gauss-Newton
-/// steps from `start`. A pair without a normal counts with its whole distance. Directions of which
-/// the pairs say nothing stay as at `start`.
-Pose2 alignPointToLine(const std::vector<IcpPair>& pairs, const Pose2& start);
+/// The pose map_T_base that minimizes Σ ((T p - q)·n)² (paper 003 eq. 9) by damped Gauss-Newton
+/// steps from `initial_guess`. A pair without a normal counts with its whole distance. Directions
+/// of which the pairs say nothing stay as at `initial_guess`.
+Pose2 alignPointToLine(const std::vector<IcpPair>& pairs, const Pose2& initial_guess);
 
 /// Removes the `share` of the pairs, rounded down, whose errors are largest.
 void rejectWorstPairs(std::vector<IcpPair>& pairs, double share);

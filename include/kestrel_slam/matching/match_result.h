@@ -18,7 +18,7 @@ constexpr std::size_t kMatchStages = 3;
 /// What every matcher returns.
 struct MatchResult {
   Pose2 pose;                                                ///< map_T_base
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, theta), m² and rad²
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), m² and rad²
   double score = 0.0;  ///< fit of the beams that end in known space, 0 (none) to 1 (all on walls)
   double known = 0.0;  ///< share of the beams that end in known space, 0 to 1
   int iterations = 0;

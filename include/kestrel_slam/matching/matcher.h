@@ -25,7 +25,7 @@ struct MatcherConfig {
   IcpConfig icp;
 
   double score_scale_m = 0.1;  ///< a point this far from its wall fits by half
-  double good_score = 0.9;     ///< below: the other starts are tried as well
+  double good_score = 0.9;     ///< below: the other initial guesses are tried as well
   double search_score = 0.8;   ///< below: the exhaustive search is tried as well
   double jump_margin = 0.05;   ///< by how much a found pose has to be better than the local one
   SearchWindow near_window{0.6, 0.52};
@@ -38,14 +38,15 @@ struct MatcherConfig {
 /// One scan to be matched.
 struct MatchRequest {
   const Points& points;
-  Pose2 last;                     ///< map_T_base of the scan before: small motions are preferred
-  std::vector<Pose2> starts;      ///< predictions, best first; never empty
-  bool search_all_round = false;  ///< nothing is known of the heading (a gap, a lost state)
-  double search_scale = 1.0;      ///< of the windows' linear size, for a longer absence
-  bool turn_known = false;        ///< the heading of the first start is exact to some degrees
-  bool trusted = false;           ///< the first start is exact to some centimetres
-  double plausible_m = 1e9;  ///< a pose farther from the first start has to fit that much better
-  bool lost = false;         ///< the pose is only predicted: search the widest window
+  Pose2 last;  ///< map_T_base of the scan before: small motions are penalized_score
+  std::vector<Pose2> initial_guesses;  ///< predictions, best first; never empty
+  bool search_all_round = false;       ///< nothing is known of the yaw (a gap, a lost state)
+  double search_scale = 1.0;           ///< of the windows' linear size, for a longer absence
+  bool turn_known = false;  ///< the yaw of the first initial guess is exact to some degrees
+  bool trusted = false;     ///< the first initial guess is exact to some centimeters
+  double plausible_m =
+      1e9;            ///< a pose farther from the first initial guess has to fit that much better
+  bool lost = false;  ///< the pose is only predicted: search the widest window
 };
 
 /// Aligns a scan with a map. Stateless: the same request gives the same result.

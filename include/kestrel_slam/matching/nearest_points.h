@@ -12,7 +12,7 @@ struct WallPoint {
   Eigen::Vector2f normal;    ///< of the wall, unit vector; zero where unknown
 };
 
-/// Exact nearest neighbours among fixed points: a k-d tree.
+/// Exact nearest neighbors among fixed points: a k-d tree.
 class NearestPoints {
  public:
   explicit NearestPoints(std::vector<WallPoint> points);

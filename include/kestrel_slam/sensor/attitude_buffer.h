@@ -10,11 +10,11 @@ namespace kestrel_slam {
 /// How the vehicle was oriented at one time.
 struct Attitude {
   Eigen::Quaterniond stabilized_R_base = Eigen::Quaterniond::Identity();  ///< roll and pitch only
-  double heading = 0.0;  ///< integrated turn rate about the vertical, rad, not wrapped; only
-                         ///< differences have a meaning
-  /// Integrated horizontal acceleration, m/s, in the frame in which `heading` counts: only
+  double integrated_yaw = 0.0;  ///< integrated turn rate about the vertical, rad, not wrapped; only
+                                ///< differences have a meaning
+  /// Integrated horizontal acceleration, m/s, in the frame in which `integrated_yaw` counts: only
   /// differences have a meaning. Absent without an accelerometer.
-  std::optional<Eigen::Vector2d> speed;
+  std::optional<Eigen::Vector2d> integrated_acceleration;
 };
 
 /// Why a buffer has no attitude for a time. kNotYet: it may still come.
@@ -37,7 +37,7 @@ class AttitudeBuffer {
   explicit AttitudeBuffer(const AttitudeBufferConfig& config = AttitudeBufferConfig());
 
   /// `world_R_base`: unit quaternion, z of world up. `angular_velocity`: of the base, in its own
-  /// frame, rad/s; without it the heading follows the quaternion's yaw. False (and nothing is
+  /// frame, rad/s; without it the yaw follows the quaternion's yaw. False (and nothing is
   /// changed) where something is not finite, the stamp is already there, or older than the history.
   /// `specific_force`: of the accelerometer, in the base, m/s²; not used where it is no such thing.
   bool add(double stamp, const Eigen::Quaterniond& world_R_base,
@@ -60,9 +60,9 @@ class AttitudeBuffer {
     Eigen::Quaterniond stabilized_R_base;
     double yaw;                                   ///< of the quaternion, rad
     std::optional<double> yaw_rate;               ///< about the vertical, rad/s
-    double heading;                               ///< integrated
+    double integrated_yaw;                        ///< integrated
     std::optional<Eigen::Vector2d> acceleration;  ///< horizontal, in base_stabilized, m/s²
-    Eigen::Vector2d speed;                        ///< integrated
+    Eigen::Vector2d integrated_acceleration;      ///< integrated
   };
   using Iterator = std::deque<Entry>::const_iterator;
 
@@ -74,15 +74,5 @@ class AttitudeBuffer {
   AttitudeBufferConfig config_;
   std::deque<Entry> entries_;  ///< ascending stamps
 };
-
-/// The rotation without its turn about the vertical: `stabilized_R_base` (REP-105; paper 000 eq.
-/// 1).
-Eigen::Quaterniond withoutYaw(const Eigen::Quaterniond& world_R_base);
-
-/// The turn about the vertical: angle of the base's x axis seen from above, rad.
-double yawOf(const Eigen::Quaterniond& world_R_base);
-
-/// Angle between the base's z axis and the vertical, rad.
-double tiltOf(const Eigen::Quaterniond& world_R_base);
 
 }  // namespace kestrel_slam

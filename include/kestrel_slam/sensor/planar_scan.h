@@ -8,6 +8,9 @@
 
 namespace kestrel_slam {
 
+/// Points in one frame, m.
+using Points = std::vector<Eigen::Vector2f>;
+
 /// One beam in the gravity-aligned frame of the vehicle (x forward, y left, m), at the scan's
 /// reference time.
 struct PlanarRay {
@@ -20,13 +23,14 @@ struct PlanarRay {
 
 /// The one type between projector and mapper: hits and clears of one sweep.
 struct PlanarScan {
-  double stamp = 0.0;             ///< as recorded, s; the scan's name, need not be monotone
-  double time = 0.0;              ///< reference time on a monotone time base, s
-  std::optional<double> heading;  ///< integrated turn rate of the gyro at `stamp`, rad, not
-                                  ///< wrapped: only the difference between two scans has a meaning
-  /// Integrated horizontal acceleration at `stamp`, m/s, in the frame in which `heading` counts:
-  /// only the difference between two scans has a meaning.
-  std::optional<Eigen::Vector2d> speed;
+  double stamp = 0.0;  ///< as recorded, s; the scan's name, need not be monotone
+  double time = 0.0;   ///< reference time on a monotone time base, s
+  std::optional<double>
+      integrated_yaw;  ///< integrated turn rate of the gyro at `stamp`, rad, not
+                       ///< wrapped: only the difference between two scans has a meaning
+  /// Integrated horizontal acceleration at `stamp`, m/s, in the frame in which `integrated_yaw`
+  /// counts: only the difference between two scans has a meaning.
+  std::optional<Eigen::Vector2d> integrated_acceleration;
   /// odom_T_base of a pose filter at `stamp`: only the difference between two scans has a meaning.
   std::optional<Pose2> predicted;
   std::vector<PlanarRay> rays;
@@ -37,5 +41,8 @@ struct PlanarScan {
     return n;
   }
 };
+
+/// The ends of all rays that hit something.
+Points hitsOf(const PlanarScan& scan);
 
 }  // namespace kestrel_slam

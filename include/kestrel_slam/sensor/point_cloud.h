@@ -7,7 +7,7 @@ namespace kestrel_slam {
 /// A sweep of a 3D lidar, in the frame of the sensor.
 struct PointCloud {
   struct Point {
-    float x, y, z;  ///< m; NaN: no return (organised clouds)
+    float x, y, z;  ///< m; NaN: no return (organized clouds)
     float time;     ///< s after `stamp`; negative where the stamp is that of the sweep's end
   };
   double stamp = 0.0;  ///< as recorded, s

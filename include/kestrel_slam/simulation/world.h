@@ -18,7 +18,7 @@ enum class Material {
 /// An axis-aligned or turned box: walls, furniture, doors. Table tops are flat boxes. What is moved
 /// during a flight is two boxes, one until then and one from then on.
 struct Box {
-  Eigen::Vector3d centre;
+  Eigen::Vector3d center;
   Eigen::Vector3d size;  ///< along its own axes, m
   double yaw = 0.0;      ///< rad
   Material material = Material::kMatt;
@@ -28,7 +28,7 @@ struct Box {
 
 /// A vertical cylinder: a pillar, a pole, a leg.
 struct Cylinder {
-  Eigen::Vector2d centre;
+  Eigen::Vector2d center;
   double radius = 0.1;
   double bottom = 0.0, top = 2.0;  ///< z, m
   Material material = Material::kMatt;

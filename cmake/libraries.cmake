@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# One static library for each folder of src/. The order is that of the dependencies: a folder may
+# include what stands above it here (scripts/check_includes checks that).
+set(KESTREL_LIBRARIES)
+
+# kestrel_library(FOLDER SOURCES glob... LINKS library... PRIVATE library...)
+function(kestrel_library folder)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE" ${ARGN})
+  if(NOT ARG_SOURCES)
+    set(ARG_SOURCES src/${folder}/*.cpp)
+  endif()
+  file(GLOB sources CONFIGURE_DEPENDS ${ARG_SOURCES})
+  list(FILTER sources EXCLUDE REGEX "_main\\.cpp$|/nodelets\\.cpp$")
+  string(REPLACE "/" "_" name kestrel_${folder})
+  add_library(${name} STATIC ${sources})
+  target_link_libraries(${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:kestrel_warnings>)
+  set_target_properties(${name} PROPERTIES EXPORT_NAME ${folder})
+  add_library(kestrel_slam::${folder} ALIAS ${name})
+  set(KESTREL_LIBRARIES ${KESTREL_LIBRARIES} ${name} PARENT_SCOPE)
+endfunction()
+
+# ---- core: no ROS, no third party but Eigen and, for the ICP alone, nanoflann
+kestrel_library(geometry LINKS Eigen3::Eigen)
+target_include_directories(kestrel_geometry PUBLIC
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
+kestrel_library(sensor LINKS kestrel_geometry)
+kestrel_library(map LINKS kestrel_sensor)
+kestrel_library(matching LINKS kestrel_map PRIVATE $<BUILD_INTERFACE:nanoflann::nanoflann>)
+kestrel_library(mapping LINKS kestrel_matching)
+kestrel_library(filter LINKS kestrel_sensor)
+kestrel_library(pipeline LINKS kestrel_mapping kestrel_filter)
+kestrel_library(parameters LINKS kestrel_pipeline PRIVATE $<BUILD_INTERFACE:yaml-cpp>)
+
+# ---- messages: ROS message <-> core type
+if(KESTREL_WITH_ROS)
+  kestrel_library(messages LINKS kestrel_pipeline)
+  add_dependencies(kestrel_messages ${PROJECT_NAME}_generate_messages_cpp)
+  target_include_directories(kestrel_messages SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
+  target_link_libraries(kestrel_messages PUBLIC ${catkin_LIBRARIES})
+endif()
+
+# ---- recordings, evaluation, reports
+kestrel_library(simulation LINKS kestrel_sensor)
+if(KESTREL_WITH_ROS)
+  kestrel_library(recording SOURCES src/recording/*.cpp src/recording/bag/*.cpp
+    LINKS kestrel_simulation kestrel_messages
+    PRIVATE Boost::iostreams ${rosbag_storage_LIBRARIES})
+  target_compile_definitions(kestrel_recording PUBLIC KESTREL_WITH_ROS)
+  target_include_directories(kestrel_recording SYSTEM PUBLIC ${rosbag_storage_INCLUDE_DIRS})
+else()
+  kestrel_library(recording LINKS kestrel_simulation PRIVATE Boost::iostreams)
+endif()
+kestrel_library(offline LINKS kestrel_recording kestrel_parameters nlohmann_json::nlohmann_json)
+kestrel_library(evaluation LINKS kestrel_recording kestrel_mapping)
+kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfig::CAIRO)
+kestrel_library(experiments LINKS kestrel_report)
+kestrel_library(commands LINKS kestrel_experiments PRIVATE CLI11::CLI11)
+
+# ---- nodes
+if(KESTREL_WITH_ROS)
+  kestrel_library(ros
+    SOURCES src/ros/common/*.cpp src/ros/projector/*.cpp src/ros/mapper/*.cpp src/ros/filter/*.cpp
+    LINKS kestrel_messages kestrel_parameters Threads::Threads)
+  kestrel_library(ros/latency LINKS kestrel_ros PRIVATE ${rosbag_storage_LIBRARIES})
+  target_include_directories(kestrel_ros_latency SYSTEM PUBLIC ${rosbag_storage_INCLUDE_DIRS})
+endif()

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# One program for each file named *_main.cpp, and the nodes once more as nodelets.
+set(KESTREL_PROGRAMS)
+
+# kestrel_program(MAIN library...)
+function(kestrel_program main)
+  get_filename_component(name ${main} NAME_WE)
+  string(REGEX REPLACE "_main$" "" name ${name})
+  add_executable(${name} ${main})
+  target_link_libraries(${name} PRIVATE ${ARGN} kestrel_warnings)
+  set(KESTREL_PROGRAMS ${KESTREL_PROGRAMS} ${name} PARENT_SCOPE)
+endfunction()
+
+file(GLOB COMMANDS CONFIGURE_DEPENDS src/commands/*_main.cpp)
+if(NOT KESTREL_WITH_ROS)
+  list(FILTER COMMANDS EXCLUDE REGEX "/(carmen_to_bag|simulate_flight)_main\\.cpp$")
+endif()
+foreach(main ${COMMANDS})
+  kestrel_program(${main} kestrel_commands CLI11::CLI11)
+endforeach()
+
+if(KESTREL_WITH_ROS)
+  foreach(main mapper/mapper_node projector/scan_projector_node filter/pose_filter_node)
+    kestrel_program(src/ros/${main}_main.cpp kestrel_ros)
+  endforeach()
+  kestrel_program(src/ros/latency/measure_latency_main.cpp kestrel_ros_latency)
+  add_library(kestrel_nodelets SHARED src/ros/nodelets.cpp)
+  target_link_libraries(kestrel_nodelets PRIVATE kestrel_ros kestrel_warnings)
+endif()

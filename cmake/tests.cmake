@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# One program of unit tests for each folder of test/. Tests that need ROS are those of messages/,
+# recording/bag/ and ros/, and the files named bag_*.
+find_package(GTest REQUIRED)
+find_package(Ceres QUIET)  # an oracle of the filter's test alone
+enable_testing()
+
+function(kestrel_test folder)
+  file(GLOB sources CONFIGURE_DEPENDS test/${folder}/*_test.cpp)
+  if(NOT folder MATCHES "^(messages|recording/bag)$")
+    if(NOT KESTREL_WITH_ROS)
+      list(FILTER sources EXCLUDE REGEX "/bag_[a-z_0-9]*_test\\.cpp$")
+    elseif(KESTREL_ONLY_ROS_TESTS)
+      list(FILTER sources INCLUDE REGEX "/bag_[a-z_0-9]*_test\\.cpp$")
+    endif()
+  endif()
+  if(NOT sources)
+    return()
+  endif()
+  string(REPLACE "/" "_" name ${folder})
+  add_executable(test_${name} ${sources})
+  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/test)
+  target_link_libraries(test_${name} PRIVATE kestrel_commands kestrel_warnings GTest::gtest_main)
+  target_compile_definitions(test_${name} PRIVATE
+    KESTREL_SOURCE_DIR="${PROJECT_SOURCE_DIR}" KESTREL_TOOL_DIR="$<TARGET_FILE_DIR:map_recording>")
+  if(folder STREQUAL "filter" AND Ceres_FOUND)
+    target_link_libraries(test_filter PRIVATE Ceres::ceres)
+    target_compile_definitions(test_filter PRIVATE KESTREL_WITH_CERES)
+  endif()
+  add_test(NAME ${name} COMMAND test_${name})
+endfunction()
+
+foreach(folder geometry sensor map matching mapping filter pipeline parameters simulation recording
+    offline evaluation report experiments commands)
+  kestrel_test(${folder})
+endforeach()
+if(KESTREL_WITH_ROS)
+  kestrel_test(messages)
+  kestrel_test(recording/bag)
+endif()
+
+# Tests on live nodes: rostest starts a master and the nodes of each .test file.
+if(KESTREL_WITH_ROS AND CATKIN_ENABLE_TESTING)
+  find_package(rostest REQUIRED)
+  file(GLOB HELPERS CONFIGURE_DEPENDS test/ros/*.cpp)
+  list(FILTER HELPERS EXCLUDE REGEX "_test\\.cpp$")
+  add_library(kestrel_ros_testing STATIC EXCLUDE_FROM_ALL ${HELPERS})
+  target_include_directories(kestrel_ros_testing PUBLIC ${PROJECT_SOURCE_DIR}/test ${PROJECT_SOURCE_DIR}/test/ros)
+  target_link_libraries(kestrel_ros_testing
+    PUBLIC kestrel_ros_latency kestrel_recording PRIVATE kestrel_warnings)
+  file(GLOB ROS_TEST_SOURCES CONFIGURE_DEPENDS test/ros/*_test.cpp test/ros/*/*_test.cpp)
+  foreach(source ${ROS_TEST_SOURCES})
+    get_filename_component(name ${source} NAME_WE)
+    add_executable(${name} ${source})
+    target_link_libraries(${name} PRIVATE kestrel_ros_testing kestrel_commands kestrel_warnings GTest::gtest)
+    target_compile_definitions(${name} PRIVATE KESTREL_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+      KESTREL_MAPPER_NODE="$<TARGET_FILE:mapper_node>"
+      KESTREL_SCAN_PROJECTOR_NODE="$<TARGET_FILE:scan_projector_node>")
+  endforeach()
+  file(GLOB ROS_TESTS CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} test/ros/*.test
+    test/ros/*/*.test)
+  foreach(test ${ROS_TESTS})
+    add_rostest(${test})
+  endforeach()
+endif()

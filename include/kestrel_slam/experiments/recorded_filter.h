@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "kestrel_slam/pipeline/pipeline.h"
+#include "kestrel_slam/recording/recording.h"
+#include "kestrel_slam/recording/trajectory.h"
+
+namespace kestrel_slam {
+
+/// Where something was, and how fast: in map, seen from above.
+struct MovingPose {
+  StampedPose pose;
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< m/s
+};
+
+/// Errors against a reference, after the best rigid alignment.
+struct MovingErrors {
+  std::size_t count = 0;
+  double position_rmse_m = 0.0;
+  double velocity_rmse = 0.0;  ///< m/s; of the reference: its difference over 0.2 s
+};
+
+/// Throws ReferenceMismatch.
+MovingErrors compareWithReference(const std::vector<MovingPose>& poses,
+                                  const Trajectory& reference);
+
+/// The mapper's poses and the filter's states of a recording with an IMU.
+struct RecordedFilterRun {
+  std::vector<MovingPose> mapper;  ///< one a scan that is not lost
+  std::vector<MovingPose> filter;  ///< one an IMU sample
+  FilterStatus status;             ///< at the end
+};
+
+/// Feeds a recording to projector, mapper and filter, in the order of its stamps. `base_T_laser`:
+/// in place of what the recording says. Throws std::runtime_error where it has no IMU.
+RecordedFilterRun runFiltered(Recording& recording, const SlamConfig& config,
+                              const PoseFilterConfig& filter, const CouplingOptions& coupling,
+                              const std::optional<Eigen::Isometry3d>& base_T_laser = std::nullopt);
+
+}  // namespace kestrel_slam

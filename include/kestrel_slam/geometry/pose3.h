@@ -1,0 +1,22 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "kestrel_slam/geometry/pose2.h"
+
+namespace kestrel_slam {
+
+/// The rotation without its turn about the vertical: `stabilized_R_base` (REP-105; paper 000 eq.
+/// 1).
+Eigen::Quaterniond withoutYaw(const Eigen::Quaterniond& world_R_base);
+
+/// The turn about the vertical: angle of the base's x axis seen from above, rad.
+double yawOf(const Eigen::Quaterniond& world_R_base);
+
+/// Angle between the base's z axis and the vertical, rad.
+double tiltOf(const Eigen::Quaterniond& world_R_base);
+
+/// Position and yaw seen from above.
+Pose2 toPose2(const Eigen::Isometry3d& transform);
+
+}  // namespace kestrel_slam

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/offline/offline_run.h"
+#include "kestrel_slam/parameters/parameters.h"
+
+namespace kestrel_slam {
+
+/// What was mapped, and how: the part of the outputs that is known before the run.
+struct RunInfo {
+  std::string recording;    ///< the file's name, without its folder
+  std::string description;  ///< one line about the file
+  SlamConfig config;
+  bool odometry = false;
+  bool timing = true;  ///< false: nothing measured, so that two runs give identical bytes
+};
+
+/// Mean, median, 99th percentile and maximum.
+struct Distribution {
+  double mean = 0.0;
+  double median = 0.0;
+  double p99 = 0.0;
+  double max = 0.0;
+};
+
+/// All zero where there are no values.
+Distribution distributionOf(std::vector<double> values);
+
+/// Time of each scan, ms, of the part of the run between two shares of its scans, 0 to 1.
+Distribution scanTimes(const OfflineRun& run, double from = 0.0, double to = 1.0);
+
+/// How many scans ended in which state, and how well they fitted.
+struct MatchSummary {
+  std::size_t ok = 0;
+  std::size_t degraded = 0;
+  std::size_t lost = 0;
+  std::size_t inserted = 0;
+  std::size_t searched = 0;
+  double mean_score = 0.0;
+  double min_score = 0.0;
+};
+
+MatchSummary summarize(const std::vector<ScanRecord>& scans);
+
+/// Area of the known cells, m².
+double knownArea(const MapSnapshot& map);
+
+/// `value` with so many decimals, so that files stay readable.
+double rounded(double value, int decimals);
+
+/// The content of stats.json. Everything that was measured lies in the object "timing", which is
+/// missing without timing; all the rest is the same for every run.
+nlohmann::ordered_json statsOf(const OfflineRun& run, const RunInfo& info);
+
+}  // namespace kestrel_slam

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "kestrel_slam/mapping/mapper_config.h"
+#include "kestrel_slam/sensor/attitude_tracker.h"
+#include "kestrel_slam/sensor/beam_filter.h"
+
+namespace kestrel_slam {
+
+/// Everything that a user can set, whether offline or live.
+struct SlamConfig {
+  ProjectorConfig projector;
+  AttitudeConfig attitude;
+  MapperConfig mapper;
+};
+
+}  // namespace kestrel_slam

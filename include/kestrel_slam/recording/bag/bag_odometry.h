@@ -1,0 +1,67 @@
+#pragma once
+
+#include <geometry_msgs/Pose.h>
+#include <rosbag/bag.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/recording/bag/bag_topics.h"
+#include "kestrel_slam/recording/bag/bag_transforms.h"
+
+namespace kestrel_slam {
+
+/// The poses of a nav_msgs/Odometry topic, interpolated.
+class BagOdometry {
+ public:
+  BagOdometry(const rosbag::Bag& bag, const std::string& topic);
+
+  /// odom_T_child at `stamp` (s), between two messages at most kMaxGap apart.
+  std::optional<Pose2> at(double stamp) const;
+
+  bool empty() const { return poses_.empty(); }
+  const std::string& childFrame() const { return child_frame_; }
+
+  static constexpr double kMaxGap = 0.5;  ///< s
+
+ private:
+  struct Entry {
+    double stamp;
+    Pose2 pose;
+  };
+
+  std::vector<Entry> poses_;  ///< ascending stamps
+  std::string child_frame_;
+};
+
+/// Where a bag has its odometry: in an Odometry topic, in tf, or nowhere. A topic whose name says
+/// that it is ground truth is only taken where the user asks for it.
+class BagOdometrySource {
+ public:
+  /// `wanted`: a topic, or "" for the only one. Throws std::runtime_error where it is not there.
+  BagOdometrySource(const rosbag::Bag& bag, const BagTopics& topics,
+                    const BagTransforms& transforms, std::string base_frame,
+                    const std::string& wanted);
+
+  bool available() const { return !odom_frame_.empty() || (odometry_ && !odometry_->empty()); }
+  /// odom_T_base at a stamp, given in s and as ROS has it.
+  std::optional<Pose2> at(double stamp, const ros::Time& time) const;
+
+  /// "odometry /odom", or "no odometry".
+  const std::string& description() const { return description_; }
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  std::string chooseTopic(const BagTopics& topics, const std::string& wanted);
+
+  const BagTransforms& transforms_;
+  std::string base_frame_;
+  std::optional<BagOdometry> odometry_;
+  std::string odom_frame_;  ///< in tf; "" where odometry is not from tf
+  std::string description_ = "no odometry";
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace kestrel_slam

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "kestrel_slam/recording/trajectory.h"
+
+namespace kestrel_slam {
+
+/// Reads a reference trajectory (motion capture, ground truth) from the PoseStamped,
+/// PoseWithCovarianceStamped or Odometry topic of a bag, by the stamps in the headers, ascending,
+/// each once. `topic` may be "" where the bag has only one that could be meant.
+///
+/// Throws std::runtime_error that names the bag and lists the topics.
+Trajectory readBagReference(const std::string& path, const std::string& topic);
+
+}  // namespace kestrel_slam

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <rosbag/message_instance.h>
+#include <sensor_msgs/LaserScan.h>
+
+namespace kestrel_slam {
+
+/// Reads a LaserScan message of a bag. Throws std::exception where its bytes are damaged.
+sensor_msgs::LaserScan deserializeScan(const rosbag::MessageInstance& instance);
+
+}  // namespace kestrel_slam

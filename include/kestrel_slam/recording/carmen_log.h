@@ -1,0 +1,58 @@
+#pragma once
+
+#include <istream>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "kestrel_slam/recording/carmen_line.h"
+#include "kestrel_slam/recording/recording.h"
+#include "kestrel_slam/sensor/time_base.h"
+
+namespace kestrel_slam {
+
+/// Reads a CARMEN log (FLASER lines, or ROBOTLASER1 lines where it has no other), plain, .bz2 or
+/// .gz, line by line in the order of the file, which is the true order even where stamps jump back.
+///
+/// A first quick pass counts the scans and finds the mounting of the laser.
+class CarmenLog : public Recording {
+ public:
+  /// Throws std::runtime_error where `path` cannot be read, is no CARMEN log or has no laser.
+  explicit CarmenLog(const std::string& path);
+
+  bool next(RecordedScan& scan) override;
+  std::size_t scanCount() const override { return scan_count_; }
+  std::string description() const override;
+  bool hasOdometry() const override { return has_odometry_; }
+
+ private:
+  struct Survey;
+
+  void survey();
+  void surveyParameter(const std::string& line);
+  void surveyMounting(const std::string& line, Survey& survey);
+  void chooseMounting(const Survey& survey);
+  bool nextLaserLine(std::string& line);
+  void fill(const CarmenScan& source, RecordedScan& scan);
+  void skipBrokenLine(const std::string& reason);
+  void warnAboutFan(std::size_t beams);
+  void reportEnd();
+
+  std::string path_;
+  std::unique_ptr<std::istream> stream_;
+  std::size_t line_number_ = 0;
+  std::string laser_message_;  ///< FLASER or ROBOTLASER1
+  std::size_t scan_count_ = 0;
+  bool has_odometry_ = false;
+  double no_return_m_ = kCarmenDefaultMaxRange;
+  std::optional<double> offset_parameter_;  ///< robot_frontlaser_offset, m
+  Pose2 base_T_laser_;
+  bool at_end_ = false;
+  std::set<std::size_t> unknown_fans_;  ///< numbers of beams already warned about
+  MonotoneTime monotone_time_;
+};
+
+/// Whether the beginning of the file (unpacked) looks like a CARMEN log.
+bool looksLikeCarmenLog(const std::string& path);
+
+}  // namespace kestrel_slam

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <chrono>
+#include <cstdio>
+#include <string>
+
+#include "kestrel_slam/offline/offline_run.h"
+
+namespace kestrel_slam {
+
+/// Shows how far a run has come: a bar that is redrawn in place on a terminal, otherwise a line for
+/// every tenth.
+class ProgressBar {
+ public:
+  /// `stream` must outlive the bar; `terminal`: whether it can be redrawn in place.
+  ProgressBar(std::FILE* stream, bool terminal);
+
+  void update(const OfflineProgress& progress);
+  /// Ends the line of the bar.
+  void finish();
+
+  /// The text for a state of the run, `elapsed_s` after its start.
+  static std::string text(const OfflineProgress& progress, double elapsed_s);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  std::FILE* stream_;
+  bool terminal_;
+  Clock::time_point start_ = Clock::now();
+  double last_drawn_s_ = -1.0;
+  std::size_t last_tenth_ = 0;
+};
+
+}  // namespace kestrel_slam

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
+
+#include <functional>
+#include <string>
+
+#include "kestrel_slam/ros/mapper/scan_statistics.h"
+
+namespace kestrel_slam {
+
+/// Size of the map, for the diagnostics.
+struct MapSize {
+  int width = 0;  ///< cells
+  int height = 0;
+  double resolution_m = 0.0;
+  std::size_t memory_bytes = 0;
+};
+
+/// Publishes /diagnostics: three items for the scans, the match and the map.
+///
+/// Driven by wall time, so that a paused or finished replay is still reported.
+class Diagnostics {
+ public:
+  /// `nh`: the timer runs on its queue. `publisher_count`: how many publish `scan_topic`.
+  Diagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
+              const std::string& scan_topic, ScanStatistics& statistics,
+              std::function<unsigned()> publisher_count, std::function<MapSize()> map_size);
+
+ private:
+  using Status = diagnostic_updater::DiagnosticStatusWrapper;
+
+  void update();
+  void fillScans(Status& status) const;
+  void fillMatch(Status& status) const;
+  void fillMap(Status& status) const;
+  std::string silence() const;
+  void warnOfSilence() const;
+
+  std::string scan_topic_;
+  ScanStatistics& statistics_;
+  std::function<unsigned()> publisher_count_;
+  std::function<MapSize()> map_size_;
+  ScanReport report_;
+  ros::WallTime started_ = ros::WallTime::now();
+  diagnostic_updater::Updater updater_;
+  ros::WallTimer timer_;
+};
+
+}  // namespace kestrel_slam

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <ros/node_handle.h>
+#include <std_msgs/String.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "kestrel_slam/ResetMapping.h"
+#include "kestrel_slam/ros/common/bounded_queue.h"
+#include "kestrel_slam/ros/mapper/diagnostics.h"
+#include "kestrel_slam/ros/mapper/map_publisher.h"
+#include "kestrel_slam/ros/mapper/node_parameters.h"
+#include "kestrel_slam/ros/mapper/pose_publisher.h"
+#include "kestrel_slam/ros/mapper/scan_input.h"
+#include "kestrel_slam/ros/mapper/shared_mapper.h"
+#include "kestrel_slam/ros/mapper/trajectory_log.h"
+#include "kestrel_slam/sensor/scan_projector.h"
+#include "kestrel_slam/sensor/time_base.h"
+
+namespace kestrel_slam {
+
+/// The live mapper: scans of a level laser, or planar scans of the projector, in; map, pose and tf
+/// out. The interface is that of hector_mapping.
+///
+/// Three threads: that of `nh` receives scans and commands, one matches, and one publishes the map.
+class MapperNode {
+ public:
+  /// `nh` must be served by one thread. Throws std::invalid_argument on a bad parameter.
+  MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh);
+  ~MapperNode();
+  MapperNode(const MapperNode&) = delete;
+  MapperNode& operator=(const MapperNode&) = delete;
+
+ private:
+  void enqueue(ReadyScan scan);
+  void matchLoop();
+  void handle(const ReadyScan& scan);
+  void match(const ReadyScan& scan);
+  std::optional<PlanarScan> planarOf(const ReadyScan& scan);
+  std::optional<PlanarScan> planarOf(const sensor_msgs::PointCloud2& message);
+  void drop(const std::string& reason, const std::string& sentence);
+  void continueAfter(const ReadyScan& scan);
+  void restart(const Pose2& map_T_base);
+
+  void onCommand(const std_msgs::String& message);
+  void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
+  bool resetMap(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  bool pauseMapping(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
+  bool restartMapping(ResetMapping::Request& request, ResetMapping::Response& response);
+
+  const NodeConfig config_;
+  SharedMapper mapper_;
+  ScanStatistics statistics_;
+  TrajectoryLog trajectory_;
+  BoundedQueue<ReadyScan> queue_;
+
+  // Only the matching thread uses these.
+  ScanProjector projector_;
+  MonotoneTime monotone_time_;
+  PosePublisher pose_publisher_;
+  std::size_t epoch_ = 0;
+  bool was_paused_ = false;
+  std::thread match_thread_;
+
+  ros::Subscriber command_subscriber_, initial_pose_subscriber_;
+  ros::ServiceServer reset_server_, pause_server_, restart_server_;
+  std::unique_ptr<ScanInput> input_;
+  std::unique_ptr<MapPublisher> map_publisher_;
+  std::unique_ptr<Diagnostics> diagnostics_;
+};
+
+}  // namespace kestrel_slam

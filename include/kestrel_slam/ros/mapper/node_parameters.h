@@ -1,0 +1,47 @@
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/parameters/parameters.h"
+
+namespace kestrel_slam {
+
+/// All parameters of the mapper node. Names and meanings are those of hector_mapping.
+struct NodeConfig {
+  std::string base_frame = "base_link";
+  std::string map_frame = "map";
+  std::string odom_frame;      ///< empty, or the base frame: no odometry, tf is map -> base
+  std::string input = "scan";  ///< scan: of a level laser; planar_scan: of the scan projector
+  std::string scan_topic = "scan";
+  std::string planar_scan_topic = "planar_scan";
+  std::string sys_msg_topic = "syscommand";
+  std::string pose_update_topic = "poseupdate";
+  int scan_subscriber_queue_size = 5;
+  double map_pub_period = 2.0;       ///< s
+  double transform_tolerance = 0.1;  ///< s; how far map -> odom is dated into the future
+  bool pub_map_odom_transform = true;
+  bool pub_map_scanmatch_transform = true;
+  std::string tf_map_scanmatch_transform_frame_name = "scanmatcher_frame";
+  bool pub_odometry = false;
+  bool advertise_map_service = true;
+  SlamConfig slam;
+
+  bool usesPlanarScans() const { return input == "planar_scan"; }
+  const std::string& inputTopic() const {
+    return usesPlanarScans() ? planar_scan_topic : scan_topic;
+  }
+  bool usesOdometry() const { return !odom_frame.empty() && odom_frame != base_frame; }
+};
+
+/// The table of the node's parameters and those of the SLAM, bound to `config`.
+std::vector<Parameter> parametersOf(NodeConfig& config);
+
+/// Reads the private parameters. Says so where one of hector_mapping has no effect here and why,
+/// and where one is unknown, with the nearest valid name. Throws std::invalid_argument that names
+/// a parameter out of range, its value and what is allowed.
+NodeConfig loadParameters(const ros::NodeHandle& private_nh);
+
+}  // namespace kestrel_slam

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <optional>
+
+#include "kestrel_slam/mapping/mapper.h"
+#include "kestrel_slam/ros/mapper/node_parameters.h"
+
+namespace kestrel_slam {
+
+/// Publishes what the matching found: pose topics, tf, the matched scan and markers
+/// of what is uncertain.
+class PosePublisher {
+ public:
+  PosePublisher(ros::NodeHandle nh, const NodeConfig& config);
+
+  /// `odom_T_base`: the odometry at the scan's stamp; needed where the node uses odometry.
+  void publish(const ros::Time& stamp, const MapperResult& result, const PlanarScan& scan,
+               const std::optional<Pose2>& odom_T_base);
+
+  /// Mapping pauses: the last map -> odom goes on. Publishes nothing where there is none.
+  void repeatCorrection(const ros::Time& stamp);
+
+  /// Where the odometry alone has brought the vehicle since the last match.
+  std::optional<Pose2> poseByOdometry(const std::optional<Pose2>& odom_T_base) const;
+
+ private:
+  void publishPose(const ros::Time& stamp, const MapperResult& result);
+  void publishTransforms(const ros::Time& stamp, const Pose2& map_T_base);
+  void publishCloud(const ros::Time& stamp, const MapperResult& result, const PlanarScan& scan);
+  void publishMarkers(const ros::Time& stamp, const MapperResult& result);
+  geometry_msgs::TransformStamped transform(const ros::Time& stamp, const std::string& child,
+                                            const Pose2& map_T_child) const;
+
+  NodeConfig config_;
+  ros::Publisher pose_publisher_, pose_update_publisher_, cloud_publisher_;
+  ros::Publisher slam_odometry_publisher_, odometry_publisher_, marker_publisher_;
+  tf2_ros::TransformBroadcaster broadcaster_;
+  std::optional<Pose2> map_T_odom_;
+  ros::Time transforms_stamp_;  ///< of the last transforms
+};
+
+}  // namespace kestrel_slam

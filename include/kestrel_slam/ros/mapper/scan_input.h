@@ -1,0 +1,108 @@
+#pragma once
+
+#include <ros/message_traits.h>
+#include <ros/node_handle.h>
+#include <sensor_msgs/LaserScan.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/message_filter.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/ros/mapper/node_parameters.h"
+#include "kestrel_slam/ros/mapper/scan_statistics.h"
+
+namespace kestrel_slam {
+
+/// A scan as it came, never copied: of a laser, or a planar scan of the projector. One of the two
+/// is null.
+struct ScanMessage {
+  sensor_msgs::LaserScanConstPtr laser_scan;
+  sensor_msgs::PointCloud2ConstPtr planar_scan;
+};
+
+/// A scan that may have to wait for its transforms.
+struct ReceivedScan {
+  ScanMessage message;
+  std::string frame;  ///< whose transforms are needed, without a leading slash
+  ros::Time stamp;
+};
+
+/// A scan with everything that tf says about it.
+struct ReadyScan {
+  ScanMessage message;
+  ros::Time stamp;
+  Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();  ///< not of a planar scan
+  std::optional<Pose2> odom_T_base;  ///< at the scan's stamp, where the node uses odometry
+  std::size_t epoch = 0;             ///< grows where the stamps jump back far
+};
+
+}  // namespace kestrel_slam
+
+namespace ros::message_traits {
+
+// What tf2's message filter asks a message for.
+template <>
+struct FrameId<kestrel_slam::ReceivedScan> {
+  static std::string value(const kestrel_slam::ReceivedScan& scan) { return scan.frame; }
+};
+template <>
+struct TimeStamp<kestrel_slam::ReceivedScan> {
+  static ros::Time value(const kestrel_slam::ReceivedScan& scan) { return scan.stamp; }
+};
+
+}  // namespace ros::message_traits
+
+namespace kestrel_slam {
+
+/// Receives the scans of a laser, or planar scans, and waits for their transforms without ever
+/// blocking. Scans that cannot be used are counted, and the reason is said. `nh` must be served by
+/// one thread.
+class ScanInput {
+ public:
+  using Callback = std::function<void(ReadyScan)>;
+
+  ScanInput(ros::NodeHandle nh, const NodeConfig& config, ScanStatistics& statistics,
+            Callback on_ready);
+
+  std::string topic() const { return subscriber_.getTopic(); }
+  unsigned publisherCount() const { return subscriber_.getNumPublishers(); }
+
+ private:
+  using ReceivedScanPtr = boost::shared_ptr<const ReceivedScan>;
+
+  void onLaserScan(const sensor_msgs::LaserScanConstPtr& message);
+  void onPlanarScan(const sensor_msgs::PointCloud2ConstPtr& message);
+  void receive(const ReceivedScan& scan, std::size_t beams);
+  void onReady(const ReceivedScanPtr& scan);
+  void handOver(const ReceivedScan& scan);
+  void onFailure(const ReceivedScanPtr& scan, tf2_ros::FilterFailureReason reason);
+  bool acceptable(const ReceivedScan& scan, std::size_t beams);
+  void refuse(const std::string& reason, const std::string& sentence);
+  void noticeJump(const ros::Time& stamp);
+  bool needsTransform(const ReceivedScan& scan) const;
+  void explainWaiting(const ReceivedScan& scan);
+  std::string missingTransform(const ReceivedScan& scan) const;
+  void warnOfOtherParent(const ros::Time& stamp) const;
+  ReadyScan lookUp(const ReceivedScan& scan) const;
+
+  NodeConfig config_;
+  ScanStatistics& statistics_;
+  Callback on_ready_;
+  ros::Time last_stamp_;
+  std::size_t epoch_ = 0;
+  ros::WallTime waiting_since_;  ///< when scans began to lack a transform; zero: they do not
+
+  tf2_ros::Buffer buffer_;
+  tf2_ros::TransformListener listener_;
+  tf2_ros::MessageFilter<ReceivedScan> filter_;
+  ros::Subscriber subscriber_;
+};
+
+}  // namespace kestrel_slam

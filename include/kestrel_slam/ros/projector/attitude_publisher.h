@@ -1,0 +1,32 @@
+#pragma once
+
+#include <ros/time.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+
+#include "kestrel_slam/ros/projector/projector_parameters.h"
+
+namespace kestrel_slam {
+
+/// Publishes tf base_footprint -> base_stabilized -> base: height, then roll and pitch.
+class AttitudePublisher {
+ public:
+  explicit AttitudePublisher(const ProjectorNodeConfig& config);
+
+  /// At most one of each stamp is published. `height_m`: of the base over the floor, where known.
+  void publish(const ros::Time& stamp, const Eigen::Quaterniond& stabilized_R_base,
+               const std::optional<double>& height_m);
+
+ private:
+  bool isNew(const ros::Time& stamp) const;
+
+  std::string base_frame_, stabilized_frame_, footprint_frame_;
+  bool publishes_stabilized_, publishes_footprint_;
+  ros::Time last_;
+  tf2_ros::TransformBroadcaster broadcaster_;
+};
+
+}  // namespace kestrel_slam

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/time.h>
+
+#include <optional>
+#include <string>
+
+#include "kestrel_slam/ros/projector/projector_parameters.h"
+#include "kestrel_slam/sensor/projection.h"
+
+namespace kestrel_slam {
+
+/// Publishes what the projector makes of a sweep: planar_scan, its view as a LaserScan where
+/// somebody listens to it, and the heights that a mirror and beams on the floor measure.
+class PlanarScanPublisher {
+ public:
+  PlanarScanPublisher(ros::NodeHandle nh, const ProjectorNodeConfig& config);
+
+  void publish(const ros::Time& stamp, const Projection& projection);
+
+ private:
+  void publishHeight(const ros::Time& stamp, const std::optional<double>& height_m,
+                     ros::Publisher& publisher);
+
+  std::string frame_;
+  double view_increment_rad_, range_max_m_;
+  ros::Publisher scan_publisher_, view_publisher_, height_publisher_, floor_height_publisher_;
+};
+
+}  // namespace kestrel_slam

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "kestrel_slam/ros/common/waiting_time.h"
+#include "kestrel_slam/ros/projector/projector_statistics.h"
+#include "kestrel_slam/sensor/attitude_tracker.h"
+
+namespace kestrel_slam {
+
+/// The state of the scan projector's node, for the diagnostics.
+struct ProjectorReport {
+  ProjectorStatistics statistics;
+  std::string topics;          ///< of the lasers
+  unsigned publishers = 0;     ///< of these topics
+  std::string waiting_for;     ///< what the newest sweep lacks in tf, or empty
+  std::string attitude_hint;   ///< where the attitude comes from
+  std::string attitude_error;  ///< what is wrong with it, or empty
+  std::optional<ImuStatus> imu;
+  std::string imu_topic;
+  unsigned imu_publishers = 0;
+  std::optional<double> tilt_rad;  ///< newest
+  std::optional<double> height_m;  ///< newest, of the base over the floor
+  std::string height_source;
+  std::string height_error;  ///< what is wrong with it, or empty
+  std::map<std::string, std::size_t> height_counts;
+};
+
+/// Publishes /diagnostics of the scan projector: items for the scans, the attitude and the height.
+class ProjectorDiagnostics {
+ public:
+  /// `report` is called once a second on the queue of `nh`; `on_reported` after that.
+  ProjectorDiagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
+                       const std::string& hardware_id, std::function<ProjectorReport()> report,
+                       std::function<void()> on_reported);
+
+ private:
+  using Status = diagnostic_updater::DiagnosticStatusWrapper;
+
+  void update();
+  std::string silence() const;
+  void warn() const;
+  void fillScans(Status& status) const;
+  void fillAttitude(Status& status) const;
+  void fillImu(Status& status) const;
+  void fillHeight(Status& status) const;
+
+  std::function<ProjectorReport()> take_report_;
+  std::function<void()> on_reported_;
+  ProjectorReport report_;
+  WaitingTime since_start_;
+  diagnostic_updater::Updater updater_;
+  ros::SteadyTimer timer_;
+};
+
+}  // namespace kestrel_slam

@@ -1,0 +1,168 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "kestrel_slam/commands/run_tool.h"
+#include "kestrel_slam/evaluation/claims.h"
+#include "kestrel_slam/evaluation/evaluation.h"
+#include "kestrel_slam/recording/reference.h"
+#include "kestrel_slam/recording/trajectory.h"
+#include "kestrel_slam/report/evaluation_plot.h"
+
+namespace kestrel_slam {
+namespace {
+
+struct Options {
+  std::string trajectory, relations, covariances, reference, reference_topic, json, plot;
+};
+
+struct Results {
+  Trajectory trajectory;
+  std::optional<RelationEvaluation> relations;
+  std::optional<ClaimEvaluation> claims;
+  std::optional<ReferenceEvaluation> reference;
+};
+
+void printRow(const char* name, const ErrorStatistics& s, const char* unit) {
+  std::printf("%-30s %6zu %9.4f %9.4f %9.4f %9.4f %9.4f  %s\n", name, s.count, s.mean, s.std,
+              s.median, s.max, s.rmse, unit);
+}
+
+void printRows(const std::string& name, const PoseErrorStatistics& statistics) {
+  printRow((name + ", translation").c_str(), statistics.translation_m, "m");
+  printRow((name + ", rotation").c_str(), statistics.rotation_deg, "deg");
+}
+
+void printTable(const Results& results) {
+  std::printf("%zu poses, path length %.2f m\n", results.trajectory.size(),
+              pathLength(results.trajectory));
+  if (!results.relations && !results.reference) return;
+  std::printf("%-30s %6s %9s %9s %9s %9s %9s\n", "", "count", "mean", "std", "median", "max",
+              "rmse");
+  if (results.relations) {
+    printRows("relations", results.relations->all);
+    printRows("relations > 60 s", results.relations->distant);
+  }
+  if (results.claims) {
+    printRow("error / claim, translation", results.claims->translation, "sigma");
+    printRow("error / claim, rotation", results.claims->rotation, "sigma");
+    printRow("NEES of the relations", results.claims->nees, "(3 is right)");
+  }
+  if (results.reference) {
+    printRows("ATE", results.reference->ate_statistics);
+    printRows("RPE per 1 m", results.reference->rpe_per_meter);
+    printRows("RPE per 1 s", results.reference->rpe_per_second);
+  }
+}
+
+void printUnmatched(const Results& results) {
+  if (results.relations && !results.relations->unmatched.empty()) {
+    std::fprintf(stderr,
+                 "warning: %zu relations left out: %zu of their stamps are not in the trajectory, "
+                 "the first is %.6f\n",
+                 results.relations->skipped_relations, results.relations->unmatched.size(),
+                 results.relations->unmatched.front());
+  }
+  if (results.reference && results.reference->unmatched > 0) {
+    std::fprintf(stderr, "warning: %zu poses left out: the reference has none near their stamps\n",
+                 results.reference->unmatched);
+  }
+}
+
+nlohmann::json toJson(const ErrorStatistics& s) {
+  return {{"count", s.count},   {"mean", s.mean}, {"std", s.std},
+          {"median", s.median}, {"max", s.max},   {"rmse", s.rmse}};
+}
+
+nlohmann::json toJson(const PoseErrorStatistics& s) {
+  return {{"translation_m", toJson(s.translation_m)}, {"rotation_deg", toJson(s.rotation_deg)}};
+}
+
+void writeJson(const std::string& path, const Results& results) {
+  nlohmann::json json = {{"poses", results.trajectory.size()},
+                         {"path_length_m", pathLength(results.trajectory)}};
+  if (results.relations) {
+    json["relations"] = {{"all", toJson(results.relations->all)},
+                         {"over_60_s", toJson(results.relations->distant)},
+                         {"left_out", results.relations->skipped_relations},
+                         {"unmatched_stamps", results.relations->unmatched}};
+  }
+  if (results.claims) {
+    json["claims"] = {{"translation_sigmas", toJson(results.claims->translation)},
+                      {"rotation_sigmas", toJson(results.claims->rotation)},
+                      {"nees", toJson(results.claims->nees)}};
+  }
+  if (results.reference) {
+    json["reference"] = {{"ate", toJson(results.reference->ate_statistics)},
+                         {"rpe_per_1_m", toJson(results.reference->rpe_per_meter)},
+                         {"rpe_per_1_s", toJson(results.reference->rpe_per_second)},
+                         {"unmatched_poses", results.reference->unmatched}};
+  }
+  std::ofstream file(path);
+  file << json.dump(2) << '\n';
+  file.close();
+  if (!file) throw std::runtime_error(path + ": cannot be written; check folder and permissions");
+}
+
+Results evaluate(const Options& options) {
+  Results results;
+  results.trajectory = readTum(options.trajectory);
+  if (!options.relations.empty()) {
+    results.relations = evaluateRelations(results.trajectory, readRelations(options.relations));
+    if (results.relations->errors.empty()) {
+      throw std::runtime_error(options.relations + ": no relation has both of its stamps in " +
+                               options.trajectory + "; check that they belong to one recording");
+    }
+  }
+  if (!options.covariances.empty()) {
+    results.claims =
+        evaluateClaims(readClaims(options.covariances), readRelations(options.relations));
+  }
+  if (!options.reference.empty()) {
+    try {
+      results.reference = evaluateReference(
+          results.trajectory, readReference(options.reference, options.reference_topic));
+    } catch (const ReferenceMismatch& error) {
+      throw std::runtime_error(options.reference + ": " + error.what());
+    }
+  }
+  return results;
+}
+
+void run(const Options& options) {
+  const Results results = evaluate(options);
+  printTable(results);
+  std::fflush(stdout);
+  printUnmatched(results);
+  if (!options.json.empty()) writeJson(options.json, results);
+  if (!options.plot.empty()) {
+    plotEvaluation(options.plot, results.trajectory, results.relations, results.reference);
+  }
+}
+
+}  // namespace
+}  // namespace kestrel_slam
+
+int main(int argc, char** argv) {
+  using namespace kestrel_slam;
+  CLI::App app(
+      "Compares a trajectory with relations (Freiburg benchmark) or a reference trajectory.\n"
+      "Exit code 0: done; 1: bad input; 2: wrong usage.");
+  Options options;
+  app.add_option("trajectory", options.trajectory, "trajectory to judge, TUM format")->required();
+  app.add_option("--relations", options.relations, "file of lines `t1 t2 x y z roll pitch yaw`");
+  app.add_option("--covariances", options.covariances,
+                 "covariances.txt of map_recording: errors of the relations in claimed sigmas")
+      ->needs("--relations");
+  app.add_option("--reference", options.reference, "reference trajectory, TUM format or rosbag");
+  app.add_option("--reference-topic", options.reference_topic,
+                 "which topic of a rosbag: PoseStamped, PoseWithCovarianceStamped or Odometry");
+  app.add_option("--json", options.json, "write all statistics to this file");
+  app.add_option("--plot", options.plot, "write a picture (PNG) of trajectory and errors");
+  return runTool("evaluate_trajectory", app, argc, argv, [&] { run(options); });
+}

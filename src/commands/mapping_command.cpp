@@ -1,0 +1,193 @@
+#include "kestrel_slam/commands/mapping_command.h"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <stdexcept>
+
+#include "kestrel_slam/evaluation/claims.h"
+#include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/map/atomic_file.h"
+#include "kestrel_slam/map/map_io.h"
+#include "kestrel_slam/parameters/parameters_yaml.h"
+#include "kestrel_slam/recording/trajectory.h"
+#include "kestrel_slam/report/progress_bar.h"
+#include "kestrel_slam/report/report.h"
+
+namespace kestrel_slam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kJsonIndent = 2;
+constexpr int kPoseNumbers = 3;  // x, y, yaw
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+void requestStop(int /*signal*/) { stop_requested = 1; }
+
+void addTopicOptions(CLI::App& app, RecordingOptions& topics) {
+  app.add_option("--scan-topic", topics.scan_topic, "bags: which laser, or clouds of a 3D lidar");
+  app.add_option("--odom-topic", topics.odom_topic, "bags: which odometry");
+  app.add_option("--imu-topic", topics.imu_topic, "bags: which IMU");
+  app.add_option("--height-topic", topics.height_topic,
+                 "bags: which range finder measures the height");
+  app.add_option("--base-frame", topics.base_frame, "bags: the frame of the vehicle");
+  app.add_option("--rate", topics.rate_hz, "tables of ranges: scans a second")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
+void addRunOptions(CLI::App& app, RunOptions& run) {
+  Perturbation& perturbation = run.perturbation;
+  app.add_option("--scans", run.max_scans, "only the first so many scans")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--skip-scans", perturbation.skip_scans, "leave out so many scans at the start");
+  app.add_option("--drop-every", perturbation.drop_every, "N: leave out every N-th scan")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--drop-beams", perturbation.drop_beams_share,
+                 "leave out this share of the beams, at random but always the same")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--drop-beams-seed", perturbation.beams_seed, "which beams are left out")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void addLaserPoseOption(CLI::App& app, std::vector<double>& x_y_yaw) {
+  app.add_option(
+         "--laser-pose", x_y_yaw,
+         "x,y,yaw in m and degrees: where the laser sits, in place of what the recording says")
+      ->delimiter(',')
+      ->expected(kPoseNumbers);
+}
+
+std::optional<Eigen::Isometry3d> laserPoseOf(const std::vector<double>& x_y_yaw) {
+  if (x_y_yaw.empty()) return std::nullopt;
+  Eigen::Isometry3d mounting(Eigen::Translation3d(x_y_yaw[0], x_y_yaw[1], 0.0));
+  mounting.rotate(Eigen::AngleAxisd(degToRad(x_y_yaw[2]), Eigen::Vector3d::UnitZ()));
+  return mounting;
+}
+
+void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
+  app.add_option(
+      "RECORDING", arguments.recording,
+      "rosbag, CARMEN log, BreezySLAM log or table of ranges (logs plain, .bz2, .gz or .xz)");
+  app.add_option("--config", arguments.config, "YAML file with parameters");
+  app.add_option("--odometry", arguments.odometry,
+                 "none: laser only (default); use: predict from the recording's odometry")
+      ->check(CLI::IsMember({"none", "use"}));
+  app.add_option("--imu", arguments.imu,
+                 "use: roll, pitch and turn rate from the recording's IMU (default); none: level")
+      ->check(CLI::IsMember({"none", "use"}));
+  app.add_option("--set", arguments.settings, "name=value: a parameter, after those of --config")
+      ->expected(1)
+      ->take_all();
+  addLaserPoseOption(app, arguments.laser_pose);
+  addTopicOptions(app, arguments.topics);
+  addRunOptions(app, arguments.run);
+  app.add_flag("--no-timing", arguments.no_timing,
+               "leave measured times and memory out of the files: two runs give the same bytes");
+  app.add_flag("--quiet", arguments.quiet, "only warnings and errors");
+}
+
+SlamConfig configOf(const MappingArguments& arguments) {
+  SlamConfig config;
+  if (!arguments.config.empty()) loadParameters(arguments.config, config);
+  applySettings(arguments.settings, config);
+  return config;
+}
+
+RunInfo runInfoOf(const MappingArguments& arguments, const SlamConfig& config,
+                  const Recording& recording) {
+  RunInfo info;
+  info.recording = fs::path(arguments.recording).filename().string();
+  info.description = recording.description();
+  info.config = config;
+  info.odometry = arguments.odometry == "use";
+  info.timing = !arguments.no_timing;
+  return info;
+}
+
+std::unique_ptr<Recording> openFor(const MappingArguments& arguments) {
+  std::unique_ptr<Recording> recording = openRecording(arguments.recording, arguments.topics);
+  if (arguments.odometry == "use" && !recording->hasOdometry()) {
+    throw std::runtime_error(arguments.recording + ": has no odometry; use --odometry none");
+  }
+  return recording;
+}
+
+std::string nameOf(const std::string& recording) {
+  fs::path name = fs::path(recording).filename();
+  for (const char* ending : {".bz2", ".gz", ".xz", ".bag", ".clf", ".log", ".csv", ".dat"}) {
+    if (name.extension() == ending && name != ending) name = name.stem();
+  }
+  return name.string();
+}
+
+void prepareOutput(const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
+    throw std::runtime_error("cannot write to " + folder.string() +
+                             ": it is a file, not a folder; choose another --output");
+  }
+  fs::create_directories(folder, error);
+  if (error) {
+    throw std::runtime_error("cannot make the output folder " + folder.string() + ": " +
+                             error.message() + "; choose another --output");
+  }
+  const fs::path probe = folder / ".kestrel_slam_probe";
+  writeFileAtomically(probe.string(), "");
+  fs::remove(probe, error);
+}
+
+void stopOnSignals() {
+  std::signal(SIGINT, requestStop);
+  std::signal(SIGTERM, requestStop);
+}
+
+bool stopRequested() { return stop_requested != 0; }
+
+OfflineRun mapVisibly(Recording& recording, const SlamConfig& config,
+                      const MappingArguments& arguments) {
+  RunOptions options = arguments.run;
+  options.use_odometry = arguments.odometry == "use";
+  options.use_imu = arguments.imu == "use";
+  options.base_T_laser = laserPoseOf(arguments.laser_pose);
+  ProgressBar bar(stderr, ::isatty(STDERR_FILENO) == 1);
+  OfflineRun run = runOffline(recording, config, options, [&](const OfflineProgress& progress) {
+    if (!arguments.quiet) bar.update(progress);
+    return !stopRequested();
+  });
+  if (!arguments.quiet) bar.finish();
+  if (!run.scans.empty()) return run;
+  // A run without a single pose has nothing to write; its warnings say why.
+  const std::string why = run.warnings.empty() ? "it has no scans" : run.warnings.front();
+  throw std::runtime_error(arguments.recording + ": no scan could be used: " + why);
+}
+
+void printWarnings(const std::string& prefix, const OfflineRun& run) {
+  for (const std::string& warning : run.warnings) {
+    std::fprintf(stderr, "%s%s\n", prefix.c_str(), warning.c_str());
+  }
+}
+
+void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& info) {
+  writeMap((folder / "map").string(), run.map);
+  writeTum((folder / "trajectory.tum").string(), run.trajectory);
+  std::vector<Claim> claims;
+  claims.reserve(run.scans.size());
+  for (std::size_t i = 0; i < run.scans.size(); ++i) {
+    claims.push_back({run.trajectory[i].stamp, run.scans[i].uncertain});
+  }
+  writeClaims((folder / "covariances.txt").string(), claims);
+  writeFileAtomically(
+      (folder / "stats.json").string(),
+      statsOf(run, info).dump(kJsonIndent, ' ', false, nlohmann::json::error_handler_t::replace) +
+          "\n");
+  writeFileAtomically((folder / "report.html").string(), reportHtml(run, info));
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,140 @@
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/commands/run_tool.h"
+#include "kestrel_slam/recording/bag/bag_flight_writer.h"
+#include "kestrel_slam/recording/simulated_recording.h"
+#include "kestrel_slam/recording/trajectory.h"
+#include "kestrel_slam/simulation/flight_plan.h"
+#include "kestrel_slam/simulation/flight_simulator.h"
+
+namespace kestrel_slam {
+namespace {
+
+struct Options {
+  std::string world = "laboratory";
+  std::string sensor = "utm30lx";
+  std::string lidar;
+  std::uint64_t seed = 1;
+  double rate_hz = 0.0;   // 0: the sensor's own
+  double random_s = 0.0;  // 0: the world's own flight
+  double jitter_s = 0.0;
+  double loss = 0.0;
+  bool level = false;
+  bool raw_imu = false;
+  std::string output;
+  std::string truth;
+  bool list = false;
+};
+
+void declareSensors(CLI::App& app, Options& options) {
+  constexpr double kMinRate = 0.1, kMaxRate = 1000.0;  // Hz
+  constexpr double kMaxJitter = 10.0;                  // s
+  app.add_option("--sensor", options.sensor, "the laser or lidar, see --list")
+      ->capture_default_str();
+  app.add_option("--lidar", options.lidar, "a 3D lidar besides the laser, see --list");
+  app.add_option("--rate", options.rate_hz, "scans per second instead of the sensor's own rate")
+      ->check(CLI::Range(kMinRate, kMaxRate));
+  app.add_flag("--raw-imu", options.raw_imu, "the IMU gives no orientation");
+  app.add_option("--jitter", options.jitter_s, "standard deviation of the stamps' error, s")
+      ->check(CLI::Range(0.0, kMaxJitter));
+  app.add_option("--loss", options.loss, "probability of a message to be lost")
+      ->check(CLI::Range(0.0, 1.0));
+}
+
+void declareOptions(CLI::App& app, Options& options) {
+  constexpr double kMinDuration = 1.0, kMaxDuration = 3600.0;  // s
+  app.add_option("--world", options.world, "where to fly, see --list")->capture_default_str();
+  declareSensors(app, options);
+  app.add_option("--random", options.random_s,
+                 "a random flight of about so many seconds instead of the world's own")
+      ->check(CLI::Range(kMinDuration, kMaxDuration));
+  app.add_flag("--level", options.level, "the same path without roll and pitch");
+  app.add_option("--seed", options.seed,
+                 "of wind, noise and random flight; the same seed gives the same recording")
+      ->capture_default_str();
+  auto* output = app.add_option("--output", options.output, "the bag to write");
+  app.add_option("--truth", options.truth,
+                 "also write the true pose at the stamp of every scan in TUM format");
+  app.add_flag("--list", options.list, "show worlds and sensors, and stop")->excludes(output);
+}
+
+template <typename T>
+void printList(const char* title, const std::vector<T>& items) {
+  std::printf("%s\n", title);
+  for (const T& item : items)
+    std::printf("  %-12s %s\n", item.name.c_str(), item.description.c_str());
+}
+
+VehicleModel vehicleOf(const Options& options) {
+  VehicleModel vehicle = quadrotorWith(options.sensor);
+  if (!options.lidar.empty()) {
+    const VehicleModel other = quadrotorWith(options.lidar);
+    if (!other.lidar) {
+      throw std::invalid_argument("'" + options.lidar + "' is no lidar; give it as --sensor");
+    }
+    vehicle.lidar = other.lidar;
+  }
+  if (options.rate_hz > 0.0 && vehicle.laser) vehicle.laser->rate_hz = options.rate_hz;
+  if (options.rate_hz > 0.0 && !vehicle.laser) vehicle.lidar->rate_hz = options.rate_hz;
+  vehicle.imu->gives_orientation = !options.raw_imu;
+  vehicle.stamp_jitter_s = options.jitter_s;
+  vehicle.loss_probability = options.loss;
+  return vehicle;
+}
+
+double lengthOf(const Motion& motion) {
+  constexpr double kStep = 0.01;  // s
+  double length = 0.0;
+  for (double t = 0.0; t < motion.duration(); t += kStep) {
+    length += motion.at(t).velocity.norm() * kStep;
+  }
+  return length;
+}
+
+void fly(const Options& options) {
+  Place chosen = place(options.world);
+  chosen.quadrotor.level = options.level;
+  if (options.random_s > 0.0) chosen.plan = randomPlan(chosen, options.random_s, options.seed);
+  const VehicleModel vehicle = vehicleOf(options);
+  const World world(chosen.parts);
+  const auto motion = flyQuadrotor(chosen.plan, chosen.quadrotor, options.seed);
+  FlightSimulator flight(world, *motion, vehicle, options.seed);
+  const FlightBagSummary summary = writeFlightBag(options.output, flight, vehicle);
+  if (!options.truth.empty()) {
+    Trajectory truth;
+    for (const double stamp : summary.scan_stamps) {
+      truth.push_back({stamp, truePose(*motion, stamp)});
+    }
+    writeTum(options.truth, truth);
+  }
+  std::printf("%s: %zu scans, %zu messages, %.1f m in %.1f s\n", options.output.c_str(),
+              summary.scan_stamps.size(), summary.messages, lengthOf(*motion), motion->duration());
+}
+
+void check(const Options& options) {
+  if (!options.list && options.output.empty()) throw CLI::RequiredError("--output");
+}
+
+void run(const Options& options) {
+  if (!options.list) return fly(options);
+  printList("worlds:", places());
+  printList("sensors, 2D lasers:", laserModels());
+  printList("sensors, 3D lidars:", lidarModels());
+}
+
+}  // namespace
+}  // namespace kestrel_slam
+
+int main(int argc, char** argv) {
+  using namespace kestrel_slam;
+  Options options;
+  CLI::App app("Simulates the flight of a quadrotor with all its sensors and writes a rosbag.");
+  declareOptions(app, options);
+  return runTool(
+      "simulate_flight", app, argc, argv, [&] { run(options); }, [&] { check(options); });
+}

@@ -1,0 +1,132 @@
+#include "kestrel_slam/experiments/hard_flight.h"
+
+#include <algorithm>
+#include <limits>
+#include <sstream>
+
+#include "kestrel_slam/recording/simulated_recording.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kFalseAlarm = 0.2;  // m
+constexpr double kMissed = 0.5;      // m
+/// An occupied cell farther than this from every surface is where nothing stands, m.
+constexpr double kNothingThere = 0.15;
+/// A ghost is no farther than this from where a person, a thing or the vehicle was, m: half a
+/// person and what covered the view of the laser.
+constexpr double kGhostReach = 0.6;
+
+/// The poses of the scans that are not lost.
+Trajectory found(const OfflineRun& run) {
+  Trajectory result;
+  for (std::size_t i = 0; i < run.scans.size(); ++i) {
+    if (run.scans[i].state != MatchState::kLost) result.push_back(run.trajectory[i]);
+  }
+  return result;
+}
+
+/// Tells the cells of the final map apart, against what stands at the end of the flight.
+class CellJudge {
+ public:
+  CellJudge(const World::Parts& parts, const Trajectory& flown, double end_s)
+      : walkers_(parts.walkers), flown_(flown) {
+    at_end_.cylinders = parts.cylinders;
+    for (const Box& box : parts.boxes) {
+      (box.from_s <= end_s && end_s < box.until_s ? at_end_ : gone_).boxes.push_back(box);
+    }
+  }
+
+  bool isFalse(const Eigen::Vector2d& point) const {
+    return distanceToUprightSurface(at_end_, point) > kNothingThere;
+  }
+
+  bool isGhost(const Eigen::Vector2d& point) const {
+    if (distanceToUprightSurface(gone_, point) < kGhostReach) return true;
+    for (const Walker& walker : walkers_) {
+      if (walker.distanceToWay(point) < kGhostReach) return true;
+    }
+    return std::any_of(flown_.begin(), flown_.end(), [&](const auto& flown) {
+      return (flown.pose.translation() - point).norm() < kGhostReach;
+    });
+  }
+
+ private:
+  World::Parts at_end_, gone_;
+  std::vector<Walker> walkers_;
+  const Trajectory& flown_;
+};
+
+void countCells(const CellJudge& judge, const MapSnapshot& map, const Pose2& world_T_map,
+                HardFlightMeasurement& result) {
+  for (int row = 0; row < map.height; ++row) {
+    for (int column = 0; column < map.width; ++column) {
+      if (map.at(column, row) != MapSnapshot::kOccupied) continue;
+      const Eigen::Vector2d in_map(map.origin_x + (column + 0.5) * map.resolution_m,
+                                   map.origin_y + (row + 0.5) * map.resolution_m);
+      const Eigen::Vector2d point = world_T_map * in_map;
+      if (!judge.isFalse(point)) continue;
+      ++(judge.isGhost(point) ? result.ghost_cells : result.double_cells);
+    }
+  }
+}
+
+/// Goes through the scans in their order: `reference` are the true poses at their stamps.
+void judgeScans(const HardFlight& hard, const Pose2& world_T_map, const Trajectory& reference,
+                HardFlightMeasurement& result) {
+  const OfflineRun& run = result.flight.run;
+  bool was_lost = true;
+  for (std::size_t i = 0; i < run.scans.size(); ++i) {
+    const double time = run.trajectory[i].stamp - kFlightStart;
+    const bool lost = run.scans[i].state == MatchState::kLost;
+    const bool blind = time >= hard.blind_from_s && time < hard.blind_until_s;
+    const Pose2 pose = world_T_map * run.trajectory[i].pose;
+    const double error = (reference[i].pose.translation() - pose.translation()).norm();
+    result.lost += lost ? 1U : 0U;
+    if (lost && !blind && error < kFalseAlarm) ++result.false_alarms;
+    if (!lost && error > kMissed) ++result.missed;
+    if (!lost && !blind && time >= hard.blind_until_s && hard.blind_until_s > 0.0 &&
+        result.recovery_s == 0.0) {
+      result.recovery_s = time - hard.blind_until_s;
+    }
+    if (!lost && !was_lost) {
+      const Pose2 seemed = run.trajectory[i - 1].pose.inverse() * run.trajectory[i].pose;
+      const Pose2 really = reference[i - 1].pose.inverse() * reference[i].pose;
+      result.jump_m = std::max(result.jump_m, (seemed.translation() - really.translation()).norm());
+    }
+    was_lost = lost;
+  }
+}
+
+}  // namespace
+
+HardFlightMeasurement measureHardFlight(const HardFlight& hard) {
+  HardFlightMeasurement result;
+  result.flight = measureFlight(hard.trial);
+  const FlightMeasurement& flight = result.flight;
+  // Poses that are declared to be lost must not bend the alignment of the others.
+  const ReferenceEvaluation error = evaluateReference(found(flight.run), flight.error.reference);
+  result.ate_m = error.ate_statistics.translation_m.rmse;
+  judgeScans(hard, error.reference_T_map, flight.error.reference, result);
+  const double end = flight.error.reference.back().stamp - kFlightStart;
+  const CellJudge judge(hard.trial.place.parts, flight.error.reference, end);
+  countCells(judge, flight.run.map, error.reference_T_map, result);
+  return result;
+}
+
+std::string HardFlightMeasurement::failures(const HardLimits& limits) const {
+  std::ostringstream text;
+  const auto check = [&text](const char* name, auto value, auto limit) {
+    if (value > limit) text << (text.tellp() > 0 ? ", " : "") << name << " over " << limit;
+  };
+  check("ATE", ate_m, limits.ate_m);
+  check("jump", jump_m, limits.jump_m);
+  check("false alarms", false_alarms, limits.false_alarms);
+  check("missed", missed, limits.missed);
+  check("ghost cells", ghost_cells, limits.ghost_cells);
+  check("double walls", double_cells, limits.double_cells);
+  check("recovery", recovery_s, limits.recovery_s);
+  return text.str();
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,152 @@
+#include "initializer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "kestrel_slam/geometry/gravity.h"
+#include "kestrel_slam/geometry/pose3.h"
+#include "measurement.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kInAir_s = 1.1;       // no standstill after this long: the vehicle flies
+constexpr double kGravityShare = 0.4;  // by which the mean specific force may differ from gravity
+
+constexpr double kTiltSigma = 0.2;        // before gravity is looked at, rad
+constexpr double kGroundGravity = 0.005;  // error of gravity's mean at a standstill, m/s²
+constexpr double kAirGravity = 0.5;       // the same in flight, m/s²
+constexpr double kGroundGyro = 5e-4;      // what shakes a vehicle that stands, rad/s
+constexpr double kStartM = 0.01;          // the start defines the place where nothing else does
+constexpr double kStartRad = 0.002;
+constexpr double kUnknownOffset = 1e3;  // of a barometer, m
+constexpr double kDistrust = 20.0;      // factor of the biases of an IMU that failed
+
+double square(double x) { return x * x; }
+
+template <int Size>
+void setVariance(int block, double sigma, StateMatrix& covariance) {
+  covariance.diagonal().segment<Size>(block).setConstant(square(sigma));
+}
+
+/// Roll and pitch with which `force` points up.
+Eigen::Quaterniond levelled(const Eigen::Vector3d& force) {
+  return Eigen::Quaterniond::FromTwoVectors(force, Eigen::Vector3d::UnitZ());
+}
+
+/// Tells the tilt and the accelerometer's bias together: each is known as well as the other is.
+void applyGravity(const Eigen::Vector3d& force, double sigma, FilterState& state) {
+  Measurement gravity;
+  gravity.value = force;
+  const Linearized<3> z = linearizeGravity(gravity, state);
+  const Eigen::Matrix<double, kStateDim, 3> cross = state.covariance * z.jacobian.transpose();
+  const Eigen::Matrix3d total = z.jacobian * cross + square(sigma) * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix<double, kStateDim, 3> gain = cross * total.inverse();
+  state.covariance -= gain * cross.transpose();
+  state.covariance = (0.5 * (state.covariance + state.covariance.transpose())).eval();
+  inject(gain * z.innovation, state);
+}
+
+std::string complaintOf(const Eigen::Vector3d& force) {
+  std::ostringstream text;
+  text.precision(3);
+  if (!(std::abs(force.norm() - kGravity) <= kGravityShare * kGravity)) {
+    text << "the accelerometer measures " << force.norm() << " m/s² on the average instead of "
+         << kGravity << "; check its unit (m/s², not g) and whether it includes gravity";
+  } else if (force.z() < 0.0) {
+    text << "gravity has the wrong sign: the accelerometer measures " << force.z()
+         << " m/s² along the base's z axis, which has to be about +" << kGravity
+         << " at rest (REP-145); check the sign of the driver, or the mounting of the IMU";
+  }
+  return text.str();
+}
+
+}  // namespace
+
+Initializer::Initializer(const PoseFilterConfig& config)
+    : config_(config), attitude_(AttitudeConfig()) {}
+
+void Initializer::restart(const std::optional<FilterState>& learned) {
+  const std::optional<FilterState> kept = learned;  // it may be our own
+  const PoseFilterConfig config = config_;
+  *this = Initializer(config);
+  learnt_ = kept;
+}
+
+void Initializer::restartDistrustful() {
+  restart();
+  distrustful_ = true;
+}
+
+std::optional<FilterState> Initializer::add(double stamp, const Eigen::Vector3d& rate,
+                                            const Eigen::Vector3d& force) {
+  if (count_ == 0) first_stamp_ = last_stamp_ = stamp;
+  ++count_;
+  force_sum_ += force;
+  const std::vector<EstimatedAttitude>& known = attitude_.add(stamp, rate, force);
+  if (!known.empty()) estimated_ = known.back().world_R_base;
+  const std::optional<Eigen::Vector3d> mean = standstill_.add(stamp - last_stamp_, rate, force);
+  last_stamp_ = stamp;
+  const bool flies = stamp - first_stamp_ >= kInAir_s;
+  if (!mean && !flies) return std::nullopt;
+  if (!accepts(force_sum_ / count_) || (!mean && !estimated_)) {
+    const std::string complaint = complaint_;
+    const bool distrustful = distrustful_;
+    restart(learnt_);
+    complaint_ = complaint;
+    distrustful_ = distrustful;
+    return std::nullopt;
+  }
+  return mean ? onGround(stamp, *mean) : inAir(stamp, *estimated_);
+}
+
+bool Initializer::accepts(const Eigen::Vector3d& force) {
+  complaint_ = complaintOf(force);
+  return complaint_.empty();
+}
+
+FilterState Initializer::initialState(double stamp, const Eigen::Quaterniond& map_R_base) const {
+  const double factor = distrustful_ ? kDistrust : 1.0;
+  FilterState state;
+  state.stamp = stamp;
+  state.map_R_base = map_R_base;
+  StateMatrix& p = state.covariance;
+  setVariance<3>(kOrientation, kTiltSigma, p);
+  setVariance<1>(kOrientation + 2, kStartRad, p);
+  setVariance<2>(kPosition, kStartM, p);
+  setVariance<1>(kPosition + 2, config_.height.initial_sigma_m, p);
+  setVariance<3>(kGyroBias, factor * config_.noise.gyro_bias_sigma, p);
+  setVariance<3>(kAccelerometerBias, factor * config_.noise.accelerometer_bias_sigma, p);
+  setVariance<1>(kBarometerOffset, kUnknownOffset, p);
+  if (learnt_) {
+    state.gyro_bias = learnt_->gyro_bias;
+    state.accelerometer_bias = learnt_->accelerometer_bias;
+    p.block<6, 6>(kGyroBias, kGyroBias) = learnt_->covariance.block<6, 6>(kGyroBias, kGyroBias);
+  }
+  return state;
+}
+
+FilterState Initializer::onGround(double stamp, const Eigen::Vector3d& rate) {
+  in_air_ = false;
+  const Eigen::Vector3d force = force_sum_ / count_;
+  FilterState state = initialState(stamp, levelled(force));
+  setVariance<3>(kVelocity, config_.motion.zero_velocity_sigma, state.covariance);
+  state.gyro_bias = rate;
+  state.covariance.middleRows<3>(kGyroBias).setZero();
+  state.covariance.middleCols<3>(kGyroBias).setZero();
+  setVariance<3>(kGyroBias, std::hypot(config_.noise.gyro_noise, kGroundGyro), state.covariance);
+  applyGravity(force, kGroundGravity, state);
+  return state;
+}
+
+FilterState Initializer::inAir(double stamp, const Eigen::Quaterniond& map_R_base) {
+  in_air_ = true;
+  FilterState state = initialState(stamp, withoutYaw(map_R_base));
+  setVariance<3>(kVelocity, config_.motion.start_speed_sigma, state.covariance);
+  const Eigen::Vector3d up = state.map_R_base.conjugate() * Eigen::Vector3d::UnitZ();
+  applyGravity(kGravity * up + state.accelerometer_bias, kAirGravity, state);
+  return state;
+}
+
+}  // namespace kestrel_slam

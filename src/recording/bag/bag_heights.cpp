@@ -1,0 +1,121 @@
+#include <rosbag/view.h>
+
+#include <limits>
+#include <optional>
+
+#include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/recording/bag/bag_imu.h"
+#include "kestrel_slam/recording/bag/bag_odometry.h"
+
+namespace kestrel_slam {
+namespace {
+
+const std::string kRangeType = "sensor_msgs/Range";
+
+/// The beam of a sensor_msgs/Range runs along the x axis of its frame.
+bool looksDown(const Eigen::Isometry3d& base_T_sensor) {
+  constexpr double kMinCosine = 0.94;  // within 20 degrees of straight down
+  return base_T_sensor.linear()(2, 0) < -kMinCosine;
+}
+
+/// Where the sensor of a topic is, at the first message for which tf has it.
+std::optional<Eigen::Isometry3d> mountingOf(const rosbag::Bag& bag, const BagTransforms& transforms,
+                                            const std::string& base_frame,
+                                            const std::string& topic) {
+  rosbag::View view(bag, rosbag::TopicQuery(topic));
+  for (const rosbag::MessageInstance& instance : view) {
+    try {
+      const auto message = instance.instantiate<sensor_msgs::Range>();
+      if (!message) continue;
+      const std::string frame = withoutSlash(message->header.frame_id);
+      if (!transforms.connected(base_frame, frame)) return std::nullopt;
+      const auto base_T_sensor = transforms.lookup(base_frame, frame, message->header.stamp);
+      if (base_T_sensor) return base_T_sensor;
+    } catch (const std::exception&) {
+      continue;  // reading counts it
+    }
+  }
+  return std::nullopt;
+}
+
+class RangeFinderChoice {
+ public:
+  RangeFinderChoice(const rosbag::Bag& bag, const BagTopics& topics,
+                    const BagTransforms& transforms, std::string base_frame)
+      : bag_(bag), topics_(topics), transforms_(transforms), base_frame_(std::move(base_frame)) {}
+
+  /// "" where none can be used.
+  std::string choose(const std::string& wanted, BagHeights& result);
+  double sensorZ() const { return base_T_sensor_ ? base_T_sensor_->translation().z() : 0.0; }
+
+ private:
+  std::string chooseWanted(const std::string& wanted);
+
+  const rosbag::Bag& bag_;
+  const BagTopics& topics_;
+  const BagTransforms& transforms_;
+  std::string base_frame_;
+  std::optional<Eigen::Isometry3d> base_T_sensor_;
+};
+
+std::string RangeFinderChoice::chooseWanted(const std::string& wanted) {
+  const std::string topic = requireTopic(topics_, wanted, kRangeType);
+  requireVersion<sensor_msgs::Range>(topics_, topic);
+  base_T_sensor_ = mountingOf(bag_, transforms_, base_frame_, topic);
+  return topic;
+}
+
+std::string RangeFinderChoice::choose(const std::string& wanted, BagHeights& result) {
+  if (!wanted.empty()) return chooseWanted(wanted);
+  std::string unplaced;
+  for (const auto& [topic, info] : topics_) {
+    if (info.type != kRangeType || info.messages == 0) continue;
+    const auto base_T_sensor = mountingOf(bag_, transforms_, base_frame_, topic);
+    if (!base_T_sensor) {
+      unplaced = topic;
+    } else if (looksDown(*base_T_sensor)) {
+      base_T_sensor_ = base_T_sensor;
+      return topic;
+    }
+  }
+  const std::size_t count = countOfType(topics_, kRangeType);
+  if (count == 1 && !unplaced.empty()) {
+    result.warnings.push_back("tf does not say where the range finder " + unplaced +
+                              " is: taken to be at the vehicle's base, looking down");
+    return unplaced;
+  }
+  if (count > 0) {
+    result.warnings.push_back(
+        "no range finder looks down according to tf, so the height is not used; choose one of: " +
+        listTopics(topics_, kRangeType));
+  }
+  return "";
+}
+
+}  // namespace
+
+BagHeights readBagHeights(const rosbag::Bag& bag, const BagTopics& topics,
+                          const BagTransforms& transforms, const std::string& base_frame,
+                          const std::string& wanted) {
+  BagHeights result;
+  RangeFinderChoice choice(bag, topics, transforms, base_frame);
+  result.topic = choice.choose(wanted, result);
+  if (result.topic.empty()) return result;
+  rosbag::View view(bag, rosbag::TopicQuery(result.topic));
+  for (const rosbag::MessageInstance& instance : view) {
+    try {
+      const auto message = instance.instantiate<sensor_msgs::Range>();
+      if (!message) {
+        ++result.broken;
+        continue;
+      }
+      if (message->header.stamp.isZero()) message->header.stamp = instance.getTime();
+      result.samples.push_back(toHeightSample(*message, choice.sensorZ()));
+    } catch (const std::exception&) {
+      ++result.broken;
+    }
+  }
+  return result;
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,181 @@
+#include "kestrel_slam/recording/bag/bag_structure.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <set>
+#include <stdexcept>
+
+namespace kestrel_slam {
+namespace {
+
+// http://wiki.ros.org/Bags/Format/2.0: a record is a header and data, each with its length in
+// front; numbers are little-endian.
+const std::string kMagic = "#ROSBAG V2.0\n";
+constexpr std::uint64_t kLengthBytes = 4;
+constexpr std::uint64_t kMaxHeaderBytes = 1U << 24U;
+constexpr std::uint64_t kIndexEntryBytes = 12;  // time and offset
+constexpr std::uint64_t kIndexTimeBytes = 8;
+
+enum Op : unsigned char { kBagHeader = 3, kIndexData = 4, kChunk = 5, kChunkInfo = 6 };
+
+struct Record {
+  std::uint64_t start = 0;
+  std::map<std::string, std::string> fields;
+  std::uint64_t data_begin = 0;
+  std::uint64_t end = 0;
+
+  bool is(Op op) const {
+    const auto field = fields.find("op");
+    return field != fields.end() && field->second == std::string(1, static_cast<char>(op));
+  }
+};
+
+class Walker {
+ public:
+  explicit Walker(const std::string& path)
+      : file_(path, std::ios::binary), size_(std::filesystem::file_size(path)) {}
+
+  void walk();
+
+ private:
+  Record readRecord(std::uint64_t start, std::uint64_t limit);
+  void readFields(Record& record, std::uint64_t length);
+  std::uint64_t readLength(std::uint64_t position, std::uint64_t limit);
+  std::string readBytes(std::uint64_t position, std::uint64_t count);
+  std::uint64_t number(const Record& record, const std::string& name, std::size_t bytes) const;
+  void enterChunk(const Record& chunk);
+  void checkIndex(Record& index);
+  void checkPosition(const Record& record, const std::string& field,
+                     const std::set<std::uint64_t>& allowed) const;
+  [[noreturn]] void fail(std::uint64_t position) const;
+
+  std::ifstream file_;
+  std::uint64_t size_;
+  std::set<std::uint64_t> records_, chunks_;
+  std::uint64_t chunk_size_ = 0;                     ///< of the last chunk, unpacked
+  std::optional<std::set<std::uint64_t>> in_chunk_;  ///< its messages, where it is not packed
+};
+
+void Walker::fail(std::uint64_t position) const {
+  throw std::runtime_error("the bag is cut off or damaged at byte " + std::to_string(position) +
+                           " of " + std::to_string(size_));
+}
+
+std::string Walker::readBytes(std::uint64_t position, std::uint64_t count) {
+  std::string bytes(count, '\0');
+  file_.seekg(static_cast<std::streamoff>(position));
+  if (!file_.read(bytes.data(), static_cast<std::streamsize>(count))) fail(position);
+  return bytes;
+}
+
+std::uint64_t Walker::readLength(std::uint64_t position, std::uint64_t limit) {
+  if (position + kLengthBytes > limit) fail(position);
+  std::uint32_t length = 0;
+  std::memcpy(&length, readBytes(position, kLengthBytes).data(), kLengthBytes);
+  if (length > limit - position - kLengthBytes) fail(position);
+  return length;
+}
+
+void Walker::readFields(Record& record, std::uint64_t length) {
+  const std::uint64_t begin = record.start + kLengthBytes;
+  const std::string bytes = readBytes(begin, length);
+  for (std::uint64_t at = 0; at < length;) {
+    std::uint32_t size = 0;
+    if (at + kLengthBytes > length) fail(begin + at);
+    std::memcpy(&size, bytes.data() + at, kLengthBytes);
+    at += kLengthBytes;
+    if (size > length - at) fail(begin + at);
+    const std::string field = bytes.substr(at, size);
+    const std::size_t equals = field.find('=');
+    if (equals == std::string::npos) fail(begin + at);
+    record.fields[field.substr(0, equals)] = field.substr(equals + 1);
+    at += size;
+  }
+}
+
+Record Walker::readRecord(std::uint64_t start, std::uint64_t limit) {
+  Record record;
+  record.start = start;
+  const std::uint64_t header = readLength(start, limit);
+  if (header > kMaxHeaderBytes) fail(start);
+  readFields(record, header);
+  const std::uint64_t length_at = start + kLengthBytes + header;
+  record.data_begin = length_at + kLengthBytes;
+  record.end = record.data_begin + readLength(length_at, limit);
+  return record;
+}
+
+std::uint64_t Walker::number(const Record& record, const std::string& name,
+                             std::size_t bytes) const {
+  const auto field = record.fields.find(name);
+  if (field == record.fields.end() || field->second.size() != bytes) fail(record.start);
+  std::uint64_t value = 0;
+  std::memcpy(&value, field->second.data(), bytes);
+  return value;
+}
+
+void Walker::enterChunk(const Record& chunk) {
+  chunks_.insert(chunk.start);
+  chunk_size_ = number(chunk, "size", sizeof(std::uint32_t));
+  in_chunk_.reset();
+  const auto compression = chunk.fields.find("compression");
+  if (compression == chunk.fields.end()) fail(chunk.start);
+  if (compression->second != "none") return;
+  if (chunk_size_ != chunk.end - chunk.data_begin) fail(chunk.start);
+  in_chunk_.emplace();
+  for (std::uint64_t at = chunk.data_begin; at < chunk.end;) {
+    in_chunk_->insert(at - chunk.data_begin);
+    at = readRecord(at, chunk.end).end;
+  }
+}
+
+void Walker::checkIndex(Record& index) {
+  const std::uint64_t count = number(index, "count", sizeof(std::uint32_t));
+  // Bags of 2010 say 20 bytes for each entry, but have 12: the library only believes the count.
+  index.end = index.data_begin + count * kIndexEntryBytes;
+  if (index.end > size_) fail(index.start);
+  const std::string entries = readBytes(index.data_begin, count * kIndexEntryBytes);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const std::uint64_t at = i * kIndexEntryBytes + kIndexTimeBytes;
+    std::uint32_t offset = 0;
+    std::memcpy(&offset, entries.data() + at, sizeof offset);
+    const bool possible = in_chunk_ ? in_chunk_->count(offset) > 0 : offset < chunk_size_;
+    if (!possible) fail(index.data_begin + at);
+  }
+}
+
+void Walker::checkPosition(const Record& record, const std::string& field,
+                           const std::set<std::uint64_t>& allowed) const {
+  const std::uint64_t position = number(record, field, sizeof(std::uint64_t));
+  if (allowed.count(position) == 0) fail(record.start);
+}
+
+void Walker::walk() {
+  if (readBytes(0, std::min<std::uint64_t>(size_, kMagic.size())) != kMagic) return;
+  const Record header = readRecord(kMagic.size(), size_);
+  if (!header.is(kBagHeader)) fail(header.start);
+  const auto encryptor = header.fields.find("encryptor");
+  if (encryptor != header.fields.end() && !encryptor->second.empty()) return;
+  const bool indexed = number(header, "index_pos", sizeof(std::uint64_t)) != 0;
+  for (std::uint64_t at = header.end; at < size_ && indexed;) {
+    Record record = readRecord(at, size_);
+    records_.insert(record.start);
+    if (record.is(kChunk)) enterChunk(record);
+    if (record.is(kIndexData)) checkIndex(record);
+    if (record.is(kChunkInfo)) checkPosition(record, "chunk_pos", chunks_);
+    at = record.end;
+  }
+  records_.insert(size_);  // where a bag without any message has its index
+  if (indexed) checkPosition(header, "index_pos", records_);
+}
+
+}  // namespace
+
+void checkBagStructure(const std::string& path) { Walker(path).walk(); }
+
+}  // namespace kestrel_slam

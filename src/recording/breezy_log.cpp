@@ -1,0 +1,116 @@
+#include "kestrel_slam/recording/breezy_log.h"
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <vector>
+
+#include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/recording/fan.h"
+#include "kestrel_slam/recording/text_stream.h"
+
+namespace kestrel_slam {
+namespace {
+
+// Columns, counted from 0.
+constexpr std::size_t kTime = 0, kLeftTicks = 2, kRightTicks = 3, kFirstRange = 24;
+constexpr std::size_t kBeams = 682;
+constexpr std::size_t kMinColumns = kFirstRange + kBeams, kMaxColumns = kMinColumns + 1;
+constexpr double kMicrosecondsPerSecond = 1e6;  // divided by: a stamp is rounded only once
+constexpr double kMillimetersPerMeter = 1e3;
+constexpr double kRateHz = 10.0;  // of a URG-04LX
+
+// The rover, as documented in BreezySLAM (examples/mines.py).
+constexpr double kWheelRadius = 0.077, kHalfAxle = 0.165, kLaserAhead = 0.145;  // m
+constexpr double kTicksPerTurn = 2000.0;
+
+/// All numbers of a line; empty where it has anything else.
+std::vector<double> columnsOf(const std::string& line) {
+  std::istringstream fields(line);
+  std::vector<double> columns;
+  columns.reserve(kMaxColumns);
+  double value = 0.0;
+  for (std::string field; fields >> field;) {
+    if (!parseFinite(field, value)) return {};
+    columns.push_back(value);
+  }
+  return columns;
+}
+
+bool isScan(const std::vector<double>& columns) {
+  return columns.size() >= kMinColumns && columns.size() <= kMaxColumns;
+}
+
+}  // namespace
+
+bool looksLikeBreezyLog(const std::string& path) {
+  std::istringstream head(readHead(path));
+  std::string line;
+  return std::getline(head, line) && isScan(columnsOf(line));
+}
+
+BreezyLog::BreezyLog(const std::string& path) : path_(path) {
+  const std::unique_ptr<std::istream> stream = openText(path_);
+  for (std::string line; std::getline(*stream, line);) {
+    scan_count_ += line.find_first_not_of(" \t\r") == std::string::npos ? 0U : 1U;
+  }
+  stream_ = openText(path_);
+}
+
+bool BreezyLog::next(RecordedScan& scan) {
+  for (std::string line; std::getline(*stream_, line);) {
+    ++line_number_;
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    if (fill(line, scan)) return true;
+    if (++skipped_["broken line"] > 1) continue;
+    warnings_.push_back("line " + std::to_string(line_number_) + ": broken line skipped: it has " +
+                        "not the " + std::to_string(kMinColumns) + " numbers of a scan");
+  }
+  if (stream_->bad()) reportCutOff();
+  return false;
+}
+
+void BreezyLog::reportCutOff() {
+  if (cut_off_) return;
+  cut_off_ = true;
+  warnings_.push_back(cutOffText(line_number_));
+}
+
+bool BreezyLog::fill(const std::string& line, RecordedScan& scan) {
+  const std::vector<double> columns = columnsOf(line);
+  if (!isScan(columns)) return false;
+  drive({columns[kLeftTicks], columns[kRightTicks]});
+  scan = RecordedScan();
+  scan.scan = scanOf(fanOf(kBeams), kBeams, kRateHz);
+  scan.scan.stamp = columns[kTime] / kMicrosecondsPerSecond;
+  scan.time = monotone_time_.repair(scan.scan.stamp);
+  scan.base_T_laser.translation().x() = kLaserAhead;
+  scan.odom_T_base = odom_T_base_;
+  for (std::size_t i = 0; i < kBeams; ++i) {
+    const double mm = columns[kFirstRange + i];
+    scan.scan.ranges.push_back(mm == 0.0 ? std::numeric_limits<float>::quiet_NaN()
+                                         : static_cast<float>(mm / kMillimetersPerMeter));
+  }
+  return true;
+}
+
+/// Dead reckoning of a vehicle with two driven wheels, along the chord of its arc.
+void BreezyLog::drive(const std::array<double, 2>& ticks) {
+  if (last_ticks_) {
+    constexpr double kMetresPerTick = 2.0 * kPi * kWheelRadius / kTicksPerTurn;
+    const double left = kMetresPerTick * (ticks[0] - (*last_ticks_)[0]);
+    const double right = kMetresPerTick * (ticks[1] - (*last_ticks_)[1]);
+    const double turn = (right - left) / (2.0 * kHalfAxle);
+    const double way = (left + right) / 2.0;
+    odom_T_base_ =
+        odom_T_base_ * Pose2(way * std::cos(turn / 2.0), way * std::sin(turn / 2.0), turn);
+  }
+  last_ticks_ = ticks;
+}
+
+std::string BreezyLog::description() const {
+  return "BreezySLAM log, " + std::to_string(scan_count_) +
+         " scans of a URG-04LX, with odometry from the wheels";
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,40 @@
+#include "kestrel_slam/recording/recording.h"
+
+#include <stdexcept>
+
+#include "kestrel_slam/recording/breezy_log.h"
+#include "kestrel_slam/recording/carmen_log.h"
+#include "kestrel_slam/recording/range_table.h"
+#include "kestrel_slam/recording/reference.h"
+#ifdef KESTREL_WITH_ROS
+#include "kestrel_slam/recording/bag/bag_recording.h"
+#endif
+
+namespace kestrel_slam {
+namespace {
+
+std::unique_ptr<Recording> openBag(const std::string& path,
+                                   [[maybe_unused]] const RecordingOptions& options) {
+#ifdef KESTREL_WITH_ROS
+  return std::make_unique<BagRecording>(path, options);
+#else
+  throw std::runtime_error(path +
+                           ": is a rosbag, which this build without ROS cannot read; build with "
+                           "-DKESTREL_WITH_ROS=ON or give a CARMEN log");
+#endif
+}
+
+}  // namespace
+
+std::unique_ptr<Recording> openRecording(const std::string& path, const RecordingOptions& options) {
+  if (isBag(path)) return openBag(path, options);
+  if (looksLikeCarmenLog(path)) return std::make_unique<CarmenLog>(path);
+  if (looksLikeBreezyLog(path)) return std::make_unique<BreezyLog>(path);
+  if (looksLikeRangeTable(path)) return std::make_unique<RangeTable>(path, options.rate_hz);
+  throw std::runtime_error(path +
+                           ": is neither a rosbag nor a CARMEN log, a BreezySLAM log or a table of "
+                           "ranges (plain, .bz2, .gz or .xz); give a recording in one of these "
+                           "formats");
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,32 @@
+#include "kestrel_slam/recording/reference.h"
+
+#include <stdexcept>
+
+#include "kestrel_slam/recording/text_stream.h"
+#ifdef KESTREL_WITH_ROS
+#include "kestrel_slam/recording/bag/bag_reference.h"
+#endif
+
+namespace kestrel_slam {
+
+bool isBag(const std::string& path) {
+  static const std::string kMagic = "#ROSBAG";
+  return readMagic(path, kMagic.size()) == kMagic;
+}
+
+Trajectory readReference(const std::string& path, const std::string& topic) {
+  if (!isBag(path)) {
+    if (topic.empty()) return readTum(path);
+    throw std::runtime_error(path + ": is no rosbag, so it has no topic " + topic +
+                             "; leave the topic out or give a bag");
+  }
+#ifdef KESTREL_WITH_ROS
+  return readBagReference(path, topic);
+#else
+  throw std::runtime_error(path +
+                           ": is a rosbag, which this build without ROS cannot read; build with "
+                           "-DKESTREL_WITH_ROS=ON or give a trajectory in the TUM format");
+#endif
+}
+
+}  // namespace kestrel_slam

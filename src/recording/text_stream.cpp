@@ -1,0 +1,94 @@
+#include "kestrel_slam/recording/text_stream.h"
+
+#include <boost/iostreams/device/file.hpp>
+#include <boost/iostreams/filter/bzip2.hpp>
+#include <boost/iostreams/filter/gzip.hpp>
+#include <boost/iostreams/filter/lzma.hpp>
+#include <boost/iostreams/filtering_stream.hpp>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+namespace kestrel_slam {
+namespace {
+
+constexpr std::size_t kMagicBytes = 6;
+const std::string kBzip2Magic = "BZh";
+const std::string kGzipMagic = "\x1f\x8b";
+const std::string kXzMagic("\xfd\x37zXZ\0", 6);
+
+bool startsWith(const std::string& text, const std::string& start) {
+  return text.compare(0, start.size(), start) == 0;
+}
+
+void requireFile(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    throw std::runtime_error(path + ": no such file; check the path");
+  }
+  if (std::filesystem::is_directory(path, error)) {
+    throw std::runtime_error(path + ": is a folder; give the path of a file in it");
+  }
+}
+
+std::ifstream openBinary(const std::string& path) {
+  requireFile(path);
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    throw std::runtime_error(path + ": cannot be read (" + std::strerror(errno) +
+                             "); check its permissions");
+  }
+  return file;
+}
+
+}  // namespace
+
+std::string readMagic(const std::string& path, std::size_t count) {
+  std::ifstream file = openBinary(path);
+  std::string bytes(count, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(count));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  return bytes;
+}
+
+std::unique_ptr<std::istream> openText(const std::string& path) {
+  const std::string magic = readMagic(path, kMagicBytes);
+  auto stream = std::make_unique<boost::iostreams::filtering_istream>();
+  if (startsWith(magic, kBzip2Magic)) {
+    stream->push(boost::iostreams::bzip2_decompressor());
+  } else if (startsWith(magic, kGzipMagic)) {
+    stream->push(boost::iostreams::gzip_decompressor());
+  } else if (startsWith(magic, kXzMagic)) {
+    stream->push(boost::iostreams::lzma_decompressor());
+  }
+  stream->push(boost::iostreams::file_source(path, std::ios::binary));
+  return stream;
+}
+
+std::string readHead(const std::string& path) {
+  constexpr std::size_t kBytes = 1U << 16U;
+  const std::unique_ptr<std::istream> stream = openText(path);
+  std::string head(kBytes, '\0');
+  stream->read(head.data(), static_cast<std::streamsize>(kBytes));
+  head.resize(static_cast<std::size_t>(stream->gcount()));
+  return head;
+}
+
+std::string cutOffText(std::size_t line) {
+  return "the compressed data are damaged or cut off after line " + std::to_string(line) +
+         ": only the scans up to there are used";
+}
+
+bool parseFinite(const std::string& text, double& value) {
+  if (text.empty() || std::isspace(static_cast<unsigned char>(text.front())) != 0) return false;
+  char* end = nullptr;
+  value = std::strtod(text.c_str(), &end);
+  return end == text.c_str() + text.size() && std::isfinite(value);
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,90 @@
+#include "kestrel_slam/report/map_image.h"
+
+#include <cairo.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+
+namespace kestrel_slam {
+namespace {
+
+constexpr unsigned char kFreeGray = 254, kUnknownGray = 205, kOccupiedGray = 0;
+
+using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
+
+void check(cairo_status_t status) {
+  if (status != CAIRO_STATUS_SUCCESS) {
+    throw std::runtime_error(std::string("cannot draw the map: ") + cairo_status_to_string(status));
+  }
+}
+
+/// The most certain cell of a block, which must lie inside the map at least in part.
+unsigned char grayOf(const MapSnapshot& map, int first_column, int first_row, int size) {
+  std::int8_t value = MapSnapshot::kUnknown;
+  for (int row = first_row; row < std::min(first_row + size, map.height); ++row) {
+    for (int column = first_column; column < std::min(first_column + size, map.width); ++column) {
+      value = std::max(value, map.at(column, row));
+    }
+  }
+  if (value == MapSnapshot::kUnknown) return kUnknownGray;
+  return value == MapSnapshot::kFree ? kFreeGray : kOccupiedGray;
+}
+
+cairo_status_t append(void* target, const unsigned char* data, unsigned int length) {
+  static_cast<std::string*>(target)->append(reinterpret_cast<const char*>(data), length);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+}  // namespace
+
+MapImage renderMap(const MapSnapshot& map, int max_side_pixels) {
+  MapImage image;
+  if (map.empty()) return image;
+  const int side = std::max(map.width, map.height);
+  const int block = (side + max_side_pixels - 1) / max_side_pixels;
+  image.cells_per_pixel = block;
+  image.width = (map.width + block - 1) / block;
+  image.height = (map.height + block - 1) / block;
+  // The alpha-only format, because cairo writes it as a gray PNG of one byte a pixel.
+  const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_A8, image.width, image.height),
+                        &cairo_surface_destroy);
+  check(cairo_surface_status(surface.get()));
+  cairo_surface_flush(surface.get());
+  unsigned char* const pixels = cairo_image_surface_get_data(surface.get());
+  const int stride = cairo_image_surface_get_stride(surface.get());
+  for (int y = 0; y < image.height; ++y) {
+    const int row = (image.height - 1 - y) * block;
+    for (int x = 0; x < image.width; ++x) {
+      pixels[static_cast<std::ptrdiff_t>(y) * stride + x] = grayOf(map, x * block, row, block);
+    }
+  }
+  cairo_surface_mark_dirty(surface.get());
+  check(cairo_surface_write_to_png_stream(surface.get(), append, &image.png));
+  return image;
+}
+
+std::string base64(const std::string& bytes) {
+  static constexpr char kAlphabet[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  constexpr unsigned int kSixBits = 0x3f;
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t j = i; j < i + 3; ++j) {
+      group = group << 8U | (j < bytes.size() ? static_cast<unsigned char>(bytes[j]) : 0U);
+    }
+    for (const unsigned int shift : {18U, 12U, 6U, 0U}) {
+      text.push_back(kAlphabet[group >> shift & kSixBits]);
+    }
+  }
+  // The bytes that are missing in the last group of three.
+  for (std::size_t missing = (3 - bytes.size() % 3) % 3, i = 1; i <= missing; ++i) {
+    text[text.size() - i] = '=';
+  }
+  return text;
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,271 @@
+#include "kestrel_slam/report/plot.h"
+
+#include <cairo.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+
+#include "kestrel_slam/geometry/angles.h"
+
+namespace kestrel_slam {
+namespace {
+
+// All lengths in pixels.
+constexpr int kWidth = 1000;
+constexpr double kUnitHeight = 290.0;
+constexpr double kPadLeft = 75.0, kPadRight = 25.0, kPadTop = 40.0, kPadBottom = 55.0;
+constexpr double kTickLength = 5.0, kLabelGap = 8.0;
+constexpr double kFontSize = 14.0, kTitleSize = 16.0;
+constexpr double kDotRadius = 1.5, kLineWidth = 1.3;
+constexpr double kWantedTicks = 7.0;
+constexpr double kMargin = 0.04;  // of the data's extent, around it
+
+using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
+using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
+
+struct Color {
+  double r, g, b;
+};
+constexpr std::array<Color, 8> kColors = {{{0.12, 0.40, 0.70},
+                                           {0.85, 0.37, 0.01},
+                                           {0.17, 0.55, 0.25},
+                                           {0.55, 0.30, 0.65},
+                                           {0.80, 0.10, 0.25},
+                                           {0.10, 0.65, 0.70},
+                                           {0.50, 0.35, 0.15},
+                                           {0.45, 0.45, 0.45}}};
+
+struct Range {
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
+
+  void include(double value) {
+    min = std::min(min, value);
+    max = std::max(max, value);
+  }
+  double size() const { return max - min; }
+  void grow(double by) {
+    min -= by / 2.0;
+    max += by / 2.0;
+  }
+};
+
+/// Where a panel lies in the picture, and which data it shows.
+struct Frame {
+  double left = 0.0, top = 0.0, width = 0.0, height = 0.0;
+  Range x, y;
+  bool log_y = false;  ///< `y` is that of the logarithms
+
+  /// Not finite where there is no place for it.
+  double onScale(double value) const { return log_y ? std::log10(value) : value; }
+  double px(double value) const { return left + (value - x.min) / x.size() * width; }
+  double py(double value) const {
+    return top + height - (onScale(value) - y.min) / y.size() * height;
+  }
+};
+
+void makeUsable(Range& range) {
+  if (!(range.size() >= 0.0)) range = {0.0, 1.0};
+  const double least = std::max(1e-6, 1e-9 * std::max(std::abs(range.min), std::abs(range.max)));
+  range.grow(std::max(2.0 * kMargin * range.size(), least));
+}
+
+void setRanges(const PlotPanel& panel, Frame& frame) {
+  for (const PlotSeries& series : panel.series) {
+    for (const Eigen::Vector2d& point : series.points) {
+      const double y = frame.onScale(point.y());
+      if (!std::isfinite(point.x()) || !std::isfinite(y)) continue;
+      frame.x.include(point.x());
+      frame.y.include(y);
+    }
+  }
+  if (panel.from_zero) frame.y.include(0.0);
+  makeUsable(frame.x);
+  makeUsable(frame.y);
+  if (!panel.equal_axes) return;
+  const double scale = std::max(frame.x.size() / frame.width, frame.y.size() / frame.height);
+  frame.x.grow(scale * frame.width - frame.x.size());
+  frame.y.grow(scale * frame.height - frame.y.size());
+}
+
+/// 1, 2 or 5 times a power of ten.
+double tickStep(const Range& range, double wanted) {
+  const double raw = range.size() / wanted;
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= raw) return factor * power;
+  }
+  return 10.0 * power;
+}
+
+std::string tickText(double value, double step) {
+  const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", decimals, value + 0.0);  // no "-0"
+  return text;
+}
+
+enum class Align { kLeft, kCenter, kRight };
+
+void drawText(cairo_t* cr, double x, double y, const std::string& text, Align align) {
+  cairo_text_extents_t extents;
+  cairo_text_extents(cr, text.c_str(), &extents);
+  const double shift = align == Align::kLeft ? 0.0 : align == Align::kCenter ? 0.5 : 1.0;
+  cairo_move_to(cr, x - shift * extents.x_advance, y);
+  cairo_show_text(cr, text.c_str());
+}
+
+void drawLine(cairo_t* cr, double x1, double y1, double x2, double y2, double gray) {
+  cairo_set_source_rgb(cr, gray, gray, gray);
+  cairo_move_to(cr, x1, y1);
+  cairo_line_to(cr, x2, y2);
+  cairo_stroke(cr);
+}
+
+constexpr double kGridGray = 0.9;
+
+void drawTickY(cairo_t* cr, const Frame& frame, double value, const std::string& text) {
+  const double y = frame.py(value);
+  drawLine(cr, frame.left, y, frame.left + frame.width, y, kGridGray);
+  cairo_set_source_rgb(cr, 0.0, 0.0, 0.0);
+  drawText(cr, frame.left - kLabelGap, y + kFontSize / 3.0, text, Align::kRight);
+}
+
+/// Ticks of a logarithmic axis: powers of ten, with 2 and 5 between where there are few.
+void drawPowers(cairo_t* cr, const Frame& frame) {
+  constexpr double kFewDecades = 3.0;
+  for (double decade = std::floor(frame.y.min); decade <= frame.y.max; ++decade) {
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      const double value = factor * std::pow(10.0, decade), y = std::log10(value);
+      if (y < frame.y.min || y > frame.y.max) continue;
+      if (factor > 1.0 && frame.y.size() > kFewDecades) continue;
+      drawTickY(cr, frame, value, tickText(value, std::pow(10.0, decade)));
+    }
+  }
+}
+
+void drawTicks(cairo_t* cr, const Frame& frame) {
+  const double bottom = frame.top + frame.height;
+  const double x_step = tickStep(frame.x, kWantedTicks);
+  cairo_set_line_width(cr, 1.0);
+  for (double i = std::ceil(frame.x.min / x_step); i * x_step <= frame.x.max; ++i) {
+    const double x = frame.px(i * x_step);
+    drawLine(cr, x, frame.top, x, bottom, kGridGray);
+    cairo_set_source_rgb(cr, 0.0, 0.0, 0.0);
+    drawText(cr, x, bottom + kTickLength + kFontSize, tickText(i * x_step, x_step), Align::kCenter);
+  }
+  if (frame.log_y) {
+    drawPowers(cr, frame);
+    return;
+  }
+  const double y_step = tickStep(frame.y, kWantedTicks * std::sqrt(frame.height / frame.width));
+  for (double i = std::ceil(frame.y.min / y_step); i * y_step <= frame.y.max; ++i) {
+    drawTickY(cr, frame, i * y_step, tickText(i * y_step, y_step));
+  }
+}
+
+void drawLabels(cairo_t* cr, const PlotPanel& panel, const Frame& frame) {
+  cairo_set_source_rgb(cr, 0.0, 0.0, 0.0);
+  cairo_rectangle(cr, frame.left, frame.top, frame.width, frame.height);
+  cairo_stroke(cr);
+  drawText(cr, frame.left + frame.width / 2.0, frame.top + frame.height + kPadBottom - kLabelGap,
+           panel.x_label, Align::kCenter);
+  cairo_save(cr);
+  cairo_translate(cr, kFontSize + kLabelGap / 2.0, frame.top + frame.height / 2.0);
+  cairo_rotate(cr, -kPi / 2.0);
+  drawText(cr, 0.0, 0.0, panel.y_label, Align::kCenter);
+  cairo_restore(cr);
+  cairo_set_font_size(cr, kTitleSize);
+  drawText(cr, frame.left, frame.top - kLabelGap, panel.title, Align::kLeft);
+  cairo_set_font_size(cr, kFontSize);
+}
+
+void setColor(cairo_t* cr, std::size_t index) {
+  const Color& color = kColors[index % kColors.size()];
+  cairo_set_source_rgb(cr, color.r, color.g, color.b);
+}
+
+void drawSeries(cairo_t* cr, const PlotSeries& series, const Frame& frame) {
+  cairo_set_line_width(cr, kLineWidth);
+  for (const Eigen::Vector2d& point : series.points) {
+    const double x = frame.px(point.x()), y = frame.py(point.y());
+    if (!std::isfinite(x) || !std::isfinite(y)) continue;
+    if (series.style == PlotSeries::Style::kDots) {
+      cairo_new_sub_path(cr);
+      cairo_arc(cr, x, y, kDotRadius, 0.0, 2.0 * kPi);
+      cairo_fill(cr);
+    } else {
+      cairo_line_to(cr, x, y);
+    }
+  }
+  cairo_stroke(cr);
+}
+
+/// Above the frame, right-aligned, in the colors of the series.
+void drawLegend(cairo_t* cr, const PlotPanel& panel, const Frame& frame) {
+  constexpr double kGap = 20.0;
+  double right = frame.left + frame.width;
+  for (std::size_t i = panel.series.size(); i-- > 0;) {
+    setColor(cr, i);
+    cairo_text_extents_t extents;
+    cairo_text_extents(cr, panel.series[i].name.c_str(), &extents);
+    drawText(cr, right, frame.top - kLabelGap, panel.series[i].name, Align::kRight);
+    right -= extents.x_advance + kGap;
+  }
+}
+
+void drawPanel(cairo_t* cr, const PlotPanel& panel, Frame frame) {
+  frame.log_y = panel.log_y;
+  setRanges(panel, frame);
+  drawTicks(cr, frame);
+  cairo_save(cr);
+  cairo_rectangle(cr, frame.left, frame.top, frame.width, frame.height);
+  cairo_clip(cr);
+  for (std::size_t i = 0; i < panel.series.size(); ++i) {
+    setColor(cr, i);
+    drawSeries(cr, panel.series[i], frame);
+  }
+  cairo_restore(cr);
+  cairo_set_line_width(cr, 1.0);
+  drawLabels(cr, panel, frame);
+  drawLegend(cr, panel, frame);
+}
+
+}  // namespace
+
+void writePlot(const std::string& path, const std::vector<PlotPanel>& panels) {
+  double total = 0.0;
+  for (const PlotPanel& panel : panels) total += panel.height * kUnitHeight;
+  const Surface surface(
+      cairo_image_surface_create(CAIRO_FORMAT_RGB24, kWidth, static_cast<int>(std::ceil(total))),
+      cairo_surface_destroy);
+  const Context cr(cairo_create(surface.get()), cairo_destroy);
+  cairo_set_source_rgb(cr.get(), 1.0, 1.0, 1.0);
+  cairo_paint(cr.get());
+  cairo_select_font_face(cr.get(), "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(cr.get(), kFontSize);
+  double top = 0.0;
+  for (const PlotPanel& panel : panels) {
+    const double height = panel.height * kUnitHeight;
+    drawPanel(cr.get(), panel,
+              {kPadLeft,
+               top + kPadTop,
+               kWidth - kPadLeft - kPadRight,
+               height - kPadTop - kPadBottom,
+               {},
+               {}});
+    top += height;
+  }
+  const cairo_status_t status = cairo_surface_write_to_png(surface.get(), path.c_str());
+  if (status != CAIRO_STATUS_SUCCESS) {
+    throw std::runtime_error(path + ": cannot be written (" + cairo_status_to_string(status) +
+                             "); check folder and permissions");
+  }
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,216 @@
+#include "kestrel_slam/report/report.h"
+
+#include <cstdio>
+
+#include "kestrel_slam/offline/version.h"
+#include "kestrel_slam/report/map_image.h"
+#include "kestrel_slam/report/series.h"
+
+namespace kestrel_slam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The page in four parts, each a raw string, so that any build can compile them in.
+constexpr const char* kStyle =
+#include "page/style.css.inc"
+    ;
+constexpr const char* kBody =
+#include "page/body.html.inc"
+    ;
+constexpr const char* kMapScript =
+#include "page/map.js.inc"
+    ;
+constexpr const char* kPageScript =
+#include "page/page.js.inc"
+    ;
+
+constexpr std::size_t kMaxPoints = 5000;  // of one curve
+constexpr int kMillimeter = 3;            // decimals
+
+struct Cell {
+  double value;
+  int decimals;
+  const char* unit;
+};
+
+std::string text(const Cell& cell) {
+  constexpr std::size_t kLength = 64;
+  char buffer[kLength];
+  std::snprintf(buffer, sizeof buffer, "%.*f%s", cell.decimals, cell.value, cell.unit);
+  return buffer;
+}
+
+std::string droppedText(const OfflineRun& run) {
+  if (run.dropped.empty()) return "none";
+  std::string result;
+  for (const auto& [reason, count] : run.dropped) {
+    result += (result.empty() ? "" : ", ") + std::to_string(count) + " " + reason;
+  }
+  return result;
+}
+
+/// Spelt out, because nlohmann takes a list of pairs for an object.
+void addRow(Json& rows, const std::string& first, const std::string& second) {
+  rows.push_back(Json::array({first, second}));
+}
+
+void addMatchRows(Json& rows, const OfflineRun& run) {
+  const MatchSummary match = summarize(run.scans);
+  const double percent = run.scans.empty() ? 0.0 : 100.0 / static_cast<double>(run.scans.size());
+  const auto share = [percent](std::size_t count) {
+    return text({percent * static_cast<double>(count), 1, " %"});
+  };
+  addRow(rows, "Scans read", std::to_string(run.scans.size() + run.droppedCount()));
+  addRow(rows, "Dropped", droppedText(run));
+  addRow(rows, "Inserted into the map", std::to_string(match.inserted));
+  addRow(rows, "Searched exhaustively", std::to_string(match.searched));
+  addRow(rows, "Match state",
+         share(match.ok) + " ok, " + share(match.degraded) + " degraded, " + share(match.lost) +
+             " lost");
+  addRow(rows, "Match quality",
+         text({match.mean_score, 3, " mean, "}) + text({match.min_score, 3, " min"}));
+}
+
+std::string mapText(const MapSnapshot& map) {
+  return text({map.width * map.resolution_m, 1, " × "}) +
+         text({map.height * map.resolution_m, 1, " m, "}) +
+         text({knownArea(map), 0, " m² known, cells of "}) +
+         text({map.resolution_m, kMillimeter, " m"});
+}
+
+/// The figures at the top: [value, label].
+Json headlinesOf(const OfflineRun& run, const RunInfo& info) {
+  Json headlines = Json::array();
+  addRow(headlines, std::to_string(run.scans.size()), "scans");
+  addRow(headlines, text({run.distance_m, 1, " m"}), "traveled");
+  addRow(headlines, text({run.duration_s, 0, " s"}), "recorded");
+  if (info.timing) {
+    addRow(headlines, text({scanTimes(run).mean, 2, " ms"}), "per scan");
+    addRow(headlines, text({run.speedFactor(), 0, " ×"}), "real time");
+    addRow(headlines, text({run.peak_memory_mb, 0, " MB"}), "peak memory");
+  }
+  return headlines;
+}
+
+Json rowsOf(const OfflineRun& run, const RunInfo& info) {
+  Json rows = Json::array();
+  addMatchRows(rows, run);
+  addRow(rows, "Map", mapText(run.map));
+  addRow(rows, "Odometry", info.odometry ? "used" : "not used: laser only");
+  if (info.timing) {
+    const Distribution ms = scanTimes(run);
+    addRow(rows, "Time per scan",
+           text({ms.median, 2, " ms median, "}) + text({ms.p99, 2, " ms p99, "}) +
+               text({ms.max, 1, " ms max"}));
+  }
+  return rows;
+}
+
+Json parameterRows(SlamConfig config) {
+  SlamConfig defaults;
+  const std::vector<Parameter> standard = parametersOf(defaults);
+  const std::vector<Parameter> used = parametersOf(config);
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    rows.push_back({{"name", used[i].name},
+                    {"value", valueText(used[i])},
+                    {"standard", valueText(standard[i])},
+                    {"unit", used[i].unit},
+                    {"description", used[i].description}});
+  }
+  return rows;
+}
+
+/// The curves' common abscissa: seconds since the first scan.
+std::vector<double> timesOf(const OfflineRun& run) {
+  std::vector<double> times;
+  for (const ScanRecord& scan : run.scans) times.push_back(scan.time - run.scans.front().time);
+  return times;
+}
+
+Json chartOf(const char* title, const char* unit, const std::vector<double>& times,
+             const std::vector<double>& values, int decimals) {
+  Json t = Json::array(), v = Json::array();
+  for (const std::size_t i : minMaxIndices(values, kMaxPoints)) {
+    t.push_back(rounded(times[i], kMillimeter));
+    v.push_back(rounded(values[i], decimals));
+  }
+  return {{"title", title}, {"unit", unit}, {"t", t}, {"v", v}};
+}
+
+Json chartsOf(const OfflineRun& run, const RunInfo& info, const std::vector<double>& times) {
+  std::vector<double> score, ms;
+  std::vector<Pose2> poses;
+  for (std::size_t i = 0; i < run.scans.size(); ++i) {
+    score.push_back(run.scans[i].score);
+    ms.push_back(run.scans[i].ms);
+    poses.push_back(run.trajectory[i].pose);
+  }
+  const Speeds speeds = speedsOf(times, poses);
+  Json charts = Json::array({chartOf("Match quality", "", times, score, 3)});
+  if (info.timing) charts.push_back(chartOf("Time per scan", "ms", times, ms, 3));
+  charts.push_back(chartOf("Speed", "m/s", times, speeds.linear_m_s, 3));
+  charts.push_back(chartOf("Turn rate", "rad/s", times, speeds.angular_rad_s, 3));
+  return charts;
+}
+
+/// Every k-th pose, and each one where the match state changes.
+Json pathOf(const OfflineRun& run, const std::vector<double>& times) {
+  Json t = Json::array(), x = Json::array(), y = Json::array(), yaw = Json::array(),
+       state = Json::array();
+  const std::size_t stride = run.scans.size() / kMaxPoints + 1;
+  for (std::size_t i = 0; i < run.scans.size(); ++i) {
+    const bool changes = i > 0 && run.scans[i].state != run.scans[i - 1].state;
+    if (i % stride != 0 && !changes && i + 1 < run.scans.size()) continue;
+    const Pose2& pose = run.trajectory[i].pose;
+    t.push_back(rounded(times[i], kMillimeter));
+    x.push_back(rounded(pose.x, kMillimeter));
+    y.push_back(rounded(pose.y, kMillimeter));
+    yaw.push_back(rounded(pose.yaw, kMillimeter));
+    state.push_back(static_cast<int>(run.scans[i].state));
+  }
+  return {{"t", t}, {"x", x}, {"y", y}, {"yaw", yaw}, {"state", state}};
+}
+
+Json imageOf(const MapSnapshot& map) {
+  const MapImage image = renderMap(map);
+  return {{"png", "data:image/png;base64," + base64(image.png)},
+          {"width", image.width},
+          {"height", image.height},
+          {"metresPerPixel", map.resolution_m * image.cells_per_pixel},
+          {"originX", map.origin_x},
+          {"originY", map.origin_y}};
+}
+
+/// JSON that can stand inside a script element: "</script>" in a file's name would end it.
+std::string embedded(const Json& data) {
+  std::string result;
+  for (const char c : data.dump(-1, ' ', false, Json::error_handler_t::replace)) {
+    result += c == '<' ? "\\u003c" : std::string(1, c);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string reportHtml(const OfflineRun& run, const RunInfo& info) {
+  const std::vector<double> times = timesOf(run);
+  const Json data = {{"title", info.recording},
+                     {"description", info.description},
+                     {"version", kVersion},
+                     {"headlines", headlinesOf(run, info)},
+                     {"rows", rowsOf(run, info)},
+                     {"warnings", run.warnings},
+                     {"parameters", parameterRows(info.config)},
+                     {"charts", chartsOf(run, info, times)},
+                     {"path", pathOf(run, times)},
+                     {"map", imageOf(run.map)}};
+  return std::string("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n") +
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n" +
+         "<title>Mapping report</title>\n<style>" + kStyle + "</style>\n</head>\n" + kBody +
+         "<script type=\"application/json\" id=\"data\">" + embedded(data) + "</script>\n<script>" +
+         kMapScript + kPageScript + "</script>\n</body>\n</html>\n";
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,217 @@
+#include "kestrel_slam/ros/filter/pose_filter_node.h"
+
+#include <ros/console.h>
+
+#include <exception>
+
+#include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/pose3.h"
+#include "kestrel_slam/messages/conversions.h"
+#include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/recording/bag/bag_imu.h"
+#include "kestrel_slam/recording/bag/bag_transforms.h"
+#include "kestrel_slam/sensor/attitude_buffer.h"
+
+namespace kestrel_slam {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+
+constexpr std::uint32_t kImuQueue = 400;  // a second of a fast IMU
+constexpr std::uint32_t kQueue = 20;
+constexpr double kPeriod = 1.0;         // s
+constexpr double kComplainEvery = 5.0;  // s
+
+/// What an initial pose without a covariance is worth: as that of rviz's button.
+const Eigen::Vector3d kPlacedVariance(0.25, 0.25, 0.07);  // m², rad²
+
+int levelOf(FilterHealth health) {
+  switch (health) {
+    case FilterHealth::kOk:
+      return DiagnosticStatus::OK;
+    case FilterHealth::kCoasting:
+    case FilterHealth::kInitializing:
+      return DiagnosticStatus::WARN;
+    default:
+      return DiagnosticStatus::ERROR;
+  }
+}
+
+std::string textOf(const Eigen::Vector3d& v) {
+  char text[100];
+  std::snprintf(text, sizeof text, "%.4f %.4f %.4f", v.x(), v.y(), v.z());
+  return text;
+}
+
+void add(diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& name,
+         const SensorCounts& counts) {
+  if (counts.received == 0) return;
+  status.add(name + ": received", counts.received);
+  status.add(name + ": used", counts.accepted);
+  for (const auto& [reason, count] : counts.rejected) status.add(name + ": " + reason, count);
+}
+
+}  // namespace
+
+PoseFilterNode::PoseFilterNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
+    : config_(loadPoseFilterParameters(private_nh)),
+      filter_(config_.filter),
+      mountings_(nh, config_.base_frame),
+      publisher_(nh, config_),
+      updater_(nh, private_nh, private_nh.getNamespace()) {
+  const auto listen = [&](const std::string& topic, auto callback) {
+    if (topic.empty()) return;
+    subscribers_.push_back(
+        nh.subscribe(topic, kQueue, callback, this, ros::TransportHints().tcpNoDelay()));
+  };
+  imu_subscriber_ = nh.subscribe(config_.imu_topic, kImuQueue, &PoseFilterNode::onImu, this,
+                                 ros::TransportHints().tcpNoDelay());
+  listen(config_.pose_topic, &PoseFilterNode::onPose);
+  listen(config_.height_topic, &PoseFilterNode::onRange);
+  listen(config_.floor_height_topic, &PoseFilterNode::onRange);
+  listen(config_.pressure_topic, &PoseFilterNode::onPressure);
+  listen(config_.pressure_height_topic, &PoseFilterNode::onPressureHeight);
+  listen(config_.magnetometer_topic, &PoseFilterNode::onField);
+  listen(config_.fix_topic, &PoseFilterNode::onFix);
+  listen("initialpose", &PoseFilterNode::onInitialPose);
+  reset_server_ = nh.advertiseService("reset_filter", &PoseFilterNode::reset, this);
+  updater_.setHardwareID(imu_subscriber_.getTopic());
+  updater_.add("Pose filter",
+               [this](diagnostic_updater::DiagnosticStatusWrapper& status) { report(status); });
+  timer_ = nh.createSteadyTimer(ros::WallDuration(kPeriod),
+                                [this](const ros::SteadyTimerEvent&) { updater_.force_update(); });
+  ROS_INFO("Filtering %s; tf is %s -> %s -> %s.", imu_subscriber_.getTopic().c_str(),
+           config_.map_frame.c_str(), config_.odom_frame.c_str(),
+           config_.base_footprint_frame.c_str());
+}
+
+void PoseFilterNode::onImu(const sensor_msgs::ImuConstPtr& message) {
+  const std::string frame = withoutSlash(message->header.frame_id);
+  const std::optional<Eigen::Isometry3d> base_T_imu = mountings_.lookup(frame);
+  if (!base_T_imu) {
+    waiting_for_ = mountings_.missing("IMU", frame);
+    refuse("IMU messages", waiting_for_);
+    return;
+  }
+  waiting_for_.clear();
+  const ImuSample sample = toImuSample(*message);
+  last_stamp_ = sample.stamp;
+  since_last_ = WaitingTime();
+  if (filter_.addImu(sample, *base_T_imu)) {
+    publisher_.publish(message->header.stamp, *filter_.output(), filter_.imuRate());
+  }
+}
+
+bool PoseFilterNode::isInMap(const std_msgs::Header& header, const char* what) {
+  const std::string frame = withoutSlash(header.frame_id);
+  if (frame == config_.map_frame) return true;
+  refuse(what, "in the frame '" + frame + "', must be in '" + config_.map_frame + "'");
+  return false;
+}
+
+void PoseFilterNode::refuse(const std::string& what, const std::string& why) {
+  ++refused_[what + " " + why];
+  ROS_WARN_THROTTLE(kComplainEvery, "Refused: %s %s.", what.c_str(), why.c_str());
+}
+
+void PoseFilterNode::onPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
+  if (!isInMap(message.header, "poses")) return;
+  try {
+    filter_.addPose({message.header.stamp.toSec(), planarFromMessage(message.pose.pose),
+                     planarCovariance(message.pose)});
+  } catch (const std::invalid_argument& error) {
+    refuse("poses", error.what());
+  }
+}
+
+/// A sensor on the vehicle measures along its slanted axis; a height in a level frame is upright.
+void PoseFilterNode::onRange(const sensor_msgs::Range& message) {
+  const std::string frame = withoutSlash(message.header.frame_id);
+  if (frame == config_.base_stabilized_frame || frame == config_.base_footprint_frame) {
+    filter_.addFloorHeight(toHeightSample(message, 0.0));
+    return;
+  }
+  const std::optional<Eigen::Isometry3d> base_T_sensor = mountings_.lookup(frame);
+  filter_.addRange(toHeightSample(message, base_T_sensor ? base_T_sensor->translation().z() : 0.0));
+}
+
+void PoseFilterNode::onPressure(const sensor_msgs::FluidPressure& message) {
+  filter_.addBarometer(toHeightSample(message));
+}
+
+void PoseFilterNode::onPressureHeight(const geometry_msgs::PointStamped& message) {
+  filter_.addBarometer({message.header.stamp.toSec(), message.point.z});
+}
+
+void PoseFilterNode::onField(const sensor_msgs::MagneticField& message) {
+  const auto base_T_sensor = mountings_.lookup(withoutSlash(message.header.frame_id));
+  const std::optional<FilterOutput>& output = filter_.output();
+  if (!output) return;  // without an attitude it has no yaw
+  if (!base_T_sensor) {
+    refuse("magnetometer",
+           mountings_.missing("magnetometer", withoutSlash(message.header.frame_id)));
+    return;
+  }
+  const Eigen::Quaterniond tilt = withoutYaw(Eigen::Quaterniond(output->map_T_base.linear()));
+  const auto yaw = toYaw(message, tilt * Eigen::Quaterniond(base_T_sensor->linear()),
+                         config_.magnetic_declination);
+  if (!yaw) return refuse("magnetometer", "has no level field");
+  filter_.addYaw(*yaw);
+}
+
+void PoseFilterNode::onFix(const sensor_msgs::NavSatFix& message) {
+  if (!filter_.output()) return;  // nothing to fit the first fix to
+  const auto position = fixes_.toPosition(message, filter_.output()->map_T_base.translation());
+  if (!position) return refuse("GPS fixes", "that are none");
+  filter_.addPosition(*position);
+}
+
+void PoseFilterNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
+  if (!isInMap(message.header, "initialpose")) return;
+  try {
+    Eigen::Matrix3d covariance = planarCovariance(message.pose);
+    if (covariance.isZero()) covariance = kPlacedVariance.asDiagonal();
+    if (!filter_.setPose(planarFromMessage(message.pose.pose), covariance)) {
+      refuse("initialpose", "with a covariance that is none");
+    }
+  } catch (const std::invalid_argument& error) {
+    refuse("initialpose", error.what());
+  }
+}
+
+bool PoseFilterNode::reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  filter_.restart();
+  fixes_.forget();
+  response.success = true;
+  response.message = "the filter starts anew from the next IMU messages";
+  ROS_INFO("reset_filter: %s.", response.message.c_str());
+  return true;
+}
+
+void PoseFilterNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  const FilterStatus filter = filter_.status(now());
+  status.summary(static_cast<unsigned char>(levelOf(filter.health)),
+                 filter.message.empty() ? toString(filter.health) : filter.message);
+  if (!waiting_for_.empty()) {
+    status.summary(DiagnosticStatus::ERROR, waiting_for_);
+  } else if (filter.imu.received == 0 && imu_subscriber_.getNumPublishers() == 0) {
+    status.summary(DiagnosticStatus::ERROR, "no message on " + imu_subscriber_.getTopic() +
+                                                ": nobody publishes it (wrong imu_topic?)");
+  }
+  status.add("health", toString(filter.health));
+  status.add("IMU rate (Hz)", filter.imu_rate_hz);
+  add(status, "imu", filter.imu);
+  for (std::size_t i = 0; i < kFilterSensors; ++i) {
+    add(status, toString(static_cast<FilterSensor>(i)), filter.sensors[i]);
+  }
+  for (const auto& [reason, count] : refused_) status.add("refused: " + reason, count);
+  for (const auto& [reason, count] : filter.resets) status.add("resets: " + reason, count);
+  status.add("jumps of the map", filter.reinitializations);
+  status.add("started in the air", filter.started_in_air);
+  if (const auto& output = filter_.output()) {
+    status.add("bias of the gyro (rad/s)", textOf(output->gyro_bias));
+    status.add("bias of the accelerometer (m/s²)", textOf(output->accelerometer_bias));
+  }
+}
+
+}  // namespace kestrel_slam

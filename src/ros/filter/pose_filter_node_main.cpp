@@ -1,0 +1,7 @@
+#include "kestrel_slam/ros/common/node_main.h"
+#include "kestrel_slam/ros/filter/pose_filter_node.h"
+
+int main(int argc, char** argv) {
+  return kestrel_slam::runNode<kestrel_slam::PoseFilterNode>(argc, argv, "pose_filter",
+                                                             "pose_filter_node");
+}

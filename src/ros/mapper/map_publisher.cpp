@@ -1,0 +1,146 @@
+#include "kestrel_slam/ros/mapper/map_publisher.h"
+
+#include <nav_msgs/OccupancyGrid.h>
+#include <nav_msgs/Path.h>
+#include <ros/console.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <exception>
+#include <filesystem>
+#include <utility>
+
+#include "kestrel_slam/map/map_io.h"
+#include "kestrel_slam/messages/conversions.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kTick = 0.1;              // s; how soon a new subscriber gets the newest map
+constexpr double kTrajectoryPeriod = 0.5;  // s
+constexpr double kComplainEvery = 10.0;    // s
+constexpr std::uint32_t kQueueSize = 1;    // only the newest counts
+constexpr int kNice = 10;                  // a tenth of the share of the other threads
+
+/// Where all threads have to share one core, poses go first. On Linux a nice value is the thread's.
+void stepBehindOtherThreads() { setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice); }
+
+}  // namespace
+
+MapPublisher::MapPublisher(const ros::NodeHandle& nh, const NodeConfig& config,
+                           SharedMapper& mapper, TrajectoryLog& trajectory)
+    : nh_(nh),
+      map_frame_(config.map_frame),
+      with_map_service_(config.advertise_map_service),
+      period_(config.map_pub_period),
+      mapper_(mapper),
+      trajectory_(trajectory) {
+  nh_.setCallbackQueue(&queue_);
+  last_info_.resolution = static_cast<float>(config.slam.mapper.grid.resolution_m);
+  advertise();
+  timer_ =
+      nh_.createWallTimer(ros::WallDuration(kTick), [this](const ros::WallTimerEvent&) { tick(); });
+  spinner_ = std::make_unique<ros::AsyncSpinner>(1, &queue_);
+  spinner_->start();
+}
+
+MapPublisher::~MapPublisher() {
+  spinner_->stop();
+  timer_.stop();
+}
+
+void MapPublisher::advertise() {
+  const auto connected = [this](const ros::SingleSubscriberPublisher&) { new_subscriber_ = true; };
+  map_publisher_ = nh_.advertise<nav_msgs::OccupancyGrid>(
+      "map", kQueueSize, connected, ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
+  metadata_publisher_ = nh_.advertise<nav_msgs::MapMetaData>("map_metadata", kQueueSize, true);
+  trajectory_publisher_ = nh_.advertise<nav_msgs::Path>("trajectory", kQueueSize, true);
+  if (with_map_service_) {
+    map_server_ = nh_.advertiseService("dynamic_map", &MapPublisher::dynamicMap, this);
+  }
+  save_server_ = nh_.advertiseService("save_map", &MapPublisher::saveMap, this);
+}
+
+void MapPublisher::tick() {
+  if (!stands_behind_) stepBehindOtherThreads();
+  stands_behind_ = true;
+  try {
+    publishMap();
+    publishTrajectory();
+  } catch (const std::exception& error) {
+    ROS_ERROR_THROTTLE(kComplainEvery, "The map was not published: %s", error.what());
+  }
+}
+
+/// The first map is published at once and for everybody, later ones only where somebody listens.
+void MapPublisher::publishMap() {
+  const ros::WallTime now = ros::WallTime::now();
+  const bool unchanged = mapper_.version() == published_version_;
+  const bool unheard = published_version_ != 0 && map_publisher_.getNumSubscribers() == 0 &&
+                       metadata_publisher_.getNumSubscribers() == 0;
+  if (unchanged || unheard || (now < next_map_ && !new_subscriber_)) return;
+  MapCopy copy = mapper_.copy();
+  if (copy.map.empty()) return;  // just reset: an empty map breaks more clients than an old one
+  new_subscriber_ = false;
+  next_map_ = now + period_;
+  published_version_ = copy.version;
+  const nav_msgs::OccupancyGrid message = messageOf(std::move(copy));
+  map_publisher_.publish(message);
+  metadata_publisher_.publish(message.info);
+}
+
+void MapPublisher::publishTrajectory() {
+  const ros::WallTime now = ros::WallTime::now();
+  const std::uint64_t version = trajectory_.version();
+  if (now < next_trajectory_ || version == published_trajectory_) return;
+  if (trajectory_publisher_.getNumSubscribers() == 0) return;
+  next_trajectory_ = now + ros::WallDuration(kTrajectoryPeriod);
+  published_trajectory_ = version;
+  trajectory_publisher_.publish(trajectory_.path(map_frame_));
+}
+
+nav_msgs::OccupancyGrid MapPublisher::messageOf(MapCopy copy) {
+  nav_msgs::OccupancyGrid message = toMessage(std::move(copy.map));
+  message.header.frame_id = map_frame_;
+  message.header.stamp = copy.stamp;
+  message.info.map_load_time = copy.stamp;
+  last_info_ = message.info;
+  return message;
+}
+
+bool MapPublisher::dynamicMap(nav_msgs::GetMap::Request&, nav_msgs::GetMap::Response& response) {
+  try {
+    MapCopy copy = mapper_.copy();
+    if (!copy.map.empty()) {
+      response.map = messageOf(std::move(copy));
+      return true;
+    }
+    ROS_WARN("dynamic_map: there is no map yet, no scan has been inserted.");
+  } catch (const std::exception& error) {
+    ROS_ERROR("dynamic_map: %s", error.what());
+  }
+  return false;
+}
+
+bool MapPublisher::saveMap(SaveMap::Request& request, SaveMap::Response& response) {
+  response.success = false;
+  try {
+    if (request.path.empty()) throw std::runtime_error("the path is empty; give one, no ending");
+    const std::string stem = std::filesystem::absolute(request.path).string();
+    writeMap(stem, mapper_.copy().map);
+    response.success = true;
+    response.message = "wrote " + stem + ".pgm and " + stem + ".yaml";
+    ROS_INFO("save_map: %s", response.message.c_str());
+  } catch (const std::exception& error) {
+    response.message = error.what();
+    ROS_ERROR("save_map: %s", error.what());
+  }
+  return true;  // the call itself worked; the response says what came of it
+}
+
+MapSize MapPublisher::mapSize() const {
+  return {static_cast<int>(last_info_.width), static_cast<int>(last_info_.height),
+          static_cast<double>(last_info_.resolution), mapper_.memoryBytes()};
+}
+
+}  // namespace kestrel_slam

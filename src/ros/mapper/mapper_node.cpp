@@ -1,0 +1,196 @@
+#include "kestrel_slam/ros/mapper/mapper_node.h"
+
+#include <pthread.h>
+#include <ros/console.h>
+
+#include <chrono>
+#include <exception>
+#include <stdexcept>
+#include <utility>
+
+#include "kestrel_slam/messages/conversions.h"
+#include "kestrel_slam/messages/planar_scan_message.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr std::uint32_t kCommandQueue = 10;
+constexpr double kComplainEvery = 5.0;  // s
+
+std::string textOf(const Pose2& pose) {
+  char text[100];
+  std::snprintf(text, sizeof text, "x %.2f m, y %.2f m, yaw %.3f rad", pose.x, pose.y, pose.yaw);
+  return text;
+}
+
+}  // namespace
+
+MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
+    : config_(loadParameters(private_nh)),
+      mapper_(config_.slam.mapper),
+      queue_(static_cast<std::size_t>(config_.scan_subscriber_queue_size)),
+      projector_(config_.slam.projector),
+      pose_publisher_(nh, config_) {
+  command_subscriber_ =
+      nh.subscribe(config_.sys_msg_topic, kCommandQueue, &MapperNode::onCommand, this);
+  initial_pose_subscriber_ =
+      nh.subscribe("initialpose", kCommandQueue, &MapperNode::onInitialPose, this);
+  reset_server_ = nh.advertiseService("reset_map", &MapperNode::resetMap, this);
+  pause_server_ = nh.advertiseService("pause_mapping", &MapperNode::pauseMapping, this);
+  restart_server_ =
+      nh.advertiseService("restart_mapping_with_new_pose", &MapperNode::restartMapping, this);
+  map_publisher_ = std::make_unique<MapPublisher>(nh, config_, mapper_, trajectory_);
+  input_ = std::make_unique<ScanInput>(nh, config_, statistics_,
+                                       [this](ReadyScan scan) { enqueue(std::move(scan)); });
+  diagnostics_ = std::make_unique<Diagnostics>(
+      map_publisher_->nodeHandle(), private_nh, input_->topic(), statistics_,
+      [this] { return input_->publisherCount(); }, [this] { return map_publisher_->mapSize(); });
+  match_thread_ = std::thread([this] { matchLoop(); });
+  pthread_setname_np(match_thread_.native_handle(), "match");
+  ROS_INFO("Mapping scans on %s; %s.", input_->topic().c_str(),
+           config_.usesOdometry()
+               ? ("tf is " + config_.map_frame + " -> " + config_.odom_frame).c_str()
+               : ("no odometry, tf is " + config_.map_frame + " -> " + config_.base_frame).c_str());
+}
+
+MapperNode::~MapperNode() {
+  queue_.close();
+  match_thread_.join();
+}
+
+void MapperNode::enqueue(ReadyScan scan) {
+  if (!queue_.push(std::move(scan))) statistics_.dropped("overload");
+}
+
+void MapperNode::matchLoop() {
+  while (const std::optional<ReadyScan> scan = queue_.pop()) {
+    try {
+      handle(*scan);
+    } catch (const std::exception& error) {
+      statistics_.dropped("internal-error");
+      ROS_ERROR_THROTTLE(kComplainEvery, "A scan was not matched: %s", error.what());
+    }
+  }
+}
+
+void MapperNode::handle(const ReadyScan& scan) {
+  if (statistics_.paused()) {
+    was_paused_ = true;
+    statistics_.dropped("paused");
+    pose_publisher_.repeatCorrection(scan.stamp);
+    return;
+  }
+  if (was_paused_ || scan.epoch != epoch_) continueAfter(scan);
+  match(scan);
+}
+
+/// After a gap the motion model knows nothing, but the odometry may.
+void MapperNode::continueAfter(const ReadyScan& scan) {
+  const bool same_epoch = scan.epoch == epoch_;
+  was_paused_ = false;
+  epoch_ = scan.epoch;
+  const std::optional<Pose2> carried = pose_publisher_.poseByOdometry(scan.odom_T_base);
+  if (same_epoch && carried) {
+    mapper_.setPose(*carried);
+  } else {
+    mapper_.restartMotion();
+  }
+}
+
+void MapperNode::match(const ReadyScan& scan) {
+  const auto start = std::chrono::steady_clock::now();
+  std::optional<PlanarScan> planar = planarOf(scan);
+  if (!planar) return;
+  planar->time = monotone_time_.repair(planar->stamp);
+  const MapperResult result = mapper_.process(*planar, scan.odom_T_base, scan.stamp);
+  const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
+  if (!result.pose.isFinite()) throw std::runtime_error("the pose is not finite");
+  statistics_.used(result, ms.count());
+  trajectory_.add(scan.stamp, result.pose);
+  pose_publisher_.publish(scan.stamp, result, *planar, scan.odom_T_base);
+}
+
+/// Nothing where the scan cannot be used; that is counted and said.
+std::optional<PlanarScan> MapperNode::planarOf(const ReadyScan& scan) {
+  if (scan.message.planar_scan) return planarOf(*scan.message.planar_scan);
+  const LaserScan laser_scan = fromMessage(*scan.message.laser_scan);
+  Projection projection = projector_.project(laser_scan, scan.base_T_laser);
+  if (projection.error == ScanError::kNone) return std::move(projection.scan);
+  drop(toString(projection.error), projection.message);
+  return std::nullopt;
+}
+
+std::optional<PlanarScan> MapperNode::planarOf(const sensor_msgs::PointCloud2& message) {
+  try {
+    PlanarScan scan = fromPlanarScanMessage(message);
+    if (!scan.rays.empty()) return scan;
+    drop(toString(ScanError::kNoBeams), "it has no points");
+  } catch (const std::invalid_argument& error) {
+    drop("bad-planar-scan", error.what());
+  }
+  return std::nullopt;
+}
+
+void MapperNode::drop(const std::string& reason, const std::string& sentence) {
+  statistics_.dropped(reason);
+  ROS_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped (%s): %s.", input_->topic().c_str(),
+                    reason.c_str(), sentence.c_str());
+}
+
+void MapperNode::restart(const Pose2& map_T_base) {
+  queue_.clear();  // what was seen before the command does not belong to the new map
+  mapper_.reset(map_T_base);
+  trajectory_.clear();
+  ROS_INFO("The map is forgotten; the next scan starts a new one at %s.",
+           textOf(map_T_base).c_str());
+}
+
+void MapperNode::onCommand(const std_msgs::String& message) {
+  if (message.data == "reset") restart(Pose2());
+}
+
+void MapperNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
+  const std::string& frame = message.header.frame_id;
+  if (frame != config_.map_frame && frame != "/" + config_.map_frame) {
+    ROS_ERROR("initialpose is refused: it is in the frame '%s', must be in '%s'.", frame.c_str(),
+              config_.map_frame.c_str());
+    return;
+  }
+  try {
+    const Pose2 pose = planarFromMessage(message.pose.pose);
+    mapper_.setPose(pose);
+    ROS_INFO("The vehicle is placed at %s.", textOf(pose).c_str());
+  } catch (const std::invalid_argument& error) {
+    ROS_ERROR("initialpose is refused: %s.", error.what());
+  }
+}
+
+bool MapperNode::resetMap(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  restart(Pose2());
+  response.success = true;
+  response.message = "the map is forgotten";
+  return true;
+}
+
+bool MapperNode::pauseMapping(std_srvs::SetBool::Request& request,
+                              std_srvs::SetBool::Response& response) {
+  const bool changes = statistics_.paused() != static_cast<bool>(request.data);
+  statistics_.setPaused(request.data);
+  response.success = true;
+  response.message = std::string(changes ? "mapping is now " : "mapping was already ") +
+                     (request.data ? "paused" : "running");
+  ROS_INFO("pause_mapping: %s.", response.message.c_str());
+  return true;
+}
+
+bool MapperNode::restartMapping(ResetMapping::Request& request, ResetMapping::Response&) {
+  try {
+    restart(planarFromMessage(request.initial_pose));
+    return true;
+  } catch (const std::invalid_argument& error) {
+    ROS_ERROR("restart_mapping_with_new_pose is refused: %s.", error.what());
+    return false;
+  }
+}
+
+}  // namespace kestrel_slam

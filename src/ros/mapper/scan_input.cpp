@@ -1,0 +1,204 @@
+#include "kestrel_slam/ros/mapper/scan_input.h"
+
+#include <ros/console.h>
+
+#include <boost/make_shared.hpp>
+#include <utility>
+
+#include "kestrel_slam/geometry/pose3.h"
+#include "kestrel_slam/messages/conversions.h"
+#include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/recording/bag/bag_transforms.h"
+#include "kestrel_slam/sensor/projection.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr std::uint32_t kWaitingScans = 50;  // that may wait for tf: more than a second of a laser
+constexpr double kExplainAfter = 1.0;        // s of waiting before a message
+constexpr double kComplainEvery = 5.0;       // s
+// tf arrives on the thread of the scans: tf2 is not safe where a message filter asks for frames
+// while another thread adds them.
+constexpr bool kOwnTfThread = false;
+constexpr double kRemindEvery = 60.0;  // s; of what goes on and on
+// Stamps that jump back farther are those of a restarted recording, not of a late scan.
+constexpr double kClockJump = 2.0;  // s
+
+std::string publishHint(const std::string& parent, const std::string& child) {
+  return "rosrun tf2_ros static_transform_publisher 0 0 0 0 0 0 " + parent + " " + child;
+}
+
+}  // namespace
+
+ScanInput::ScanInput(ros::NodeHandle nh, const NodeConfig& config, ScanStatistics& statistics,
+                     Callback on_ready)
+    : config_(config),
+      statistics_(statistics),
+      on_ready_(std::move(on_ready)),
+      listener_(buffer_, nh, kOwnTfThread),
+      filter_(buffer_, config.base_frame, kWaitingScans, nh) {
+  if (config.usesOdometry()) filter_.setTargetFrames({config.base_frame, config.odom_frame});
+  filter_.registerCallback(&ScanInput::onReady, this);
+  filter_.registerFailureCallback(
+      [this](const ReceivedScanPtr& scan, tf2_ros::FilterFailureReason reason) {
+        onFailure(scan, reason);
+      });
+  const auto queue = static_cast<std::uint32_t>(config.scan_subscriber_queue_size);
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  subscriber_ =
+      config.usesPlanarScans()
+          ? nh.subscribe(config.inputTopic(), queue, &ScanInput::onPlanarScan, this, hints)
+          : nh.subscribe(config.inputTopic(), queue, &ScanInput::onLaserScan, this, hints);
+}
+
+void ScanInput::onLaserScan(const sensor_msgs::LaserScanConstPtr& message) {
+  const std_msgs::Header& header = message->header;
+  receive({{message, nullptr}, withoutSlash(header.frame_id), header.stamp},
+          message->ranges.size());
+}
+
+/// Its frame has the position and the yaw of the base: of tf only the odometry is needed, and
+/// that is published for the base.
+void ScanInput::onPlanarScan(const sensor_msgs::PointCloud2ConstPtr& message) {
+  const std::size_t beams = static_cast<std::size_t>(message->width) * message->height;
+  receive({{nullptr, message}, config_.base_frame, message->header.stamp}, beams);
+}
+
+void ScanInput::receive(const ReceivedScan& scan, std::size_t beams) {
+  statistics_.received();
+  if (!acceptable(scan, beams)) return;
+  noticeJump(scan.stamp);
+  last_stamp_ = scan.stamp;
+  if (needsTransform(scan)) {
+    filter_.add(boost::make_shared<const ReceivedScan>(scan));
+    explainWaiting(scan);
+  } else {
+    handOver(scan);
+  }
+}
+
+/// What must not get into the queue of the transforms; the matching thread looks at the rest.
+/// Planar scans of several lasers may share their stamp.
+bool ScanInput::acceptable(const ReceivedScan& scan, std::size_t beams) {
+  const std::size_t max_beams = static_cast<std::size_t>(config_.slam.projector.beams.max_beams);
+  if (beams > max_beams) {
+    refuse(toString(ScanError::kTooManyBeams), "it has " + std::to_string(beams) +
+                                                   " beams, ~max_beams allows " +
+                                                   std::to_string(max_beams));
+  } else if (scan.frame.empty()) {
+    refuse("no-frame", "its frame_id is empty; the laser's driver has to set it");
+  } else if (scan.stamp.isZero()) {
+    refuse(toString(ScanError::kBadStamp), "its stamp is zero; the laser's driver has to set it");
+  } else if (scan.stamp == last_stamp_ && !config_.usesPlanarScans()) {
+    refuse("repeated-stamp", "its stamp is that of the scan before (two publishers?)");
+  } else {
+    return true;
+  }
+  return false;
+}
+
+void ScanInput::refuse(const std::string& reason, const std::string& sentence) {
+  statistics_.dropped(reason);
+  ROS_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped: %s.", topic().c_str(),
+                    sentence.c_str());
+}
+
+/// A recording that loops: what tf knows is of the future now and would hide all that comes.
+void ScanInput::noticeJump(const ros::Time& stamp) {
+  if (last_stamp_.isZero() || stamp + ros::Duration(kClockJump) >= last_stamp_) return;
+  ROS_WARN(
+      "The stamps of %s jump back by %.3f s (a recording that starts again?): tf is cleared, "
+      "the map is kept, and the motion model starts anew.",
+      topic().c_str(), (last_stamp_ - stamp).toSec());
+  filter_.clear();
+  buffer_.clear();
+  ++epoch_;
+}
+
+/// tf2 knows no frame that nobody has published, not even its own identity.
+bool ScanInput::needsTransform(const ReceivedScan& scan) const {
+  return config_.usesOdometry() || scan.frame != config_.base_frame;
+}
+
+void ScanInput::explainWaiting(const ReceivedScan& scan) {
+  const ros::WallTime now = ros::WallTime::now();
+  if (waiting_since_.isZero()) waiting_since_ = now;
+  if ((now - waiting_since_).toSec() < kExplainAfter) return;
+  const std::string text = missingTransform(scan);
+  statistics_.setWaitingFor(text);
+  ROS_WARN_THROTTLE(kComplainEvery, "Scans on %s are waiting: %s", topic().c_str(), text.c_str());
+}
+
+/// Which transform is missing, and who should publish it.
+std::string ScanInput::missingTransform(const ReceivedScan& scan) const {
+  const std::string& laser = scan.frame;
+  const std::string& base = config_.base_frame;
+  std::string error;
+  if (laser != base && !buffer_.canTransform(base, laser, scan.stamp, &error)) {
+    return "no transform from the laser's frame '" + laser + "' to the base frame '" + base +
+           "' (" + error +
+           "). The robot's description should publish it; for a laser that is the "
+           "vehicle, set ~base_frame to '" +
+           laser + "', else for example: " + publishHint(base, laser);
+  }
+  return "no transform from '" + base + "' to the odometry's frame '" + config_.odom_frame +
+         "' at the time of the scan. The source of the odometry should publish it; without "
+         "odometry, set ~odom_frame to ''";
+}
+
+void ScanInput::onReady(const ReceivedScanPtr& scan) { handOver(*scan); }
+
+void ScanInput::handOver(const ReceivedScan& scan) {
+  if (!waiting_since_.isZero()) {
+    waiting_since_ = ros::WallTime();
+    statistics_.setWaitingFor("");
+  }
+  try {
+    warnOfOtherParent(scan.stamp);
+    on_ready_(lookUp(scan));
+  } catch (const std::exception& error) {
+    refuse("no-transform", error.what());
+  }
+}
+
+/// Without odometry the node publishes map -> base; where somebody else publishes a parent of the
+/// base too, tf jumps between the two.
+void ScanInput::warnOfOtherParent(const ros::Time& stamp) const {
+  std::string parent;
+  if (config_.usesOdometry() || !config_.pub_map_odom_transform) return;
+  if (!buffer_._getParent(config_.base_frame, stamp, parent) || parent == config_.map_frame) return;
+  ROS_WARN_THROTTLE(kRemindEvery,
+                    "tf has '%s' as parent of the base frame '%s', so '%s' cannot be its parent "
+                    "too: if it is an odometry, set ~odom_frame to '%s'; else set ~base_frame to "
+                    "the topmost frame of the vehicle.",
+                    parent.c_str(), config_.base_frame.c_str(), config_.map_frame.c_str(),
+                    parent.c_str());
+}
+
+ReadyScan ScanInput::lookUp(const ReceivedScan& scan) const {
+  ReadyScan ready;
+  ready.message = scan.message;
+  ready.stamp = scan.stamp;
+  ready.epoch = epoch_;
+  const std::string& base = config_.base_frame;
+  if (scan.frame != base) {
+    ready.base_T_laser =
+        fromMessage(buffer_.lookupTransform(base, scan.frame, scan.stamp).transform);
+  }
+  if (config_.usesOdometry()) {
+    ready.odom_T_base = toPose2(
+        fromMessage(buffer_.lookupTransform(config_.odom_frame, base, scan.stamp).transform));
+  }
+  return ready;
+}
+
+void ScanInput::onFailure(const ReceivedScanPtr& scan, tf2_ros::FilterFailureReason reason) {
+  if (reason == tf2_ros::filter_failure_reasons::OutTheBack) {
+    refuse("too-old",
+           "tf has forgotten what was at its stamp " + std::to_string(scan->stamp.toSec()));
+  } else {
+    statistics_.dropped("no-transform");  // explainWaiting says why
+  }
+}
+
+}  // namespace kestrel_slam

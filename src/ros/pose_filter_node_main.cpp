@@ -1,7 +1,0 @@
-#include "kestrel_slam/ros/node_main.h"
-#include "kestrel_slam/ros/pose_filter_node.h"
-
-int main(int argc, char** argv) {
-  return kestrel_slam::runNode<kestrel_slam::PoseFilterNode>(argc, argv, "pose_filter",
-                                                             "pose_filter_node");
-}

@@ -1,0 +1,131 @@
+#include "kestrel_slam/ros/projector/sweep_input.h"
+
+#include <ros/console.h>
+
+#include <stdexcept>
+#include <utility>
+
+#include "kestrel_slam/messages/conversions.h"
+#include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/recording/bag/bag_cloud.h"
+#include "kestrel_slam/recording/bag/bag_odometry.h"
+#include "kestrel_slam/recording/bag/bag_transforms.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr std::uint32_t kQueue = 5;
+constexpr double kComplainEvery = 5.0;  // s
+constexpr double kMaxSweep = 2.0;       // s; longer ones have another unit in time_increment
+
+}  // namespace
+
+SweepInput::SweepInput(ros::NodeHandle nh, const ProjectorNodeConfig& config,
+                       ProjectorStatistics& statistics, Callback on_sweep)
+    : max_beams_(static_cast<std::size_t>(config.slam.projector.beams.max_beams)),
+      is_level_(config.isLevel()),
+      statistics_(statistics),
+      on_sweep_(std::move(on_sweep)) {
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  for (const std::string& name : splitNames(config.scan_topics)) {
+    const std::string topic = nh.resolveName(name);
+    const boost::function<void(const sensor_msgs::LaserScanConstPtr&)> callback =
+        [this, topic](const sensor_msgs::LaserScanConstPtr& message) { onScan(message, topic); };
+    subscribers_.push_back(
+        nh.subscribe<sensor_msgs::LaserScan>(name, kQueue, callback, ros::VoidConstPtr(), hints));
+  }
+  if (config.cloud_topic.empty()) return;
+  const std::string topic = nh.resolveName(config.cloud_topic);
+  const boost::function<void(const sensor_msgs::PointCloud2ConstPtr&)> callback =
+      [this, topic](const sensor_msgs::PointCloud2ConstPtr& message) { onCloud(message, topic); };
+  subscribers_.push_back(nh.subscribe<sensor_msgs::PointCloud2>(
+      config.cloud_topic, kQueue, callback, ros::VoidConstPtr(), hints));
+}
+
+std::string SweepInput::topics() const {
+  std::string names;
+  for (const ros::Subscriber& subscriber : subscribers_) {
+    names += (names.empty() ? "" : ", ") + subscriber.getTopic();
+  }
+  return names;
+}
+
+unsigned SweepInput::publisherCount() const {
+  unsigned count = 0;
+  for (const ros::Subscriber& subscriber : subscribers_) count += subscriber.getNumPublishers();
+  return count;
+}
+
+void SweepInput::onScan(const sensor_msgs::LaserScanConstPtr& message, const std::string& topic) {
+  if (!accept(message->header, topic)) return;
+  const std::size_t beams = message->ranges.size();
+  if (beams > max_beams_) {
+    refuse(topic, toString(ScanError::kTooManyBeams),
+           "it has " + std::to_string(beams) + " beams, ~max_beams allows " +
+               std::to_string(max_beams_));
+    return;
+  }
+  Sweep sweep;
+  LaserScan scan = fromMessage(*message);
+  scan.stamp = toSeconds(message->header.stamp);  // to the bit what the IMU's stamps are
+  sweep.times = sweepTimes(scan);
+  if (!is_level_ && sweep.times.last - sweep.times.first > kMaxSweep) {
+    refuse(topic, toString(ScanError::kBadGeometry),
+           "its time_increment of " + std::to_string(scan.time_increment) + " s makes a sweep of " +
+               std::to_string(sweep.times.last - sweep.times.first) +
+               " s; the laser's driver has to set it in seconds");
+    return;
+  }
+  sweep.data = std::move(scan);
+  pass(std::move(sweep), message->header, topic);
+}
+
+void SweepInput::onCloud(const sensor_msgs::PointCloud2ConstPtr& message,
+                         const std::string& topic) {
+  if (!accept(message->header, topic)) return;
+  Sweep sweep;
+  try {
+    PointCloud cloud = toPointCloud(*message);
+    sweep.times = sweepTimes(cloud);
+    sweep.data = std::move(cloud);
+  } catch (const std::invalid_argument& error) {
+    refuse(topic, "bad-cloud", error.what());
+    return;
+  }
+  pass(std::move(sweep), message->header, topic);
+}
+
+/// The checks that all messages have in common; the projector looks at the rest.
+bool SweepInput::accept(const std_msgs::Header& header, const std::string& topic) {
+  ++statistics_.received;
+  statistics_.since_received = WaitingTime();
+  ros::Time& last_stamp = last_stamps_[topic];
+  if (withoutSlash(header.frame_id).empty()) {
+    refuse(topic, "no-frame", "its frame_id is empty; the laser's driver has to set it");
+  } else if (header.stamp.isZero()) {
+    refuse(topic, toString(ScanError::kBadStamp),
+           "its stamp is zero; the laser's driver has to set it");
+  } else if (header.stamp == last_stamp) {
+    refuse(topic, "repeated-stamp", "its stamp is that of the scan before (two publishers?)");
+  } else {
+    last_stamp = header.stamp;
+    return true;
+  }
+  return false;
+}
+
+void SweepInput::refuse(const std::string& topic, const std::string& reason,
+                        const std::string& sentence) {
+  statistics_.drop(reason, sentence);
+  ROS_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped (%s): %s.", topic.c_str(),
+                    reason.c_str(), sentence.c_str());
+}
+
+void SweepInput::pass(Sweep sweep, const std_msgs::Header& header, const std::string& topic) {
+  sweep.topic = topic;
+  sweep.frame = withoutSlash(header.frame_id);
+  sweep.stamp = header.stamp;
+  on_sweep_(std::move(sweep));
+}
+
+}  // namespace kestrel_slam

@@ -1,7 +1,0 @@
-#include "kestrel_slam/ros/node_main.h"
-#include "kestrel_slam/ros/scan_projector_node.h"
-
-int main(int argc, char** argv) {
-  return kestrel_slam::runNode<kestrel_slam::ScanProjectorNode>(argc, argv, "scan_projector",
-                                                                "scan_projector_node");
-}

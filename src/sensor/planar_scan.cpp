@@ -1,0 +1,14 @@
+#include "kestrel_slam/sensor/planar_scan.h"
+
+namespace kestrel_slam {
+
+Points hitsOf(const PlanarScan& scan) {
+  Points points;
+  points.reserve(scan.rays.size());
+  for (const PlanarRay& ray : scan.rays) {
+    if (ray.hit) points.push_back(ray.end);
+  }
+  return points;
+}
+
+}  // namespace kestrel_slam

@@ -1,0 +1,76 @@
+#include "kestrel_slam/sensor/time_base.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kestrel_slam {
+
+double MonotoneTime::repair(double stamp) {
+  if (!started_) {
+    started_ = true;
+    last_stamped_time_ = last_time_ = std::isfinite(stamp) ? stamp : 0.0;
+    return last_time_;
+  }
+  if (!std::isfinite(stamp)) {
+    ++repaired_;
+    return advance(typical_step_);
+  }
+  if (!continues(stamp + offset_)) {
+    if (!pending_offset_ || !continues(stamp + *pending_offset_)) return jump(stamp);
+    offset_ = *pending_offset_;
+  }
+  pending_offset_.reset();
+  const double step = stamp + offset_ - last_stamped_time_;
+  last_stamped_time_ += step;
+  learnStep(step);
+  return follow(stamp + offset_, step <= 0.0);
+}
+
+bool MonotoneTime::continues(double time) const {
+  // A stamp back by less is late (intel.clf: up to 0.9 s), ahead by less it follows a pause.
+  constexpr double kMaxLate = 5.0, kMaxGap = 60.0;
+  const double step = time - last_time_;
+  return step > -kMaxLate && step <= kMaxGap;
+}
+
+double MonotoneTime::follow(double time, bool late) {
+  // Where stamps jump back they say when a scan was logged, not when it was taken: the scans of
+  // intel.clf are evenly spaced, their stamps 0.001 to 1.4 s apart. There the time goes on evenly
+  // and is only drawn slowly to the stamps.
+  constexpr int kDistrusted = 500;  // scans from a late one on
+  constexpr double kGain = 0.02;
+  constexpr double kMinShare = 0.2;  // of a typical step, where time waits for the stamps
+  constexpr double kMaxPause = 5.0;  // s; a stamp farther ahead follows a pause of the laser
+
+  if (late) distrusted_ = kDistrusted;
+  if (distrusted_ > 0) --distrusted_;
+  const double even = last_time_ + typical_step_;
+  const bool trusted = distrusted_ == 0 && time > last_time_;
+  if (trusted || time > even + kMaxPause) return last_time_ = time;
+  ++repaired_;
+  return advance(std::max(typical_step_ + kGain * (time - even), kMinShare * typical_step_));
+}
+
+double MonotoneTime::jump(double stamp) {
+  ++repaired_;
+  const double time = advance(typical_step_);
+  pending_offset_ = time - stamp;
+  return time;
+}
+
+double MonotoneTime::advance(double step) {
+  // At a stamp of 1e300 a step of 0.1 s is lost in rounding: the next number is all that is left.
+  const double next = std::nextafter(last_time_, std::numeric_limits<double>::infinity());
+  return last_time_ = std::max(last_time_ + step, next);
+}
+
+void MonotoneTime::learnStep(double step) {
+  constexpr double kMinStep = 1e-3, kMaxStep = 2.0;  // s; a pause is not typical
+  constexpr double kLearningRate = 0.02;
+  const double learned =
+      typical_step_ + kLearningRate * (std::clamp(step, -kMaxStep, kMaxStep) - typical_step_);
+  typical_step_ = std::max(learned, kMinStep);
+}
+
+}  // namespace kestrel_slam

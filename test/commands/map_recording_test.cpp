@@ -1,0 +1,193 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "kestrel_slam/map/map_io.h"
+#include "kestrel_slam/offline/version.h"
+#include "kestrel_slam/parameters/parameters_yaml.h"
+#include "kestrel_slam/recording/trajectory.h"
+#include "room_log_test.h"
+#include "run_command.h"
+
+namespace kestrel_slam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<const char*, 5> kOutputs = {"map.pgm", "map.yaml", "trajectory.tum",
+                                                 "stats.json", "report.html"};
+
+const std::string kTool = KESTREL_TOOL_DIR "/map_recording ";
+
+constexpr int kScans = 41;
+
+class MapRecordingTest : public RoomLogTest {
+ protected:
+  MapRecordingTest() : RoomLogTest(kScans) {}
+
+  Outcome map(const std::string& arguments) { return runCommand(kTool + log_ + " " + arguments); }
+};
+
+TEST_F(MapRecordingTest, WritesEverythingAndSaysWhere) {
+  const Outcome outcome = map(outputs("out"));
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_CONTAINS(outcome.output, "scans       41 processed, 0 dropped, 0 lost\n");
+  EXPECT_CONTAINS(outcome.output, "map         " + folder_.file("out/map.yaml") + "\n");
+  EXPECT_CONTAINS(outcome.output, "trajectory  " + folder_.file("out/trajectory.tum") + "\n");
+  EXPECT_CONTAINS(outcome.output, "report      " + folder_.file("out/report.html") + "\n");
+  EXPECT_CONTAINS(outcome.output, "x real time");
+  for (const char* name : kOutputs) EXPECT_TRUE(fs::exists(folder_.file("out/") + name)) << name;
+
+  const Trajectory trajectory = readTum(folder_.file("out/trajectory.tum"));
+  ASSERT_EQ(trajectory.size(), 41U);
+  EXPECT_EQ(trajectory[3].stamp, RoomFlight::stamp(3));
+  EXPECT_NEAR(trajectory.back().pose.x, 2.0, 0.03);
+  const MapSnapshot written = readMap(folder_.file("out/map.yaml"));
+  EXPECT_NEAR(written.width * written.resolution_m, 5.0, 1.5);  // ahead of the vehicle
+}
+
+TEST_F(MapRecordingTest, TwiceTheSameBytesWithoutTiming) {
+  ASSERT_EQ(map("--no-timing" + outputs("a")).code, 0);
+  ASSERT_EQ(map("--no-timing" + outputs("b")).code, 0);
+  for (const std::string name : kOutputs) {
+    EXPECT_EQ(read("a/" + name), read("b/" + name)) << name;
+    EXPECT_EQ(read("a/" + name).find(folder_.file("")), std::string::npos) << "a path in " << name;
+  }
+}
+
+TEST_F(MapRecordingTest, OnlyTheTimingDiffersOtherwise) {
+  ASSERT_EQ(map(outputs("a")).code, 0);
+  ASSERT_EQ(map("--no-timing" + outputs("b")).code, 0);
+  for (const std::string name : {"map.pgm", "map.yaml", "trajectory.tum"}) {
+    EXPECT_EQ(read("a/" + name), read("b/" + name)) << name;
+  }
+  auto stats = nlohmann::ordered_json::parse(read("a/stats.json"));
+  EXPECT_EQ(stats.erase("timing"), 1U);
+  EXPECT_EQ(stats.dump(2) + "\n", read("b/stats.json"));
+}
+
+TEST_F(MapRecordingTest, ParametersComeFromFileThenCommandLine) {
+  const std::string yaml = folder_.write("p.yaml", "map_resolution: 0.2\nlaser_max_dist: 20\n");
+  const Outcome outcome =
+      map("--config " + yaml + " --set map_resolution=0.1 --set clear_range=5" + outputs("out"));
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  const auto parameters = nlohmann::json::parse(read("out/stats.json"))["parameters"];
+  EXPECT_EQ(parameters["map_resolution"], 0.1);
+  EXPECT_EQ(parameters["laser_max_dist"], 20.0);
+  EXPECT_EQ(parameters["clear_range"], 5.0);
+}
+
+TEST_F(MapRecordingTest, TheOutputFolderIsNamedAfterTheRecording) {
+  const Outcome outcome = runCommand("cd " + folder_.file("") + " && " + kTool + "flight.clf");
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_TRUE(fs::exists(folder_.file("flight_map/map.pgm")));
+}
+
+TEST_F(MapRecordingTest, TakesTheMountingOfTheLaserOnRequest) {
+  ASSERT_EQ(map("--laser-pose 0.3,0,90" + outputs("out")).code, 0);
+  const Pose2 last = readTum(folder_.file("out/trajectory.tum")).back().pose;
+  EXPECT_NEAR(last.x, 0.0, 0.03);
+  EXPECT_NEAR(last.y, 2.0, 0.03);  // the laser's ahead is the vehicle's left
+}
+
+TEST_F(MapRecordingTest, UsesOdometryOnRequest) {
+  ASSERT_EQ(map("--odometry use" + outputs("out")).code, 0);
+  EXPECT_EQ(nlohmann::json::parse(read("out/stats.json"))["odometry"], "use");
+}
+
+TEST_F(MapRecordingTest, LeavesOutScansOnRequest) {
+  ASSERT_EQ(map("--skip-scans 5 --drop-every 10 --drop-beams 0.2 --scans 30" + outputs("out")).code,
+            0);
+  const nlohmann::json scans = nlohmann::json::parse(read("out/stats.json"))["scans"];
+  EXPECT_EQ(scans["read"], 30);
+  EXPECT_EQ(scans["left_out"], 8);  // scans 1 to 5, 10, 20 and 30
+  EXPECT_EQ(scans["processed"], 22);
+  EXPECT_EQ(scans["lost"], 0);
+  ASSERT_EQ(map("--scans 30" + outputs("whole")).code, 0);
+  EXPECT_NE(read("out/map.pgm"), read("whole/map.pgm"));
+}
+
+TEST_F(MapRecordingTest, QuietSaysNothing) {
+  const Outcome outcome = map("--quiet" + outputs("out"));
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.output, "");
+}
+
+TEST_F(MapRecordingTest, ABrokenLineIsCountedAndTheRestMapped) {
+  std::string text = RoomFlight::carmenLog(10);
+  text += text.substr(text.find("FLASER"), 300) + "\n";  // cut off
+  const std::string log = folder_.write("broken.clf", text);
+  const Outcome outcome = runCommand(kTool + log + outputs("out"));
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_CONTAINS(outcome.output, "warning: ");
+  EXPECT_CONTAINS(outcome.output, "10 processed, 1 dropped");
+}
+
+TEST_F(MapRecordingTest, InterruptedItWritesWhatIsDone) {
+  constexpr int kLong = 3000;
+  const std::string log = folder_.write("long.clf", RoomFlight::carmenLog(kLong));
+  // The signal comes as soon as the output folder appears, just before the work; the exhaustive
+  // matcher makes that last.
+  const Outcome outcome =
+      runCommand("sh -c '" + kTool + log + " --set matcher=correlative" + outputs("out") +
+                 " & pid=$!; until [ -d " + folder_.file("out") +
+                 " ]; do :; done; kill -INT $pid; wait $pid'");
+  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_CONTAINS(outcome.output, "warning: stopped early, after ");
+  for (const char* name : kOutputs) EXPECT_TRUE(fs::exists(folder_.file("out/") + name)) << name;
+}
+
+TEST_F(MapRecordingTest, BadInputIsOneLineAndExitCodeOne) {
+  const std::string garbage = folder_.write("garbage.bag", "\x01\x02 nothing of use\n");
+  const std::string bad_yaml = folder_.write("bad.yaml", "matcher: fast\n");
+  const std::string file = folder_.write("file", "");
+  const struct {
+    std::string arguments, words;
+  } cases[] = {
+      {folder_.file("missing.bag"), "missing.bag"},
+      {folder_.file(""), "folder"},
+      {garbage, "neither a rosbag nor a CARMEN log"},
+      {log_ + " --set map_resolutoin=0.1", "did you mean 'map_resolution'?"},
+      {log_ + " --set map_resolution=-1", "map_resolution = -1: must be between"},
+      {log_ + " --set map_resolution", "must be name=value"},
+      {log_ + " --set laser_min_dist=50", "laser_min_dist = 50: must be less than laser_max_dist"},
+      {log_ + " --config " + bad_yaml, "bad.yaml, line 1: matcher = fast: must be one of"},
+      {log_ + " --config " + folder_.file("none.yaml"), "none.yaml"},
+      {log_ + " --output " + file, "it is a file, not a folder; choose another --output"},
+      {log_ + " --output " + file + "/out", "cannot make the output folder"},
+      {log_ + " --output /proc/kestrel", "cannot make the output folder /proc/kestrel"},
+  };
+  for (const auto& [arguments, words] : cases) {
+    const Outcome outcome = runCommand(kTool + arguments);
+    EXPECT_EQ(outcome.code, 1) << arguments;
+    EXPECT_EQ(outcome.output.rfind("map_recording: ", 0), 0U) << outcome.output;
+    EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+    EXPECT_CONTAINS(outcome.output, words);
+  }
+}
+
+TEST_F(MapRecordingTest, AnOutputFolderThatCannotBeWrittenIsFoundBeforeTheWork) {
+  const Outcome outcome = map("--output /proc/kestrel");
+  EXPECT_EQ(outcome.output.find("scans"), std::string::npos) << "it began: " << outcome.output;
+}
+
+TEST_F(MapRecordingTest, WrongUsageIsExitCodeTwo) {
+  EXPECT_EQ(runCommand(kTool).code, 2);
+  EXPECT_EQ(map("--nonsense").code, 2);
+  EXPECT_EQ(map("--odometry perhaps").code, 2);
+  EXPECT_EQ(map("another.bag").code, 2);
+  EXPECT_EQ(map("--output").code, 2);
+  EXPECT_EQ(map("--drop-every 0").code, 2);
+  EXPECT_EQ(map("--drop-beams 1.5").code, 2);
+}
+
+TEST_F(MapRecordingTest, HelpVersionAndParametersNeedNoRecording) {
+  EXPECT_EQ(runCommand(kTool + "--help").code, 0);
+  EXPECT_EQ(runCommand(kTool + "--version").output, std::string(kVersion) + "\n");
+  EXPECT_EQ(runCommand(kTool + "--list-parameters").output, defaultParametersYaml());
+}
+
+}  // namespace
+}  // namespace kestrel_slam

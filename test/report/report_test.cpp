@@ -1,0 +1,119 @@
+#include "kestrel_slam/report/report.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "temporary_folder.h"
+
+namespace kestrel_slam {
+namespace {
+
+OfflineRun runOf(std::size_t scans) {
+  OfflineRun run;
+  for (std::size_t i = 0; i < scans; ++i) {
+    const double angle = 0.01 * static_cast<double>(i);
+    ScanRecord scan;
+    scan.time = 100.0 + 0.1 * static_cast<double>(i);
+    scan.state = i == 3 ? MatchState::kLost : MatchState::kOk;
+    scan.score = i == 3 ? 0.125 : 0.9;
+    scan.ms = 0.5;
+    run.scans.push_back(scan);
+    run.trajectory.push_back({scan.time, Pose2(std::cos(angle), std::sin(angle), angle)});
+  }
+  run.map.resolution_m = 0.5;
+  run.map.origin_x = -1.0;
+  run.map.origin_y = -2.0;
+  run.map.width = 2;
+  run.map.height = 1;
+  run.map.cells = {0, 100};
+  run.processing_s = 1.25;
+  run.peak_memory_mb = 12.0;
+  return run;
+}
+
+RunInfo infoOf(bool timing) {
+  RunInfo info;
+  info.recording = "flight.bag";
+  info.timing = timing;
+  return info;
+}
+
+nlohmann::json dataOf(const std::string& html) {
+  const std::string start = "<script type=\"application/json\" id=\"data\">";
+  const std::size_t from = html.find(start) + start.size();
+  return nlohmann::json::parse(html.substr(from, html.find("</script>", from) - from));
+}
+
+TEST(ReportTest, NeedsNothingFromTheNetwork) {
+  const std::string html = reportHtml(runOf(10), infoOf(true));
+  EXPECT_EQ(html.rfind("<!DOCTYPE html>", 0), 0U);
+  for (const char* reference : {"http:", "https:", "src=", "href=", "@import", "url("}) {
+    EXPECT_EQ(html.find(reference), std::string::npos) << reference;
+  }
+}
+
+TEST(ReportTest, CarriesMapPathAndCurves) {
+  const auto data = dataOf(reportHtml(runOf(10), infoOf(true)));
+  EXPECT_EQ(data["map"]["width"], 2);
+  EXPECT_EQ(data["map"]["metresPerPixel"], 0.5);
+  EXPECT_EQ(data["map"]["originY"], -2.0);
+  EXPECT_EQ(data["map"]["png"].get<std::string>().rfind("data:image/png;base64,iVBORw0KGgo", 0),
+            0U);
+  EXPECT_EQ(data["path"]["t"].size(), 10U);
+  EXPECT_EQ(data["path"]["t"][4], 0.4);
+  EXPECT_EQ(data["path"]["state"].dump(), "[0,0,0,2,0,0,0,0,0,0]");
+  ASSERT_EQ(data["charts"].size(), 4U);
+  EXPECT_EQ(data["charts"][0]["title"], "Match quality");
+  EXPECT_EQ(data["charts"][0]["v"][3], 0.125);
+  EXPECT_EQ(data["charts"][2]["unit"], "m/s");
+  EXPECT_EQ(data["charts"][3]["v"][9], 0.1);  // 0.01 rad every 0.1 s
+}
+
+TEST(ReportTest, ALongRunIsThinnedOutButKeepsItsWorstScan) {
+  const std::string html = reportHtml(runOf(30000), infoOf(true));
+  const auto data = dataOf(html);
+  EXPECT_LE(data["charts"][0]["v"].size(), 5000U);
+  EXPECT_LE(data["path"]["x"].size(), 5010U);
+  const std::vector<double> quality = data["charts"][0]["v"];
+  EXPECT_EQ(*std::min_element(quality.begin(), quality.end()), 0.125);
+  const std::vector<int> states = data["path"]["state"];
+  EXPECT_EQ(std::count(states.begin(), states.end(), 2), 1);
+  EXPECT_EQ(data["path"]["t"].back(), 2999.9);
+  EXPECT_LT(html.size(), 1000000U);
+}
+
+TEST(ReportTest, NothingMeasuredIsLeftWithoutTiming) {
+  OfflineRun slow = runOf(10);
+  slow.processing_s = 99.0;
+  slow.peak_memory_mb = 999.0;
+  for (ScanRecord& scan : slow.scans) scan.ms = 77.0;
+  EXPECT_NE(reportHtml(runOf(10), infoOf(true)), reportHtml(slow, infoOf(true)));
+  EXPECT_EQ(reportHtml(runOf(10), infoOf(false)), reportHtml(slow, infoOf(false)));
+}
+
+TEST(ReportTest, MarksChangedParameters) {
+  RunInfo info = infoOf(true);
+  setParameter(info.config, "map_resolution", "0.1");
+  for (const auto& row : dataOf(reportHtml(runOf(2), info))["parameters"]) {
+    EXPECT_EQ(row["value"] != row["standard"], row["name"] == "map_resolution") << row.dump();
+  }
+}
+
+TEST(ReportTest, AFileNameCannotBreakThePage) {
+  RunInfo info = infoOf(true);
+  info.recording = "</script><b>\"&\xff.bag";
+  const std::string html = reportHtml(runOf(2), info);
+  EXPECT_EQ(html.find("</script><b>"), std::string::npos);
+  EXPECT_EQ(dataOf(html)["title"], "</script><b>\"&\xef\xbf\xbd.bag");
+}
+
+TEST(ReportTest, AnEmptyRunIsAPageToo) {
+  const auto data = dataOf(reportHtml(OfflineRun(), infoOf(true)));
+  EXPECT_EQ(data["map"]["width"], 0);
+  EXPECT_TRUE(data["path"]["t"].empty());
+}
+
+}  // namespace
+}  // namespace kestrel_slam

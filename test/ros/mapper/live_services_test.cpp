@@ -1,0 +1,217 @@
+#include <gtest/gtest.h>
+#include <nav_msgs/GetMap.h>
+#include <std_msgs/String.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <string>
+
+#include "kestrel_slam/ResetMapping.h"
+#include "kestrel_slam/SaveMap.h"
+#include "kestrel_slam/map/map_io.h"
+#include "kestrel_slam/messages/conversions.h"
+#include "mapper_client.h"
+
+namespace kestrel_slam {
+namespace {
+
+constexpr double kLimit_m = 0.05;
+constexpr double kLimit_rad = 0.01;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+void expectNear(const std::optional<Pose2>& actual, const Pose2& expected) {
+  ASSERT_TRUE(actual) << "no pose came";
+  const Pose2 error = expected.inverse() * *actual;
+  EXPECT_LT(error.distance(), kLimit_m);
+  EXPECT_LT(std::abs(error.yaw), kLimit_rad);
+}
+
+/// Commands to a node without a mounting to look up: the scans are in the base frame.
+class LiveServices : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    client_ = new MapperClient;
+    flight_ = new TestFlight(laboratoryFlight(300));
+    initial_pose_ =
+        client_->nh.advertise<geometry_msgs::PoseWithCovarianceStamped>("initialpose", 1);
+    command_ = client_->nh.advertise<std_msgs::String>("syscommand", 1);
+    ASSERT_TRUE(client_->connect()) << "the mapper does not listen to scan";
+    ASSERT_TRUE(client_->waitFor(
+        [] { return initial_pose_.getNumSubscribers() > 0 && command_.getNumSubscribers() > 0; }));
+  }
+  static void TearDownTestSuite() {
+    initial_pose_ = ros::Publisher();
+    command_ = ros::Publisher();
+    delete client_;
+    delete flight_;
+  }
+
+  void SetUp() override {
+    setPaused(false);
+    std_srvs::Trigger reset;
+    ASSERT_TRUE(ros::service::call("reset_map", reset));
+    EXPECT_TRUE(reset.response.success);
+  }
+
+  /// Maps scans [from, to) and returns the last pose. Every test has stamps of its own.
+  static std::optional<Pose2> fly(std::size_t from, std::size_t to) {
+    std::optional<Pose2> pose;
+    for (std::size_t i = from; i < to; ++i) {
+      pose = client_->match(message(i));
+      if (!pose) break;
+    }
+    return pose;
+  }
+
+  static sensor_msgs::LaserScan message(std::size_t i) {
+    shift_s_ += 0.1;
+    return messageOf(flight_->scans[i].scan, "base_link",
+                     shift_s_ + flight_->scans[0].scan.stamp - flight_->scans[i].scan.stamp);
+  }
+
+  static std_srvs::SetBool::Response setPaused(bool paused) {
+    std_srvs::SetBool service;
+    service.request.data = paused;
+    EXPECT_TRUE(ros::service::call("pause_mapping", service));
+    return service.response;
+  }
+
+  static void place(const std::string& frame, const Pose2& pose) {
+    geometry_msgs::PoseWithCovarianceStamped message;
+    message.header.frame_id = frame;
+    message.pose.pose = toMessage(pose);
+    message.pose.pose.position.x = pose.x;
+    initial_pose_.publish(message);
+    client_->waitFor([] { return false; }, 0.2);  // another connection than that of the scans
+  }
+
+  static bool hasMap() {
+    nav_msgs::GetMap service;
+    return ros::service::call("dynamic_map", service);
+  }
+
+  inline static MapperClient* client_ = nullptr;
+  inline static TestFlight* flight_ = nullptr;
+  inline static double shift_s_ = 0.0;
+  inline static ros::Publisher initial_pose_, command_;
+};
+
+TEST_F(LiveServices, ResetForgetsTheMap) {
+  expectNear(fly(0, 100), flight_->truth(99));
+  ASSERT_TRUE(hasMap());
+  std_srvs::Trigger reset;
+  ASSERT_TRUE(ros::service::call("reset_map", reset));
+  EXPECT_TRUE(reset.response.success);
+  EXPECT_FALSE(hasMap());
+  expectNear(fly(100, 101), Pose2());
+  EXPECT_TRUE(hasMap());
+}
+
+TEST_F(LiveServices, SysCommandResets) {
+  fly(0, 100);
+  std_msgs::String text;
+  text.data = "savegeotiff";  // of another node; nothing happens here
+  command_.publish(text);
+  text.data = "reset";
+  command_.publish(text);
+  EXPECT_TRUE(client_->waitFor([] { return !hasMap(); }));
+  expectNear(fly(100, 101), Pose2());
+}
+
+TEST_F(LiveServices, RestartBeginsAtThePose) {
+  fly(0, 50);
+  const Pose2 start(3.0, -2.0, 1.5);
+  ResetMapping service;
+  service.request.initial_pose = toMessage(start);
+  ASSERT_TRUE(ros::service::call("restart_mapping_with_new_pose", service));
+  EXPECT_FALSE(hasMap());
+  const Pose2 motion = flight_->truth(50).inverse() * flight_->truth(99);
+  expectNear(fly(50, 100), start * motion);
+}
+
+TEST_F(LiveServices, RestartRefusesNan) {
+  fly(0, 2);
+  ResetMapping service;
+  service.request.initial_pose.orientation.w = 1.0;
+  service.request.initial_pose.position.x = kNan;
+  EXPECT_FALSE(ros::service::call("restart_mapping_with_new_pose", service));
+  service.request.initial_pose.position.x = 0.0;
+  service.request.initial_pose.orientation.w = 0.0;  // no rotation at all
+  EXPECT_FALSE(ros::service::call("restart_mapping_with_new_pose", service));
+  EXPECT_TRUE(hasMap()) << "a refused restart must not forget the map";
+}
+
+TEST_F(LiveServices, PauseStopsAndContinues) {
+  fly(0, 50);
+  EXPECT_TRUE(setPaused(true).success);
+  EXPECT_EQ(setPaused(true).message, "mapping was already paused");
+  const std::size_t before = client_->poses_received;
+  for (std::size_t i = 50; i < 55; ++i) client_->publish(message(i));
+  EXPECT_FALSE(client_->waitFor([&] { return client_->poses_received > before; }, 0.5));
+  EXPECT_EQ(client_->diagnosis("Scans", "message"), "paused");
+  EXPECT_EQ(setPaused(false).message, "mapping is now running");
+  expectNear(fly(55, 60), flight_->truth(59));
+}
+
+TEST_F(LiveServices, InitialPoseMovesTheVehicleWithinTheMap) {
+  fly(0, 200);
+  for (int i = 0; i < 3; ++i) {  // any number of times
+    place("map", flight_->truth(20) * Pose2(0.1, -0.1, 0.05));
+    expectNear(fly(20, 21), flight_->truth(20));
+    place("/map", flight_->truth(150) * Pose2(-0.1, 0.1, -0.05));
+    expectNear(fly(150, 151), flight_->truth(150));
+  }
+}
+
+TEST_F(LiveServices, InitialPoseRefusesNonsense) {
+  fly(0, 50);
+  place("odom", Pose2(5.0, 5.0, 1.0));
+  place("", Pose2(5.0, 5.0, 1.0));
+  Pose2 nan;
+  nan.x = kNan;
+  place("map", nan);
+  expectNear(fly(50, 51), flight_->truth(50));
+}
+
+TEST_F(LiveServices, SavedMapEqualsThePublishedOne) {
+  fly(0, 100);
+  char folder[] = "/tmp/kestrel_save_map_XXXXXX";
+  ASSERT_NE(mkdtemp(folder), nullptr);
+  SaveMap service;
+  service.request.path = std::string(folder) + "/room";
+  ASSERT_TRUE(ros::service::call("save_map", service));
+  ASSERT_TRUE(service.response.success) << service.response.message;
+  EXPECT_NE(service.response.message.find("room.yaml"), std::string::npos);
+  nav_msgs::GetMap published;
+  ASSERT_TRUE(ros::service::call("dynamic_map", published));
+  const MapSnapshot saved = readMap(service.request.path + ".yaml");
+  EXPECT_EQ(saved.cells, published.response.map.data);
+  EXPECT_DOUBLE_EQ(saved.origin_x, published.response.map.info.origin.position.x);
+  EXPECT_DOUBLE_EQ(saved.origin_y, published.response.map.info.origin.position.y);
+  std::filesystem::remove_all(folder);
+}
+
+TEST_F(LiveServices, SaveMapSaysWhyItFails) {
+  SaveMap service;
+  ASSERT_TRUE(ros::service::call("save_map", service));
+  EXPECT_FALSE(service.response.success);
+  EXPECT_NE(service.response.message.find("path is empty"), std::string::npos);
+  fly(0, 2);
+  service.request.path = "/nowhere/at/all";
+  ASSERT_TRUE(ros::service::call("save_map", service));
+  EXPECT_FALSE(service.response.success);
+  EXPECT_NE(service.response.message.find("/nowhere/at/all"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kestrel_slam
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "live_services_test");
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,167 @@
+#include "kestrel_slam/ros/mapper/node_parameters.h"
+
+#include <gtest/gtest.h>
+#include <ros/console.h>
+#include <ros/ros.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+
+namespace kestrel_slam {
+namespace {
+
+/// Each test has a private namespace of its own.
+class NodeParameters : public testing::Test {
+ protected:
+  NodeParameters()
+      : private_nh_(std::string("~") +
+                    testing::UnitTest::GetInstance()->current_test_info()->name()) {}
+  ~NodeParameters() override { private_nh_.deleteParam(""); }
+
+  std::string errorOfLoading() const {
+    try {
+      loadParameters(private_nh_);
+      return "";
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+  }
+
+  ros::NodeHandle private_nh_;
+};
+
+struct Outcome {
+  int exit_code;
+  std::string output;
+};
+
+/// Runs the node with an argument to its end, or for `seconds`.
+Outcome runNode(const std::string& argument, int seconds) {
+  const std::string command = "timeout -s INT " + std::to_string(seconds) +
+                              " " KESTREL_MAPPER_NODE " __name:=parameters " + argument + " 2>&1";
+  FILE* pipe = popen(command.c_str(), "r");
+  Outcome outcome{-1, ""};
+  if (pipe == nullptr) return outcome;
+  std::array<char, 1000> buffer{};
+  while (fgets(buffer.data(), buffer.size(), pipe) != nullptr) outcome.output += buffer.data();
+  const int status = pclose(pipe);
+  if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
+  return outcome;
+}
+
+TEST_F(NodeParameters, DefaultsNeedNothing) {
+  const NodeConfig config = loadParameters(private_nh_);
+  EXPECT_EQ(config.base_frame, "base_link");
+  EXPECT_EQ(config.map_frame, "map");
+  EXPECT_EQ(config.scan_topic, "scan");
+  EXPECT_FALSE(config.usesOdometry());
+  EXPECT_EQ(config.scan_subscriber_queue_size, 5);
+  EXPECT_EQ(config.map_pub_period, 2.0);
+}
+
+TEST_F(NodeParameters, AreReadWithTheirTypes) {
+  private_nh_.setParam("map_resolution", 0.025);
+  private_nh_.setParam("laser_max_dist", 12);  // a whole number for a real one
+  private_nh_.setParam("scan_subscriber_queue_size", 7.0);
+  private_nh_.setParam("pub_odometry", true);
+  private_nh_.setParam("odom_frame", "/odom");  // as tf1 wrote it
+  const NodeConfig config = loadParameters(private_nh_);
+  EXPECT_EQ(config.slam.mapper.grid.resolution_m, 0.025);
+  EXPECT_EQ(config.slam.projector.beams.max_range_m, 12.0);
+  EXPECT_EQ(config.scan_subscriber_queue_size, 7);
+  EXPECT_TRUE(config.pub_odometry);
+  EXPECT_EQ(config.odom_frame, "odom");
+  EXPECT_TRUE(config.usesOdometry());
+}
+
+TEST_F(NodeParameters, OfHectorMappingAreAllAccepted) {
+  const char* names[] = {"map_size",
+                         "map_start_x",
+                         "map_start_y",
+                         "map_multi_res_levels",
+                         "output_timing",
+                         "use_tf_scan_transformation",
+                         "use_tf_pose_start_estimate",
+                         "map_with_known_poses",
+                         "pub_drawings",
+                         "pub_debug_output"};
+  for (const char* name : names) private_nh_.setParam(name, 1);
+  private_nh_.setParam("laser_z_min_value", -1.0);
+  private_nh_.setParam("laser_z_max_value", 1.0);
+  EXPECT_EQ(errorOfLoading(), "");
+}
+
+TEST_F(NodeParameters, InputChoosesTheTopic) {
+  private_nh_.setParam("scan_topic", "front");
+  private_nh_.setParam("planar_scan_topic", "slice");
+  EXPECT_EQ(loadParameters(private_nh_).inputTopic(), "front");
+  private_nh_.setParam("input", "planar_scan");
+  EXPECT_EQ(loadParameters(private_nh_).inputTopic(), "slice");
+  private_nh_.setParam("planar_scan_topic", "");
+  EXPECT_NE(errorOfLoading().find("planar_scan_topic"), std::string::npos);
+  private_nh_.setParam("input", "cloud");
+  EXPECT_NE(errorOfLoading().find("input = cloud"), std::string::npos);
+}
+
+TEST_F(NodeParameters, OutOfRangeNamesValueAndRange) {
+  private_nh_.setParam("map_pub_period", -2.0);
+  const std::string error = errorOfLoading();
+  EXPECT_NE(error.find("map_pub_period = -2"), std::string::npos) << error;
+  EXPECT_NE(error.find("between 0.1 and 3600 s"), std::string::npos) << error;
+}
+
+TEST_F(NodeParameters, OfTheWrongTypeAreRefused) {
+  private_nh_.setParam("map_resolution", "fine");
+  EXPECT_NE(errorOfLoading().find("map_resolution = fine"), std::string::npos);
+  private_nh_.setParam("map_resolution", std::vector<double>{0.1, 0.2});
+  EXPECT_NE(errorOfLoading().find("map_resolution: must be a single value"), std::string::npos);
+}
+
+TEST_F(NodeParameters, FramesMustDiffer) {
+  private_nh_.setParam("map_frame", "base_link");
+  EXPECT_NE(errorOfLoading().find("map_frame = base_link"), std::string::npos);
+  private_nh_.setParam("map_frame", "world");
+  private_nh_.setParam("odom_frame", "world");
+  EXPECT_NE(errorOfLoading().find("odom_frame = world"), std::string::npos);
+  private_nh_.setParam("odom_frame", "base_link");  // means that there is no odometry
+  EXPECT_EQ(errorOfLoading(), "");
+}
+
+TEST(NodeProgram, EndsWithOneLineOnABadParameter) {
+  const Outcome outcome = runNode("_map_resolution:=-1", 10);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.output.find("FATAL"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("map_resolution = -1: must be between 0.005 and 1 m"),
+            std::string::npos)
+      << outcome.output;
+  ros::param::del("/parameters");
+}
+
+TEST(NodeProgram, NamesTheNearestOfAMisspeltParameter) {
+  const Outcome outcome = runNode("_map_resolutoin:=0.1", 4);
+  EXPECT_NE(outcome.output.find("Unknown parameter ~map_resolutoin; did you mean ~map_resolution?"),
+            std::string::npos)
+      << outcome.output;
+  ros::param::del("/parameters");
+}
+
+TEST(NodeProgram, SaysWhyAParameterIsNotNeeded) {
+  const Outcome outcome = runNode("_map_size:=2048", 4);
+  EXPECT_NE(outcome.output.find("~map_size has no effect: the map has no fixed size"),
+            std::string::npos)
+      << outcome.output;
+  ros::param::del("/parameters");
+}
+
+}  // namespace
+}  // namespace kestrel_slam
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "node_parameters_test");
+  ros::NodeHandle keeps_the_node_alive;
+  return RUN_ALL_TESTS();
+}

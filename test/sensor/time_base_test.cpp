@@ -1,0 +1,117 @@
+#include "kestrel_slam/sensor/time_base.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+namespace kestrel_slam {
+namespace {
+
+std::vector<double> repairAll(const std::vector<double>& stamps) {
+  MonotoneTime monotone;
+  std::vector<double> times;
+  for (const double stamp : stamps) times.push_back(monotone.repair(stamp));
+  return times;
+}
+
+bool strictlyMonotone(const std::vector<double>& times) {
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    if (!(times[i] > times[i - 1])) return false;
+  }
+  return true;
+}
+
+/// 0.1 s apart.
+std::vector<double> evenStamps(std::size_t count, double start) {
+  std::vector<double> stamps;
+  for (std::size_t i = 0; i < count; ++i) stamps.push_back(start + 0.1 * static_cast<double>(i));
+  return stamps;
+}
+
+TEST(MonotoneTime, KeepsGoodStamps) {
+  std::vector<double> stamps = evenStamps(50, 976052857.0);
+  stamps.push_back(stamps.back() + 0.001);
+  stamps.push_back(stamps.back() + 20.0);
+  MonotoneTime monotone;
+  for (const double stamp : stamps) EXPECT_EQ(monotone.repair(stamp), stamp);
+  EXPECT_EQ(monotone.repaired(), 0U);
+}
+
+TEST(MonotoneTime, GoesOnEvenlyWhereAStampIsLate) {
+  std::vector<double> stamps = evenStamps(60, 100.0);
+  stamps[40] -= 0.35;
+  const std::vector<double> times = repairAll(stamps);
+  EXPECT_TRUE(strictlyMonotone(times));
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    EXPECT_NEAR(times[i], 100.0 + 0.1 * static_cast<double>(i), 0.02) << i;
+  }
+  EXPECT_EQ(times[39], stamps[39]);
+}
+
+TEST(MonotoneTime, EvensOutStampsOfALoggerThatWritesInBursts) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> delay(0.0, 0.9);
+  std::vector<double> stamps = evenStamps(3000, 0.0);
+  for (double& stamp : stamps) stamp += delay(random);
+  const std::vector<double> times = repairAll(stamps);
+  ASSERT_TRUE(strictlyMonotone(times));
+  for (std::size_t i = 1000; i < times.size(); ++i) {
+    EXPECT_NEAR(times[i] - times[i - 1], 0.1, 0.05) << i;
+    EXPECT_NEAR(times[i], 0.45 + 0.1 * static_cast<double>(i), 0.5) << i;
+  }
+}
+
+TEST(MonotoneTime, IgnoresASingleJumpByAnHour) {
+  for (const double jump : {3600.0, -3600.0}) {
+    std::vector<double> stamps = evenStamps(60, 10000.0);
+    const std::vector<double> good = stamps;
+    stamps[40] += jump;
+    const std::vector<double> times = repairAll(stamps);
+    for (std::size_t i = 0; i < good.size(); ++i) EXPECT_NEAR(times[i], good[i], 1e-6) << i;
+  }
+}
+
+TEST(MonotoneTime, ClosesTheGapOfAJumpThatLasts) {
+  for (const double jump : {3600.0, -3600.0}) {
+    const std::vector<double> good = evenStamps(60, 10000.0);
+    std::vector<double> stamps = good;
+    for (std::size_t i = 40; i < stamps.size(); ++i) stamps[i] += jump;
+    const std::vector<double> times = repairAll(stamps);
+    for (std::size_t i = 0; i < good.size(); ++i) EXPECT_NEAR(times[i], good[i], 1e-6) << i;
+  }
+}
+
+TEST(MonotoneTime, ContinuesWhereABagLoops) {
+  const std::vector<double> once = evenStamps(200, 500.0);
+  std::vector<double> stamps;
+  for (int loop = 0; loop < 3; ++loop) stamps.insert(stamps.end(), once.begin(), once.end());
+  const std::vector<double> times = repairAll(stamps);
+  const std::vector<double> expected = evenStamps(600, 500.0);
+  for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(times[i], expected[i], 1e-3) << i;
+}
+
+TEST(MonotoneTime, IsMonotoneForAnyGarbage) {
+  std::mt19937 random(2);
+  std::vector<double> stamps = {std::numeric_limits<double>::quiet_NaN(),
+                                std::numeric_limits<double>::infinity(),
+                                0.0,
+                                0.0,
+                                0.0,
+                                -1e9,
+                                1e18,
+                                1e18,
+                                5.0};
+  std::uniform_real_distribution<double> exponent(-5.0, 12.0);
+  for (int i = 0; i < 5000; ++i) {
+    stamps.push_back((i % 3 == 0 ? -1.0 : 1.0) * std::pow(10.0, exponent(random)));
+  }
+  const std::vector<double> times = repairAll(stamps);
+  EXPECT_TRUE(strictlyMonotone(times));
+  for (const double time : times) EXPECT_TRUE(std::isfinite(time));
+}
+
+}  // namespace
+}  // namespace kestrel_slam
