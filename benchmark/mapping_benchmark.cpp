@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Times of the single operations in a simulated laboratory: 1081 beams, 5 cm cells.
 
 #include <benchmark/benchmark.h>

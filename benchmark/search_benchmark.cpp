@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Times of the exhaustive search in the map of a recording: every scan that is searched starts
 // from its own pose, moved at random within the window.
 

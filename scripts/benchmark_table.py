@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """benchmark_table.py [--quick] BUILD DATA OUTPUT: maps the recordings and prints the tables."""
 import bz2
 import json

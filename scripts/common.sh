@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # shellcheck shell=bash
 # Shared by the other scripts: `source` it, do not run it. Needs bash.
 # Sets ROOT (the clone) and BUILD (its ignored folder), and puts Debian's own Python first: ROS's
@@ -16,7 +17,7 @@ die() {
 }
 
 # The comment at the head of a script is its help.
-show_help() { sed -n '2,/^[^#]/ s/^# \{0,1\}//p' "$0"; }
+show_help() { sed -n '3,/^[^#]/ s/^# \{0,1\}//p' "$0"; }
 
 # Prints the help and ends the script where the first argument asks for it.
 help_if_asked() {

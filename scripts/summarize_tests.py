@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """summarize_tests.py LABEL RESULTS BUILD: counts the test cases of one run of ctest.
 
 RESULTS holds ctest.junit and the XML files of GoogleTest, BUILD/test_results those of rostest.

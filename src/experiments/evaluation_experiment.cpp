@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/experiments/evaluation_experiment.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/experiments/hard_flight.h"
 
 #include <algorithm>

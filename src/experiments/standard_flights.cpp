@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/experiments/flight_measurement.h"
 #include "kestrel_slam/geometry/angles.h"
 

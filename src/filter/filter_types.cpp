@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/filter/filter_types.h"
 
 #include "kestrel_slam/geometry/pose3.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "intake_checks.h"
 
 #include <Eigen/Cholesky>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "odom_frame.h"
 
 #include "kestrel_slam/geometry/angles.h"

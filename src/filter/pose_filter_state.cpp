@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "pose_filter_state.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/mapping/motion_model.h"
 
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "hybrid_matcher.h"
 
 #include <Eigen/Eigenvalues>

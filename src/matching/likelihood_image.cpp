@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "likelihood_image.h"
 
 #include <algorithm>

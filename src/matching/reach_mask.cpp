@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "reach_mask.h"
 
 #include <algorithm>

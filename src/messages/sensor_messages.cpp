@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/messages/sensor_messages.h"
 
 #include <cstdio>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/parameters/filter_parameters.h"
 
 #include <iterator>

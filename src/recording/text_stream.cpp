@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/recording/text_stream.h"
 
 #include <boost/iostreams/device/file.hpp>

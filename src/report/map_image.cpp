@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/report/map_image.h"
 
 #include <cairo.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <nodelet/nodelet.h>
 #include <ros/console.h>
 

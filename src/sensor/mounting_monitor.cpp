@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mounting_monitor.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "find_by_name.h"
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/simulation/sensor_models.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "built_in_places.h"
 #include "find_by_name.h"
 #include "kestrel_slam/simulation/flight_plan.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The filter on real cars with motion capture, and a cheap laser whose error is known.
 
 #include <gtest/gtest.h>

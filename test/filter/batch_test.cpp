@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #ifdef KESTREL_WITH_CERES
 
 #include <ceres/ceres.h>

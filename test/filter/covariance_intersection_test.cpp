@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "../../src/filter/covariance_intersection.h"
 
 #include <gtest/gtest.h>

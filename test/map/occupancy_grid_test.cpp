@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/map/occupancy_grid.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which surfel a cell looks to, after thousands of cells came and went one by one.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The real recordings, laser only and with odometry, against the limits that the README promises.
 
 #include <gtest/gtest.h>

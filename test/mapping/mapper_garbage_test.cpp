@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Numbers that no sensor gives, fed directly to the mapper: nothing crashes, hangs or becomes NaN.
 
 #include <gtest/gtest.h>

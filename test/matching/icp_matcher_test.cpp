@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The ICP matcher with the maps that it needs; see matcher_test.cpp for what every matcher does.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "../../src/matching/likelihood_image.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The matcher of paper 002 as a whole; its parts are in progressive_test.cpp.
 
 #include <gtest/gtest.h>

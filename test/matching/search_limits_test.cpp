@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The exhaustive search at the borders of its window and on input that no laser gives.
 
 #include <gtest/gtest.h>

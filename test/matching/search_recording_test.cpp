@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The exhaustive search finds the very pose that brute force finds, in the map of a real building.
 
 #include <gtest/gtest.h>

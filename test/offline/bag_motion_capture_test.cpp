@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Real cars with motion capture, and a cheap laser whose error is known: three recordings, laser
 // only. The correction was found on `overtakes` alone, from where the captured poses put two walls.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mapper_client.h"
 
 #include <ros/callback_queue.h>

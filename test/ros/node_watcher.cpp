@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "node_watcher.h"
 
 #include <ros/callback_queue.h>

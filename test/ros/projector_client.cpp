@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "projector_client.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tilting_flight.h"
 
 #include <cmath>

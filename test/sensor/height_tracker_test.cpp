@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/sensor/height_tracker.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/sensor/level_surfaces.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/recording/bag/bag_recording.h"
 
 #include <rosbag/view.h>

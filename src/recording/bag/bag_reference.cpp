@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/recording/bag/bag_reference.h"
 
 #include <geometry_msgs/PoseStamped.h>

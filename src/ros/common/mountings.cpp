@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/common/mountings.h"
 
 #include "kestrel_slam/messages/conversions.h"

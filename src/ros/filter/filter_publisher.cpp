@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/filter/filter_publisher.h"
 
 #include <geometry_msgs/TransformStamped.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/latency/live_player.h"
 
 #include <rosbag/bag.h>

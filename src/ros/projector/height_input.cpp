@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/projector/height_input.h"
 
 #include "kestrel_slam/messages/sensor_messages.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/projector/planar_scan_publisher.h"
 
 #include <sensor_msgs/LaserScan.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/projector/velocity_input.h"
 
 #include <ros/console.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The whole vehicle, live: projector, mapper and pose filter on a simulated flight.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a pose filter gets to hear on a bad day: nothing of it may crash it, or come out as NaN.
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
