@@ -11,7 +11,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using sensor_msgs::PointCloud2;
@@ -215,4 +215,4 @@ sensor_msgs::LaserScanPtr toLaserScanView(const PlanarScan& scan, const std::str
   return message;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 TEST(AidingMessages, CovarianceOfAPlanarPose) {
@@ -83,7 +83,7 @@ TEST(AidingMessages, FixesAreCountedFromTheFirst) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using sensor_msgs::PointCloud2;
@@ -228,7 +228,7 @@ TEST(LaserScanView, BinsFillTheTurnWhateverTheIncrement) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -10,7 +10,7 @@
 
 #include "kestrel_slam/messages/planar_scan_message.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 1000;
@@ -119,4 +119,4 @@ void ProjectorClient::expectRight(const std::optional<PlanarScan>& scan, double 
   EXPECT_GT(scan->hitCount(), expected.size() / 2);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -18,7 +18,7 @@
 #include "node_watcher.h"
 #include "tilting_flight.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Plays the rest of the robot for a scan projector: publishes the sensors of a flight, and listens
 /// to everything of the node. Frames of a namespace `ns`: <ns>_base, <ns>_laser, <ns>_imu.
@@ -74,4 +74,4 @@ class ProjectorClient : public NodeWatcher {
   std::vector<ros::Subscriber> subscribers_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -13,7 +13,7 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/recording/bag/bag_transforms.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 200;
@@ -130,4 +130,4 @@ void FilterPublisher::publishTransforms(const ros::Time& stamp, const FilterOutp
   if (!transforms.empty()) broadcaster_.sendTransform(transforms);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -13,7 +13,7 @@
 #include "kestrel_slam/recording/bag/bag_transforms.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
@@ -215,4 +215,4 @@ void PoseFilterNode::report(diagnostic_updater::DiagnosticStatusWrapper& status)
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

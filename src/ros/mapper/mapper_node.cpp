@@ -12,7 +12,7 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/planar_scan_message.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kCommandQueue = 10;
@@ -184,7 +184,7 @@ bool MapperNode::pauseMapping(std_srvs::SetBool::Request& request,
   return true;
 }
 
-bool MapperNode::restartMapping(ResetMapping::Request& request, ResetMapping::Response&) {
+bool MapperNode::restartMapping(kestrel_slam::ResetMapping::Request& request, kestrel_slam::ResetMapping::Response&) {
   try {
     restart(planarFromMessage(request.initial_pose));
     return true;
@@ -194,4 +194,4 @@ bool MapperNode::restartMapping(ResetMapping::Request& request, ResetMapping::Re
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include "kestrel_slam/recording/bag/bag_transforms.h"
 #include "kestrel_slam/ros/common/private_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Parameters of hector_mapping, and of libraries, that the node knows and does not need.
@@ -98,4 +98,4 @@ NodeConfig loadParameters(const ros::NodeHandle& private_nh) {
   return config;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

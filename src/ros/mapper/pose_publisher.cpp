@@ -13,7 +13,7 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/ros/mapper/uncertainty_markers.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueueSize = 10;
@@ -125,4 +125,4 @@ void PosePublisher::publishMarkers(const ros::Time& stamp, const MapperResult& r
   marker_publisher_.publish(markers);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 #include "kestrel_slam/recording/bag/bag_transforms.h"
 #include "kestrel_slam/sensor/projection.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kWaitingScans = 50;  // that may wait for tf: more than a second of a laser
@@ -202,4 +202,4 @@ void ScanInput::onFailure(const ReceivedScanPtr& scan, tf2_ros::FilterFailureRea
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,7 +3,7 @@
 
 #include <mutex>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 using Lock = std::lock_guard<FairMutex>;
 
@@ -40,4 +40,4 @@ MapCopy SharedMapper::copy() const {
   return {mapper_.snapshot(), version_, stamp_};
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "kestrel_slam/geometry/gravity.h"
 #include "kestrel_slam/geometry/pose3.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 400;
@@ -101,4 +101,4 @@ std::optional<Pose2> FilterInput::predicted(double time) const {
                from.yaw + share * normalizeAngle(to.yaw - from.yaw));
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

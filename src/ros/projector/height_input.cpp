@@ -5,7 +5,7 @@
 #include "kestrel_slam/recording/bag/bag_imu.h"
 #include "kestrel_slam/recording/bag/bag_transforms.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 20, kFilterQueue = 400;
@@ -73,4 +73,4 @@ void HeightInput::describe(ProjectorReport& report) const {
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include "kestrel_slam/recording/bag/bag_imu.h"
 #include "kestrel_slam/recording/bag/bag_transforms.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 200;   // half a second of a fast IMU
@@ -44,4 +44,4 @@ void ImuInput::onImu(const sensor_msgs::ImuConstPtr& message) {
 
 ImuStatus ImuInput::status() const { return tracker_.status(last_stamp_ + since_last_.seconds()); }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

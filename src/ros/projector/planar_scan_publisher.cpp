@@ -8,7 +8,7 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/planar_scan_message.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 10;
@@ -48,4 +48,4 @@ void PlanarScanPublisher::publishHeight(const ros::Time& stamp,
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

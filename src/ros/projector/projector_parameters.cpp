@@ -11,7 +11,7 @@
 #include "kestrel_slam/recording/bag/bag_transforms.h"
 #include "kestrel_slam/ros/common/private_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using namespace parameter_table;
@@ -128,4 +128,4 @@ ProjectorNodeConfig loadProjectorParameters(const ros::NodeHandle& private_nh) {
   return config;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/recording/bag/bag_odometry.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kPatrolPeriod = 0.01;  // s; how often sweeps that wait are looked at
@@ -263,4 +263,4 @@ void ScanProjectorNode::describeAttitude(ProjectorReport& report) const {
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

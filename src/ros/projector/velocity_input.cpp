@@ -8,7 +8,7 @@
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/recording/bag/bag_transforms.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 20;
@@ -49,4 +49,4 @@ Eigen::Vector2d VelocityInput::velocity(double time) const {
   return is_recent ? velocity_ : Eigen::Vector2d(Eigen::Vector2d::Zero());
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

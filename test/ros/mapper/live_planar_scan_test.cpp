@@ -8,7 +8,7 @@
 #include "kestrel_slam/messages/planar_scan_message.h"
 #include "mapper_client.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -176,7 +176,7 @@ TEST(LivePlanarScanWithOdometry, WaitsForTheOdometryOfTheBase) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -10,7 +10,7 @@
 #include "kestrel_slam/sensor/attitude_buffer.h"
 #include "projector_client.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kScanPeriod = 0.025;  // s
@@ -323,7 +323,7 @@ TEST(ProjectorFlight, ViewForOtherPackages) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -7,7 +7,7 @@
 #include "kestrel_slam/filter/filter_types.h"
 #include "kestrel_slam/ros/filter/pose_filter_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Publishes every state of the filter: odom/filtered, height/filtered, imu/bias and tf.
 class FilterPublisher {
@@ -28,4 +28,4 @@ class FilterPublisher {
   tf2_ros::TransformBroadcaster broadcaster_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

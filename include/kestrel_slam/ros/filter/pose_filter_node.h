@@ -25,7 +25,7 @@
 #include "kestrel_slam/ros/filter/filter_publisher.h"
 #include "kestrel_slam/ros/filter/pose_filter_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The pose filter, live: IMU, poses of the mapper, heights and more in; the full state of the
 /// vehicle at the rate of the IMU out. All work is done on the thread that serves `nh`.
@@ -68,4 +68,4 @@ class PoseFilterNode {
   ros::SteadyTimer timer_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

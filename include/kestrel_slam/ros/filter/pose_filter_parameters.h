@@ -9,7 +9,7 @@
 #include "kestrel_slam/filter/pose_filter_config.h"
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// All parameters of the pose filter's node.
 struct PoseFilterNodeConfig {
@@ -38,4 +38,4 @@ std::vector<Parameter> parametersOf(PoseFilterNodeConfig& config);
 /// Reads the private parameters; see readPrivateParameters. Throws std::invalid_argument.
 PoseFilterNodeConfig loadPoseFilterParameters(const ros::NodeHandle& private_nh);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

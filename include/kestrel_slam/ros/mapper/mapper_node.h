@@ -24,7 +24,7 @@
 #include "kestrel_slam/sensor/scan_projector.h"
 #include "kestrel_slam/sensor/time_base.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The live mapper: scans of a level laser, or planar scans of the projector, in; map, pose and tf
 /// out. The interface is that of hector_mapping.
@@ -53,7 +53,7 @@ class MapperNode {
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
   bool resetMap(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool pauseMapping(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
-  bool restartMapping(ResetMapping::Request& request, ResetMapping::Response& response);
+  bool restartMapping(kestrel_slam::ResetMapping::Request& request, kestrel_slam::ResetMapping::Response& response);
 
   const NodeConfig config_;
   SharedMapper mapper_;
@@ -76,4 +76,4 @@ class MapperNode {
   std::unique_ptr<Diagnostics> diagnostics_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// All parameters of the mapper node. Names and meanings are those of hector_mapping.
 struct NodeConfig {
@@ -45,4 +45,4 @@ std::vector<Parameter> parametersOf(NodeConfig& config);
 /// a parameter out of range, its value and what is allowed.
 NodeConfig loadParameters(const ros::NodeHandle& private_nh);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

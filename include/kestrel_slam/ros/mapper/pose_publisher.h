@@ -9,7 +9,7 @@
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/ros/mapper/node_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Publishes what the matching found: pose topics, tf, the matched scan and markers
 /// of what is uncertain.
@@ -43,4 +43,4 @@ class PosePublisher {
   ros::Time transforms_stamp_;  ///< of the last transforms
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -19,7 +19,7 @@
 #include "kestrel_slam/ros/mapper/node_parameters.h"
 #include "kestrel_slam/ros/mapper/scan_statistics.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A scan as it came, never copied: of a laser, or a planar scan of the projector. One of the two
 /// is null.
@@ -44,23 +44,23 @@ struct ReadyScan {
   std::size_t epoch = 0;             ///< grows where the stamps jump back far
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 namespace ros::message_traits {
 
 // What tf2's message filter asks a message for.
 template <>
-struct FrameId<kestrel_slam::ReceivedScan> {
-  static std::string value(const kestrel_slam::ReceivedScan& scan) { return scan.frame; }
+struct FrameId<kestrel::ReceivedScan> {
+  static std::string value(const kestrel::ReceivedScan& scan) { return scan.frame; }
 };
 template <>
-struct TimeStamp<kestrel_slam::ReceivedScan> {
-  static ros::Time value(const kestrel_slam::ReceivedScan& scan) { return scan.stamp; }
+struct TimeStamp<kestrel::ReceivedScan> {
+  static ros::Time value(const kestrel::ReceivedScan& scan) { return scan.stamp; }
 };
 
 }  // namespace ros::message_traits
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Receives the scans of a laser, or planar scans, and waits for their transforms without ever
 /// blocking. Scans that cannot be used are counted, and the reason is said. `nh` must be served by
@@ -106,4 +106,4 @@ class ScanInput {
   ros::Subscriber subscriber_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

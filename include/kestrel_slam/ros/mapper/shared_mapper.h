@@ -11,7 +11,7 @@
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/ros/common/fair_mutex.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A copy of the map, to be published at leisure.
 struct MapCopy {
@@ -53,4 +53,4 @@ class SharedMapper {
   std::atomic<std::size_t> memory_bytes_{0};
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -14,7 +14,7 @@
 #include "kestrel_slam/sensor/attitude_buffer.h"
 #include "kestrel_slam/sensor/scan_projector.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What a pose filter says of the vehicle: its attitude for the projection, and its motion as a
 /// prediction for the mapper. States whose covariance says that they are vague are not used.
@@ -50,4 +50,4 @@ class FilterInput {
   ros::Subscriber subscriber_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

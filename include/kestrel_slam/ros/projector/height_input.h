@@ -14,7 +14,7 @@
 #include "kestrel_slam/sensor/height_tracker.h"
 #include "kestrel_slam/sensor/projection.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The height of the vehicle over the floor: from a pose filter, from a range finder that looks
 /// down, or from what the projector sees of the floor.
@@ -45,4 +45,4 @@ class HeightInput {
   ros::Subscriber subscriber_, filter_subscriber_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

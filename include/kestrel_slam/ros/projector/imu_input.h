@@ -12,7 +12,7 @@
 #include "kestrel_slam/ros/common/waiting_time.h"
 #include "kestrel_slam/sensor/attitude_tracker.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Receives the IMU and feeds its readings, with the mounting by tf, to an attitude tracker.
 class ImuInput {
@@ -43,4 +43,4 @@ class ImuInput {
   ros::Subscriber subscriber_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// All parameters of the scan projector's node.
 struct ProjectorNodeConfig {
@@ -47,4 +47,4 @@ std::vector<std::string> splitNames(const std::string& text);
 /// Reads the private parameters; see readPrivateParameters. Throws std::invalid_argument.
 ProjectorNodeConfig loadProjectorParameters(const ros::NodeHandle& private_nh);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -23,7 +23,7 @@
 #include "kestrel_slam/sensor/attitude_tracker.h"
 #include "kestrel_slam/sensor/scan_projector.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The scan projector, live: sweeps of lasers, IMU and height in; planar scans and tf out.
 ///
@@ -80,4 +80,4 @@ class ScanProjectorNode {
   ros::SteadyTimer timer_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -14,7 +14,7 @@
 #include "kestrel_slam/sensor/point_cloud.h"
 #include "kestrel_slam/sensor/scan_projector.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// One sweep of a laser, on its way through the projector's node.
 struct Sweep {
@@ -55,4 +55,4 @@ class SweepQueue {
   std::deque<Sweep> sweeps_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

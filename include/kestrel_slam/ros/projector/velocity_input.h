@@ -10,7 +10,7 @@
 #include "kestrel_slam/ros/projector/projector_parameters.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The velocity of the vehicle from an odometry, to undo the motion during a sweep.
 class VelocityInput {
@@ -32,4 +32,4 @@ class VelocityInput {
   ros::Subscriber subscriber_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel
