@@ -18,6 +18,7 @@ FilteredMotion motionOf(const FilterOutput& output) {
   motion.angular_velocity = output.angular_velocity;
   motion.specific_force = output.specific_force;
   motion.odom_T_base = output.odomPose();
+  motion.velocity = Eigen::Rotation2Dd(-output.yaw()) * output.velocity.head<2>();
   if (output.givesHeight()) motion.height_m = output.height();
   motion.gives_attitude = output.givesAttitude();
   motion.gives_prediction = output.givesPrediction();

@@ -71,6 +71,7 @@ bool ProjectionStage::addImu(const ImuSample& sample, const Eigen::Isometry3d& b
 
 bool ProjectionStage::addMotion(const FilteredMotion& motion) {
   if (motion.height_m) heights_.addFiltered({motion.stamp, *motion.height_m});
+  if (motion.gives_prediction) addVelocity(motion.stamp, motion.velocity);
   return motions_.add(motion);
 }
 
@@ -79,6 +80,8 @@ bool ProjectionStage::addRange(const HeightSample& sample, bool is_upright) {
 }
 
 void ProjectionStage::addVelocity(double stamp, const Eigen::Vector2d& velocity) {
+  const bool is_older = stamp < velocity_stamp_ && velocity_stamp_ - stamp < kMaxVelocityAge;
+  if (is_older || !velocity.allFinite()) return;
   velocity_stamp_ = stamp;
   velocity_ = velocity;
 }

@@ -84,8 +84,3 @@ TEST(AidingMessages, FixesAreCountedFromTheFirst) {
 
 }  // namespace
 }  // namespace kestrel
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  return RUN_ALL_TESTS();
-}

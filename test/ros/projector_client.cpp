@@ -49,12 +49,12 @@ ProjectorClient::ProjectorClient(const std::string& ns)
   cloud_publisher = nh.advertise<sensor_msgs::PointCloud2>("points", kQueue);
   constexpr bool kLatch = true;
   mounting_publisher_ = nh.advertise<tf2_msgs::TFMessage>("/tf_static", 1, kLatch);
-  const boost::function<void(const sensor_msgs::PointCloud2ConstPtr&)> on_planar_scan =
-      [this](const sensor_msgs::PointCloud2ConstPtr& message) {
+  const boost::function<void(const kestrel_slam::PlanarScanConstPtr&)> on_planar_scan =
+      [this](const kestrel_slam::PlanarScanConstPtr& message) {
         planar_scans[message->header.stamp] = message;
       };
   subscribers_.push_back(
-      nh.subscribe<sensor_msgs::PointCloud2>("planar_scan", kQueue, on_planar_scan));
+      nh.subscribe<kestrel_slam::PlanarScan>("planar_scan", kQueue, on_planar_scan));
 }
 
 bool ProjectorClient::connect(bool with_imu) {

@@ -53,7 +53,7 @@ class ProjectionStage {
   /// A reading of a range finder. `is_upright`: it is the height itself, not a distance along the
   /// base's z axis. False where it is not used.
   bool addRange(const HeightSample& sample, bool is_upright = false);
-  /// Velocity of the vehicle in base_stabilized at `stamp` (s), m/s.
+  /// Velocity of the vehicle in base_stabilized at `stamp` (s), m/s. The newest one is used.
   void addVelocity(double stamp, const Eigen::Vector2d& velocity);
 
   /// What to do with a sweep that has waited for `waited_s`. `now`: on the clock of the IMU's

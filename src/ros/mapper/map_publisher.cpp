@@ -123,7 +123,8 @@ bool MapPublisher::dynamicMap(nav_msgs::GetMap::Request&, nav_msgs::GetMap::Resp
   return false;
 }
 
-bool MapPublisher::saveMap(kestrel_slam::SaveMap::Request& request, kestrel_slam::SaveMap::Response& response) {
+bool MapPublisher::saveMap(kestrel_slam::SaveMap::Request& request,
+                           kestrel_slam::SaveMap::Response& response) {
   response.success = false;
   try {
     if (request.path.empty()) throw std::runtime_error("the path is empty; give one, no ending");

@@ -4,5 +4,5 @@
 
 int main(int argc, char** argv) {
   return kestrel::runNode<kestrel::ScanProjectorNode>(argc, argv, "scan_projector",
-                                                                "scan_projector_node");
+                                                      "scan_projector_node");
 }

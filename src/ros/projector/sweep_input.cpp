@@ -8,9 +8,6 @@
 
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/sensor_messages.h"
-#include "kestrel_slam/recording/bag/bag_cloud.h"
-#include "kestrel_slam/recording/bag/bag_odometry.h"
-#include "kestrel_slam/recording/bag/bag_transforms.h"
 
 namespace kestrel {
 namespace {

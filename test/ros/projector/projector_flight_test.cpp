@@ -57,7 +57,7 @@ TEST(ProjectorFlight, TiltedLaserSeesTheWallsWhereTheyAre) {
   EXPECT_EQ(report["projected"], "40");
   EXPECT_EQ(report["level"], "0") << report["message"];
 
-  const sensor_msgs::PointCloud2& message = *client.planar_scans.begin()->second;
+  const kestrel_slam::PlanarScan& message = *client.planar_scans.begin()->second;
   EXPECT_EQ(message.header.frame_id, "tilted_stabilized");
   const double turned =
       *fromPlanarScanMessage(*client.planar_scans.rbegin()->second).integrated_yaw -

@@ -19,12 +19,13 @@ class FilterPublisher {
 
  private:
   void publishOdometry(const ros::Time& stamp, const FilterOutput& output, double imu_rate_hz);
+  void publishMotion(const ros::Time& stamp, const FilterOutput& output);
   void publishHeight(const ros::Time& stamp, const FilterOutput& output);
   void publishBias(const ros::Time& stamp, const FilterOutput& output);
   void publishTransforms(const ros::Time& stamp, const FilterOutput& output);
 
   PoseFilterNodeConfig config_;
-  ros::Publisher odometry_publisher_, height_publisher_, bias_publisher_;
+  ros::Publisher odometry_publisher_, motion_publisher_, height_publisher_, bias_publisher_;
   tf2_ros::TransformBroadcaster broadcaster_;
 };
 

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "kestrel_slam/MapperState.h"
 #include "kestrel_slam/filter/pose_filter.h"
 #include "kestrel_slam/messages/aiding_messages.h"
 #include "kestrel_slam/ros/common/mountings.h"
@@ -38,6 +39,7 @@ class PoseFilterNode {
 
  private:
   void onImu(const sensor_msgs::ImuConstPtr& message);
+  void onMapperState(const kestrel_slam::MapperState& message);
   void onPose(const geometry_msgs::PoseWithCovarianceStamped& message);
   void onRange(const sensor_msgs::Range& message);
   void onPressure(const sensor_msgs::FluidPressure& message);
@@ -59,6 +61,7 @@ class PoseFilterNode {
   LocalFixes fixes_;
   std::string waiting_for_;                     ///< a mounting that tf lacks
   std::map<std::string, std::size_t> refused_;  ///< messages by reason
+  double mapper_stamp_ = 0.0;                   ///< of the last MapperState, s
   double last_stamp_ = 0.0;                     ///< of the IMU, s
   WaitingTime since_last_;
   std::vector<ros::Subscriber> subscribers_;

@@ -19,7 +19,8 @@ struct PoseFilterNodeConfig {
   std::string map_frame = "map";
   std::string odom_frame = "odom";
   std::string imu_topic = "imu/data";
-  std::string pose_topic = "poseupdate";
+  std::string mapper_topic = "mapper_state";  ///< of our own mapper
+  std::string pose_topic = "poseupdate";      ///< of another mapper
   std::string height_topic = "height";
   std::string floor_height_topic = "floor_height";        ///< of the projector
   std::string pressure_topic = "imu/pressure";            ///< of a barometer: its pressure,

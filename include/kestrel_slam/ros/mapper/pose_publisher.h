@@ -36,7 +36,7 @@ class PosePublisher {
                                             const Pose2& map_T_child) const;
 
   NodeConfig config_;
-  ros::Publisher pose_publisher_, pose_update_publisher_, cloud_publisher_;
+  ros::Publisher state_publisher_, pose_publisher_, pose_update_publisher_, cloud_publisher_;
   ros::Publisher slam_odometry_publisher_, odometry_publisher_, marker_publisher_;
   tf2_ros::TransformBroadcaster broadcaster_;
   std::optional<Pose2> map_T_odom_;

@@ -4,7 +4,6 @@
 #include <ros/message_traits.h>
 #include <ros/node_handle.h>
 #include <sensor_msgs/LaserScan.h>
-#include <sensor_msgs/PointCloud2.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/message_filter.h>
 #include <tf2_ros/transform_listener.h>
@@ -15,6 +14,7 @@
 #include <optional>
 #include <string>
 
+#include "kestrel_slam/PlanarScan.h"
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/ros/mapper/node_parameters.h"
 #include "kestrel_slam/ros/mapper/scan_statistics.h"
@@ -25,7 +25,7 @@ namespace kestrel {
 /// is null.
 struct ScanMessage {
   sensor_msgs::LaserScanConstPtr laser_scan;
-  sensor_msgs::PointCloud2ConstPtr planar_scan;
+  kestrel_slam::PlanarScanConstPtr planar_scan;
 };
 
 /// A scan that may have to wait for its transforms.
@@ -79,7 +79,7 @@ class ScanInput {
   using ReceivedScanPtr = boost::shared_ptr<const ReceivedScan>;
 
   void onLaserScan(const sensor_msgs::LaserScanConstPtr& message);
-  void onPlanarScan(const sensor_msgs::PointCloud2ConstPtr& message);
+  void onPlanarScan(const kestrel_slam::PlanarScanConstPtr& message);
   void receive(const ReceivedScan& scan, std::size_t beams);
   void onReady(const ReceivedScanPtr& scan);
   void handOver(const ReceivedScan& scan);

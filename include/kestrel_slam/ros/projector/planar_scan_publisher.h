@@ -18,7 +18,9 @@ class PlanarScanPublisher {
  public:
   PlanarScanPublisher(ros::NodeHandle nh, const ProjectorNodeConfig& config);
 
-  void publish(const ros::Time& stamp, const Projection& projection);
+  void publish(const ros::Time& stamp, const PlanarScan& scan);
+  /// Also of a sweep that gave no planar scan.
+  void publishHeights(const ros::Time& stamp, const Projection& projection);
 
  private:
   void publishHeight(const ros::Time& stamp, const std::optional<double>& height_m,

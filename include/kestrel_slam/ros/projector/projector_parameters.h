@@ -21,7 +21,6 @@ struct ProjectorNodeConfig {
   std::string height_topic = "height";
   std::string odom_topic = "odom/slam";
   std::string filter_topic;              ///< of a pose filter; empty: none
-  std::string filter_height_topic;       ///< of the same
   std::string attitude_source = "auto";  ///< auto, orientation, raw: of the IMU; tf; none: level
   std::string attitude_frame;            ///< tf: a frame with z up; empty: base_stabilized_frame
   std::string without_imu = "drop";      ///< or level

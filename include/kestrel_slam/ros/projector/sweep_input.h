@@ -13,7 +13,7 @@
 
 #include "kestrel_slam/ros/projector/projector_parameters.h"
 #include "kestrel_slam/ros/projector/projector_statistics.h"
-#include "kestrel_slam/ros/projector/sweep_queue.h"
+#include "kestrel_slam/ros/projector/sweep.h"
 
 namespace kestrel {
 
