@@ -23,7 +23,7 @@ constexpr std::uint32_t kQueueSize = 10;
 
 }  // namespace
 
-PosePublisher::PosePublisher(ros::NodeHandle nh, const NodeConfig& config) : config_(config) {
+PosePublisher::PosePublisher(ros::NodeHandle nh, const MapperNodeConfig& config) : config_(config) {
   using geometry_msgs::PoseWithCovarianceStamped;
   state_publisher_ = nh.advertise<kestrel_slam::MapperState>("mapper_state", kQueueSize);
   pose_publisher_ = nh.advertise<geometry_msgs::PoseStamped>("slam_out_pose", kQueueSize);
