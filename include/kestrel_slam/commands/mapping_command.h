@@ -25,6 +25,7 @@ struct MappingArguments {
   std::string config;  ///< YAML file with parameters; may be empty
   std::string odometry = "none";
   std::string imu = "use";
+  std::string filter = "use";
   std::vector<std::string> settings;  ///< name=value, after those of the file
   RecordingOptions topics;
   std::vector<double> laser_pose;  ///< x, y (m), yaw (degrees) of the laser; may be empty

@@ -9,7 +9,7 @@
 #include <set>
 #include <thread>
 
-#include "../tools/temporary_folder.h"
+#include "temporary_folder.h"
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/messages/conversions.h"

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "../tools/temporary_folder.h"
+#include "temporary_folder.h"
 #include "kestrel_slam/evaluation/evaluation.h"
 #include "kestrel_slam/recording/bag/bag_writer.h"
 #include "kestrel_slam/recording/recording.h"
