@@ -6,12 +6,12 @@
 namespace kestrel {
 namespace {
 
-constexpr double kPeriodShare = 0.02;  // of the newest period in the smoothed one
-constexpr double kRounding = 0.01;     // of a period
+constexpr double kPeriodShare = 0.02;  // weight of the newest period in the smoothed one
+constexpr double kRounding = 0.01;     // tolerance, relative to the period
 
 ImuFault frozenFault(double duration_s) {
   std::ostringstream text;
-  text << "the IMU repeats the same reading, bit for bit, for " << duration_s
+  text << "the IMU has sent the same reading for " << duration_s
        << " s; check its driver and cable";
   return {"frozen", text.str()};
 }
@@ -34,7 +34,7 @@ ImuIntake::Result ImuIntake::add(const ImuSample& sample, const Eigen::Isometry3
   const StampCheck::Verdict verdict = stamps_.check(sample.stamp);
   if (verdict == StampCheck::Verdict::kLate || verdict == StampCheck::Verdict::kJump) {
     const bool late = verdict == StampCheck::Verdict::kLate;
-    fault_ = {late ? "late" : "stamp jumps", late ? "the IMU's samples come out of order"
+    fault_ = {late ? "late" : "stamp jumps", late ? "the IMU's samples arrive out of order"
                                                   : "the IMU's stamps jump; check its clock"};
     return Result::kRejected;
   }
@@ -74,8 +74,9 @@ ImuInput ImuIntake::inBase(const ImuSample& sample, const Eigen::Isometry3d& bas
   const double force = sample.linear_acceleration->cwiseAbs().maxCoeff();
   ImuInput reading;
   reading.rate = rotation * *sample.angular_velocity;
-  reading.force = rotation * *sample.linear_acceleration -
-                  reading.rate.cross(reading.rate.cross(lever_m_));  // to the base's origin
+  reading.force =
+      rotation * *sample.linear_acceleration -
+      reading.rate.cross(reading.rate.cross(lever_m_));  // remove the centripetal acceleration
   reading.rate_saturated = rate >= config_.noise.gyro_range;
   reading.force_saturated = force >= config_.noise.accelerometer_range;
   return reading;
@@ -93,7 +94,8 @@ ImuIntake::Result ImuIntake::accumulate(double stamp, const ImuInput& reading) {
   period_s_ = period_s_ > 0.0 ? period_s_ + kPeriodShare * (dt - period_s_) : dt;
   sum_.rate += 0.5 * dt * (last_.rate + reading.rate);
   sum_.force += 0.5 * dt * (last_.force + reading.force);
-  // The turn's acceleration times dt; of many steps, noise of the first and the last remains.
+  // Removes the integral of the acceleration due to angular acceleration. Summed over many steps,
+  // only noise of the first and the last reading remains.
   sum_.force -= (reading.rate - last_.rate).cross(lever_m_);
   sum_.rate_saturated |= last_.rate_saturated || reading.rate_saturated;
   sum_.force_saturated |= last_.force_saturated || reading.force_saturated;

@@ -9,16 +9,16 @@
 namespace kestrel {
 namespace {
 
-/// Below this the turn of centerd points is rounding noise, m² a pair.
+/// Below this the rotation of the centered points is only rounding noise, m² per pair.
 constexpr double kMinSpread = 1e-9;
-/// Steps of one alignment of fixed pairs: two or three are exact from any start of a pairing.
+/// Maximum number of steps to align fixed pairs; two or three are usually enough.
 constexpr int kLineSteps = 10;
 constexpr double kLineTolerance = 1e-9;
-/// Information (1/m², 1/rad²) a pair that holds back what the pairs do not constrain. An hundredth
-/// of what noise of the normals feigns along a wall.
+/// Information (1/m², 1/rad²) per pair that keeps unobservable directions at the initial guess.
+/// 1/100 of the false information along a wall that noise of the normals causes.
 constexpr double kDamping = 1e-3;
 
-/// H δ = g of paper 003 eq. 9, linearized at a pose, δ = (x, y, yaw).
+/// H δ = g of [Siew 2018, eq. 9], linearized at a pose, δ = (x, y, yaw).
 struct LineEquations {
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
@@ -57,7 +57,7 @@ Pose2 alignPointToPoint(const std::vector<IcpPair>& pairs, const Pose2& initial_
     p_mean += pair.point.cast<double>() / n;
     q_mean += pair.partner.cast<double>() / n;
   }
-  double cosine = 0.0, sine = 0.0;  // times the same positive factor
+  double cosine = 0.0, sine = 0.0;  // both have the same positive factor
   for (const IcpPair& pair : pairs) {
     const Eigen::Vector2d p = pair.point.cast<double>() - p_mean;
     const Eigen::Vector2d q = pair.partner.cast<double>() - q_mean;

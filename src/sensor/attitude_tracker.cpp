@@ -12,7 +12,7 @@
 namespace kestrel {
 namespace {
 
-// So many readings in a row that cannot be used make the IMU invalid; a single one does not.
+// The IMU is invalid after this many unusable readings in a row. A single one does not matter.
 constexpr int kInvalidAfter = 3;
 
 std::string seconds(double duration_s) {
@@ -71,10 +71,10 @@ struct AttitudeTracker::State {
   FrozenCheck frozen_check;
   MountingMonitor monitor;
 
-  ImuStatus status;  ///< what is counted
+  ImuStatus status;  ///< only the counters are kept up to date
   std::optional<double> last_received;
   bool frozen = false;
-  bool is_late = false;  ///< the reading that is being added
+  bool is_late = false;  ///< of the reading that is being added
   int rejected_in_a_row = 0;
   std::string last_fault;
 };
@@ -128,8 +128,9 @@ std::optional<ImuFault> AttitudeTracker::State::checkStamp(double stamp) {
   is_late = verdict == StampCheck::Verdict::kLate;
   if (verdict == StampCheck::Verdict::kSetBack) forget();
   if (verdict != StampCheck::Verdict::kJump) return std::nullopt;
-  return ImuFault{"stamp jumps", "the stamp jumps by " + seconds(stamp_check.jump()) +
-                                     "; it is used once several in a row agree"};
+  return ImuFault{"stamp jumps",
+                  "the stamp jumps by " + seconds(stamp_check.jump()) +
+                      "; stamps after the jump are used once several in a row agree"};
 }
 
 std::optional<ImuFault> AttitudeTracker::State::addSample(const ImuSample& sample,
@@ -140,9 +141,9 @@ std::optional<ImuFault> AttitudeTracker::State::addSample(const ImuSample& sampl
   if (fault) return fault;
   if (!is_late) frozen = frozen_check.add(sample);
   if (frozen) {
-    return ImuFault{"frozen", "the IMU has given the very same reading for " +
+    return ImuFault{"frozen", "the IMU has sent the same reading for " +
                                   seconds(frozen_check.duration()) +
-                                  ": it hangs; restart it or its driver"};
+                                  "; restart the IMU or its driver"};
   }
   const Eigen::Quaterniond mounting = base_R_imu.normalized();
   const bool takes_orientation =
@@ -164,7 +165,7 @@ std::optional<ImuFault> AttitudeTracker::State::useOrientation(
   if (!sample.world_R_imu) {
     return ImuFault{"no orientation",
                     "the IMU gives no orientation (its covariance begins with "
-                    "-1): take the attitude from its raw readings"};
+                    "-1); set the attitude source to auto or raw"};
   }
   const auto toBase = [&](const std::optional<Eigen::Vector3d>& in_imu) {
     return in_imu ? std::make_optional<Eigen::Vector3d>(base_R_imu * *in_imu) : std::nullopt;
@@ -183,7 +184,7 @@ std::optional<ImuFault> AttitudeTracker::State::useRaw(const ImuSample& sample,
   if (!sample.linear_acceleration) {
     return ImuFault{"no accelerometer", "the IMU gives neither an orientation nor an acceleration"};
   }
-  if (is_late) return ImuFault{"late", "a reading of the gyro came twice or after newer ones"};
+  if (is_late) return ImuFault{"late", "a gyro reading arrived twice or after newer ones"};
   status.estimated = true;
   const Eigen::Vector3d force = base_R_imu * *sample.linear_acceleration;
   for (const EstimatedAttitude& attitude :
@@ -213,7 +214,7 @@ ImuStatus AttitudeTracker::status(double now) const {
   ImuStatus status = state.status;
   if (status.received == 0) {
     status.health = ImuHealth::kNoData;
-    status.message = "no reading of the IMU has come yet";
+    status.message = "no reading of the IMU yet";
   } else if (state.last_received && now - *state.last_received > state.config.silent_s) {
     status.health = ImuHealth::kSilent;
     status.message = "no reading of the IMU for " + seconds(now - *state.last_received) +

@@ -7,8 +7,8 @@
 namespace kestrel {
 namespace {
 
-constexpr double kMaxNormError = 0.05;    // of a quaternion; less is rounding
-constexpr double kMaxRate = 100.0;        // rad/s; three times what any gyro can measure
+constexpr double kMaxNormError = 0.05;    // of a quaternion; smaller errors are rounding
+constexpr double kMaxRate = 100.0;        // rad/s; three times the range of any gyro
 constexpr double kMaxAcceleration = 1e3;  // m/s², about 100 g
 constexpr double kMaxStamp = 1e11;        // s, about 3000 years
 
@@ -52,7 +52,7 @@ bool areSame(const ImuSample& a, const ImuSample& b) {
 
 std::optional<ImuFault> faultOfStamp(double stamp) {
   if (std::abs(stamp) <= kMaxStamp) return std::nullopt;
-  return ImuFault{"bad stamp", text("a stamp of ", stamp, " s is no time; check the driver")};
+  return ImuFault{"bad stamp", text("a stamp of ", stamp, " s is not valid; check the driver")};
 }
 
 std::optional<ImuFault> faultOf(const Eigen::Quaterniond& orientation, const std::string& whose) {
@@ -62,7 +62,7 @@ std::optional<ImuFault> faultOf(const Eigen::Quaterniond& orientation, const std
   }
   const double norm = values.stableNorm();
   if (std::abs(norm - 1.0) <= kMaxNormError) return std::nullopt;
-  return ImuFault{"bad quaternion", whose + " is no rotation: x y z w = " + text(values) +
+  return ImuFault{"bad quaternion", whose + " is not a rotation: x y z w = " + text(values) +
                                         text(" has the norm ", norm, " instead of 1")};
 }
 
@@ -70,7 +70,7 @@ std::optional<ImuFault> faultOf(const ImuSample& sample) {
   std::optional<ImuFault> fault;
   if (sample.world_R_imu) {
     fault = faultOf(*sample.world_R_imu, "the IMU's orientation");
-    if (fault) fault->message += "; check its driver, or take the attitude from its raw readings";
+    if (fault) fault->message += "; check its driver, or set the attitude source to raw";
   }
   if (!fault && sample.angular_velocity) {
     fault =
