@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "kestrel_slam/evaluation/claims.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "kestrel_slam/evaluation/claims.h"
 #include "kestrel_slam/evaluation/consistency.h"
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/map/atomic_file.h"
