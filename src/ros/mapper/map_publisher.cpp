@@ -28,7 +28,7 @@ void stepBehindOtherThreads() { setpriority(PRIO_PROCESS, static_cast<id_t>(gett
 
 }  // namespace
 
-MapPublisher::MapPublisher(const ros::NodeHandle& nh, const NodeConfig& config,
+MapPublisher::MapPublisher(const ros::NodeHandle& nh, const MapperNodeConfig& config,
                            SharedMapper& mapper, TrajectoryLog& trajectory)
     : nh_(nh),
       map_frame_(config.map_frame),

@@ -20,7 +20,7 @@ constexpr std::uint32_t kQueueSize = 10;
 
 }  // namespace
 
-PosePublisher::PosePublisher(ros::NodeHandle nh, const NodeConfig& config) : config_(config) {
+PosePublisher::PosePublisher(ros::NodeHandle nh, const MapperNodeConfig& config) : config_(config) {
   using geometry_msgs::PoseWithCovarianceStamped;
   pose_publisher_ = nh.advertise<geometry_msgs::PoseStamped>("slam_out_pose", kQueueSize);
   pose_update_publisher_ =

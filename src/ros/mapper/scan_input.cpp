@@ -31,7 +31,7 @@ std::string publishHint(const std::string& parent, const std::string& child) {
 
 }  // namespace
 
-ScanInput::ScanInput(ros::NodeHandle nh, const NodeConfig& config, ScanStatistics& statistics,
+ScanInput::ScanInput(ros::NodeHandle nh, const MapperNodeConfig& config, ScanStatistics& statistics,
                      Callback on_ready)
     : config_(config),
       statistics_(statistics),

@@ -13,7 +13,7 @@
 
 #include "kestrel_slam/SaveMap.h"
 #include "kestrel_slam/ros/mapper/diagnostics.h"
-#include "kestrel_slam/ros/mapper/node_parameters.h"
+#include "kestrel_slam/ros/mapper/mapper_parameters.h"
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
 #include "kestrel_slam/ros/mapper/trajectory_log.h"
 
@@ -26,7 +26,7 @@ namespace kestrel_slam {
 /// is published after the clock has stopped.
 class MapPublisher {
  public:
-  MapPublisher(const ros::NodeHandle& nh, const NodeConfig& config, SharedMapper& mapper,
+  MapPublisher(const ros::NodeHandle& nh, const MapperNodeConfig& config, SharedMapper& mapper,
                TrajectoryLog& trajectory);
   ~MapPublisher();
 

@@ -16,7 +16,7 @@
 #include "kestrel_slam/ros/common/bounded_queue.h"
 #include "kestrel_slam/ros/mapper/diagnostics.h"
 #include "kestrel_slam/ros/mapper/map_publisher.h"
-#include "kestrel_slam/ros/mapper/node_parameters.h"
+#include "kestrel_slam/ros/mapper/mapper_parameters.h"
 #include "kestrel_slam/ros/mapper/pose_publisher.h"
 #include "kestrel_slam/ros/mapper/scan_input.h"
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
@@ -55,7 +55,7 @@ class MapperNode {
   bool pauseMapping(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
   bool restartMapping(ResetMapping::Request& request, ResetMapping::Response& response);
 
-  const NodeConfig config_;
+  const MapperNodeConfig config_;
   SharedMapper mapper_;
   ScanStatistics statistics_;
   TrajectoryLog trajectory_;

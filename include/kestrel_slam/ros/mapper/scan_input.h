@@ -16,7 +16,7 @@
 #include <string>
 
 #include "kestrel_slam/geometry/pose2.h"
-#include "kestrel_slam/ros/mapper/node_parameters.h"
+#include "kestrel_slam/ros/mapper/mapper_parameters.h"
 #include "kestrel_slam/ros/mapper/scan_statistics.h"
 
 namespace kestrel_slam {
@@ -69,7 +69,7 @@ class ScanInput {
  public:
   using Callback = std::function<void(ReadyScan)>;
 
-  ScanInput(ros::NodeHandle nh, const NodeConfig& config, ScanStatistics& statistics,
+  ScanInput(ros::NodeHandle nh, const MapperNodeConfig& config, ScanStatistics& statistics,
             Callback on_ready);
 
   std::string topic() const { return subscriber_.getTopic(); }
@@ -93,7 +93,7 @@ class ScanInput {
   void warnOfOtherParent(const ros::Time& stamp) const;
   ReadyScan lookUp(const ReceivedScan& scan) const;
 
-  NodeConfig config_;
+  MapperNodeConfig config_;
   ScanStatistics& statistics_;
   Callback on_ready_;
   ros::Time last_stamp_;
