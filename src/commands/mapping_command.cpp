@@ -17,7 +17,7 @@
 #include "kestrel_slam/report/progress_bar.h"
 #include "kestrel_slam/report/report.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
@@ -191,4 +191,4 @@ void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& 
   writeFileAtomically((folder / "report.html").string(), reportHtml(run, info));
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/offline/version.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -146,4 +146,4 @@ nlohmann::ordered_json statsOf(const OfflineRun& run, const RunInfo& info) {
   return stats;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,7 +3,7 @@
 
 #include "kestrel_slam/parameters/parameter_table.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using namespace parameter_table;
@@ -138,4 +138,4 @@ std::vector<Parameter> parametersOf(PoseFilterConfig& config) {
                  group("Gravity, standstill and yaw", motionParametersOf(config))});
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -2,7 +2,7 @@
 #include "kestrel_slam/parameters/parameter_table.h"
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using namespace parameter_table;
@@ -172,4 +172,4 @@ std::vector<Parameter> parametersOf(SlamConfig& config) {
       {mappingParametersOf(config), projectionParametersOf(config), attitudeParametersOf(config)});
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

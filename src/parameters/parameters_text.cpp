@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::size_t kWidth = 100, kIndent = 6;  // characters
@@ -85,4 +85,4 @@ std::string parametersMarkdown(const std::vector<Parameter>& table) {
   return listOf(table, heading, rowOf);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

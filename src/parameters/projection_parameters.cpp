@@ -2,7 +2,7 @@
 #include "kestrel_slam/parameters/parameter_table.h"
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using namespace parameter_table;
@@ -97,4 +97,4 @@ std::vector<Parameter> attitudeParametersOf(SlamConfig& config) {
               "Time without a message after which the IMU is reported as silent.")});
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,7 +11,7 @@
 #include "kestrel_slam/parameters/parameters_text.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// The message that `action` throws, or "accepted".
@@ -282,4 +282,4 @@ TEST(Parameters, ValidateChecksRelationsAndRanges) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

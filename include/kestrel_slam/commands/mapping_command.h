@@ -17,7 +17,7 @@ namespace CLI {
 class App;
 }
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What the tools that map a recording read from the command line.
 struct MappingArguments {
@@ -76,4 +76,4 @@ void printWarnings(const std::string& prefix, const OfflineRun& run);
 /// Writes map.pgm, map.yaml, trajectory.tum, stats.json and report.html.
 void writeOutputs(const std::filesystem::path& folder, const OfflineRun& run, const RunInfo& info);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam::parameter_table {
+namespace kestrel::parameter_table {
 
 // The rows of a parameter table: name, unit, place, smallest value, largest value, effect.
 
@@ -63,4 +63,4 @@ inline std::vector<Parameter> joined(std::initializer_list<std::vector<Parameter
   return all;
 }
 
-}  // namespace kestrel_slam::parameter_table
+}  // namespace kestrel::parameter_table

@@ -8,7 +8,7 @@
 
 #include "kestrel_slam/pipeline/slam_config.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// One named parameter, bound to its place in a configuration. Names follow hector_mapping where it
 /// has the parameter.
@@ -72,4 +72,4 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
 /// the maximum). Throws std::invalid_argument that names the parameters.
 void validate(const SlamConfig& config);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The parameters with default, unit, limits and effect for a terminal, under their headings. The
 /// places must hold the defaults.
@@ -15,4 +15,4 @@ std::string parametersHelp(const std::vector<Parameter>& table);
 /// The same as Markdown: one table for each heading.
 std::string parametersMarkdown(const std::vector<Parameter>& table);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,7 +3,7 @@
 
 #include "kestrel_slam/parameters/parameters_text.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 std::string helpOf(const NodeProgram& program, const std::vector<Parameter>& table) {
@@ -40,4 +40,4 @@ std::optional<std::string> answerTo(const std::vector<std::string>& arguments,
   return std::nullopt;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,7 +3,7 @@
 #include "kestrel_slam/ros/filter/pose_filter_node.h"
 
 int main(int argc, char** argv) {
-  using namespace kestrel_slam;
+  using namespace kestrel;
   constexpr NodeProgram kProgram = {
       "pose_filter", "pose_filter_node",
       "fuses the IMU with the poses of mapper_node and with heights, and publishes\n"

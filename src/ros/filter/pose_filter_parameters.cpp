@@ -4,10 +4,9 @@
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/parameters/filter_parameters.h"
 #include "kestrel_slam/parameters/parameter_table.h"
-#include "kestrel_slam/recording/bag/bag_transforms.h"
 #include "kestrel_slam/ros/common/private_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using namespace parameter_table;
@@ -30,7 +29,7 @@ std::vector<Parameter> frameParametersOf(PoseFilterNodeConfig& config) {
            "Frame of the vehicle without roll and pitch; heights in it are taken as vertical."),
       text("base_footprint_frame", &config.base_footprint_frame,
            "Frame on the floor below the vehicle; it is the child of odom_frame in tf."),
-      text("map_frame", &config.map_frame, "Frame of the poses on pose_topic."),
+      text("map_frame", &config.map_frame, "Frame of the poses on mapper_topic and pose_topic."),
       text("odom_frame", &config.odom_frame,
            "Frame of odom/filtered, in which the pose never jumps."),
   };
@@ -39,7 +38,11 @@ std::vector<Parameter> frameParametersOf(PoseFilterNodeConfig& config) {
 std::vector<Parameter> inputParametersOf(PoseFilterNodeConfig& config) {
   return {
       text("imu_topic", &config.imu_topic, "Topic of the IMU."),
-      text("pose_topic", &config.pose_topic, "Topic of the poses of mapper_node; empty: none."),
+      text("mapper_topic", &config.mapper_topic,
+           "Topic of the states of mapper_node; empty: none."),
+      text("pose_topic", &config.pose_topic,
+           "Topic of the poses of another mapper; they are ignored while states come on "
+           "mapper_topic; empty: none."),
       text("height_topic", &config.height_topic,
            "Topic of a range finder that looks down; empty: none."),
       text("floor_height_topic", &config.floor_height_topic,
@@ -93,4 +96,4 @@ PoseFilterNodeConfig loadPoseFilterParameters(const ros::NodeHandle& private_nh)
   return config;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,7 +3,7 @@
 #include "kestrel_slam/ros/mapper/mapper_node.h"
 
 int main(int argc, char** argv) {
-  using namespace kestrel_slam;
+  using namespace kestrel;
   constexpr NodeProgram kProgram = {
       "mapper", "mapper_node",
       "matches every scan of a 2D laser with a map, publishes the pose of the vehicle\n"

@@ -3,10 +3,9 @@
 
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/parameters/parameter_table.h"
-#include "kestrel_slam/recording/bag/bag_transforms.h"
 #include "kestrel_slam/ros/common/private_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using namespace parameter_table;
@@ -127,4 +126,4 @@ MapperNodeConfig loadParameters(const ros::NodeHandle& private_nh) {
   return config;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

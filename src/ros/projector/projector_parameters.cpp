@@ -7,10 +7,9 @@
 
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/parameters/parameter_table.h"
-#include "kestrel_slam/recording/bag/bag_transforms.h"
 #include "kestrel_slam/ros/common/private_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using namespace parameter_table;
@@ -26,6 +25,7 @@ UnneededParameters unneededParameters() {
       {"fixed_frame", "~attitude_frame is the frame whose attitude is taken from tf"},
       {"use_imu", kSource},
       {"use_pose", kSource},
+      {"filter_height_topic", "the height of the pose filter comes with ~filter_topic"},
       {"publish_tf", "~pub_stabilized_transform and ~pub_footprint_transform switch tf"},
   };
   SlamConfig slam;
@@ -56,10 +56,8 @@ std::vector<Parameter> inputParametersOf(ProjectorNodeConfig& config) {
       text("odom_topic", &config.odom_topic,
            "Topic of an odometry whose velocity corrects the motion during a scan; empty: none."),
       text("filter_topic", &config.filter_topic,
-           "Topic odom/filtered of pose_filter_node, whose attitude and motion are used while "
-           "their covariance is small; empty: none."),
-      text("filter_height_topic", &config.filter_height_topic,
-           "Topic height/filtered of pose_filter_node; empty: none."),
+           "Topic filtered_motion of pose_filter_node, whose attitude, velocity, height and motion "
+           "are used while they are well known; empty: none."),
   };
 }
 
@@ -162,4 +160,4 @@ ProjectorNodeConfig loadProjectorParameters(const ros::NodeHandle& private_nh) {
   return config;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,7 +3,7 @@
 #include "kestrel_slam/ros/projector/scan_projector_node.h"
 
 int main(int argc, char** argv) {
-  using namespace kestrel_slam;
+  using namespace kestrel;
   constexpr NodeProgram kProgram = {
       "scan_projector", "scan_projector_node",
       "turns the scans of a tilted laser, or the clouds of a 3D lidar, into\n"

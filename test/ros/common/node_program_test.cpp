@@ -13,7 +13,7 @@
 #include "kestrel_slam/ros/projector/projector_parameters.h"
 #include "run_command.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 const std::string kDocument = KESTREL_SOURCE_DIR "/doc/ros_api.md";
@@ -87,4 +87,4 @@ TEST(NodeProgram, PrintsTheTableForTheDocument) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

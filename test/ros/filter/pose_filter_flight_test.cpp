@@ -20,7 +20,7 @@
 #include "kestrel_slam/simulation/flight_simulator.h"
 #include "node_watcher.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kFlown = 20.0;  // s of the flight
@@ -159,7 +159,7 @@ TEST_F(PoseFilterFlight, TheStateIsThatOfTheVehicle) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Each test has a private namespace of its own.
@@ -60,7 +60,7 @@ TEST_F(PoseFilterParameters, ErrorsOfOldNamesShowTheNewOne) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

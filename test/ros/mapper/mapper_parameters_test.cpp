@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Each test has a private namespace of its own.
@@ -174,7 +174,7 @@ TEST(MapperProgram, SaysWhyAParameterIsNotNeeded) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -11,7 +11,7 @@
 
 #include "kestrel_slam/ros/common/node_program.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Runs the node to its end and returns the exit code. The last node handle takes the logging with
 /// it, so that a message has to be written while one is left.
@@ -47,4 +47,4 @@ int runNode(int argc, char** argv, const NodeProgram& program) {
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

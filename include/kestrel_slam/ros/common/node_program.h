@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What the help of a node says beside its parameters.
 struct NodeProgram {
@@ -23,4 +23,4 @@ std::optional<std::string> answerTo(const std::vector<std::string>& arguments,
                                     const NodeProgram& program,
                                     const std::vector<Parameter>& table);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

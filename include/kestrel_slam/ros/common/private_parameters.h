@@ -9,7 +9,7 @@
 
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Why the parameter of each name has no effect in a node, as the end of the sentence "The
 /// parameter ~name has no effect: ...".
@@ -33,4 +33,4 @@ void requireName(const std::string& parameter, const std::string& value);
 void requireDistinct(const std::string& parameter, const std::string& frame,
                      const std::string& other);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

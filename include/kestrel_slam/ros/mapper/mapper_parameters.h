@@ -8,7 +8,7 @@
 
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// All parameters of the mapper node. Names and meanings are those of hector_mapping.
 struct MapperNodeConfig {
@@ -43,4 +43,4 @@ std::vector<Parameter> parametersOf(MapperNodeConfig& config);
 /// Reads the private parameters; see readPrivateParameters. Throws std::invalid_argument.
 MapperNodeConfig loadParameters(const ros::NodeHandle& private_nh);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

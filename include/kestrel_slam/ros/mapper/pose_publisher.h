@@ -9,7 +9,7 @@
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/ros/mapper/mapper_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Publishes what the matching found: pose topics, tf, the matched scan and markers
 /// of what is uncertain.
@@ -36,11 +36,11 @@ class PosePublisher {
                                             const Pose2& map_T_child) const;
 
   MapperNodeConfig config_;
-  ros::Publisher pose_publisher_, pose_update_publisher_, cloud_publisher_;
+  ros::Publisher state_publisher_, pose_publisher_, pose_update_publisher_, cloud_publisher_;
   ros::Publisher slam_odometry_publisher_, odometry_publisher_, marker_publisher_;
   tf2_ros::TransformBroadcaster broadcaster_;
   std::optional<Pose2> map_T_odom_;
   ros::Time transforms_stamp_;  ///< of the last transforms
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel
