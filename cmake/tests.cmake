@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # One program of unit tests for each folder of test/. Tests that need ROS are those of messages/,
-# recording/bag/ and ros/, and the files named bag_*.
+# recording/bag/ and ros/, and the files named bag_*. Those of ros/common/ need no ROS master.
 find_package(GTest REQUIRED)
 find_package(Ceres QUIET)  # an oracle of the filter's test alone
 enable_testing()
 
 function(kestrel_test folder)
   file(GLOB sources CONFIGURE_DEPENDS test/${folder}/*_test.cpp)
-  if(NOT folder MATCHES "^(messages|recording/bag)$")
+  if(NOT folder MATCHES "^(messages|recording/bag|ros/common)$")
     if(NOT KESTREL_WITH_ROS)
       list(FILTER sources EXCLUDE REGEX "/bag_[a-z_0-9]*_test\\.cpp$")
     elseif(KESTREL_ONLY_ROS_TESTS)
@@ -37,6 +37,9 @@ endforeach()
 if(KESTREL_WITH_ROS)
   kestrel_test(messages)
   kestrel_test(recording/bag)
+  kestrel_test(ros/common)
+  target_link_libraries(test_ros_common PRIVATE kestrel_ros)
+  add_dependencies(test_ros_common mapper_node scan_projector_node pose_filter_node)
 endif()
 
 # Tests on live nodes: rostest starts a master and the nodes of each .test file.
@@ -49,6 +52,7 @@ if(KESTREL_WITH_ROS AND CATKIN_ENABLE_TESTING)
   target_link_libraries(kestrel_ros_testing
     PUBLIC kestrel_ros_latency kestrel_recording PRIVATE kestrel_warnings)
   file(GLOB ROS_TEST_SOURCES CONFIGURE_DEPENDS test/ros/*_test.cpp test/ros/*/*_test.cpp)
+  list(FILTER ROS_TEST_SOURCES EXCLUDE REGEX "/ros/common/")
   foreach(source ${ROS_TEST_SOURCES})
     get_filename_component(name ${source} NAME_WE)
     add_executable(${name} ${source})

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
+#include <iomanip>
 #include <limits>
 #include <locale>
 #include <numeric>
@@ -20,12 +22,20 @@ namespace {
 /// Longest piece of a user's text that a message repeats.
 constexpr std::size_t kMaxQuotedLength = 60;
 
+/// `digits` significant digits. Small numbers have no exponent: YAML 1.1 reads 2e-05 as a text.
 std::string format(double value, int digits) {
+  constexpr double kSmallest = 1e-9, kSmall = 1e-4;
   std::ostringstream text;
   text.imbue(std::locale::classic());
-  text.precision(digits);
-  text << value;
-  return text.str();
+  const double size = std::abs(value);
+  if (size < kSmallest || size >= kSmall) {
+    text << std::setprecision(digits) << value;
+    return text.str();
+  }
+  const int zeros = -static_cast<int>(std::floor(std::log10(size)));
+  text << std::fixed << std::setprecision(digits - 1 + zeros) << value;
+  const std::string all = text.str();
+  return all.substr(0, all.find_last_not_of('0') + 1);
 }
 
 /// A number that is the whole text; independent of the locale, unlike strtod.
@@ -62,9 +72,20 @@ std::string shortestText(double value) {
   return format(value, std::numeric_limits<double>::max_digits10);
 }
 
-std::string limitsText(const Parameter& parameter) {
-  return "between " + shortestText(parameter.min) + " and " + shortestText(parameter.max) +
-         (parameter.unit.empty() ? "" : " " + parameter.unit);
+bool hasUpperLimit(const Parameter& parameter) { return std::isfinite(parameter.max); }
+
+/// "between 0.1 and 5 m", "0 m or more".
+std::string requirementOf(const Parameter& parameter) {
+  const std::string unit = parameter.unit.empty() ? "" : " " + parameter.unit;
+  const std::string min = shortestText(parameter.min);
+  if (!hasUpperLimit(parameter)) return min + unit + " or more";
+  return "between " + min + " and " + shortestText(parameter.max) + unit;
+}
+
+std::string listOf(const std::vector<std::string>& items) {
+  std::string list;
+  for (const std::string& item : items) list += (list.empty() ? "" : ", ") + item;
+  return list;
 }
 
 /// What a user wrote, fit for one line of a message.
@@ -90,10 +111,9 @@ bool isWithin(const Parameter& parameter, double value) {
 template <typename T>
 void assignNumber(const Parameter& parameter, T* target, const std::optional<T>& value,
                   const std::string& text, const std::string& kind) {
-  if (!value) refuse(parameter, text, kind + " " + limitsText(parameter));
-  if (!isWithin(parameter, static_cast<double>(*value))) {
-    refuse(parameter, text, limitsText(parameter));
-  }
+  const std::string requirement = requirementOf(parameter);
+  if (!value) refuse(parameter, text, kind + (hasUpperLimit(parameter) ? " " : ", ") + requirement);
+  if (!isWithin(parameter, static_cast<double>(*value))) refuse(parameter, text, requirement);
   *target = *value;
 }
 
@@ -101,9 +121,7 @@ void checkChoice(const Parameter& parameter, const std::string& text) {
   const auto& choices = parameter.choices;
   if (choices.empty()) return;
   if (std::find(choices.begin(), choices.end(), text) != choices.end()) return;
-  std::string list;
-  for (const std::string& allowed : choices) list += (list.empty() ? "" : ", ") + allowed;
-  refuse(parameter, text, "one of " + list);
+  refuse(parameter, text, "one of " + listOf(choices));
 }
 
 /// Parses, checks and stores the text of one parameter, according to the type of its place.
@@ -156,22 +174,46 @@ void requireLess(const char* name_a, double a, const char* name_b, double b) {
                               ": must be less than " + name_b + " = " + shortestText(b));
 }
 
+/// The parameter that had this name in earlier versions; null: none.
+const Parameter* findByOldName(const std::vector<Parameter>& table, const std::string& name) {
+  for (const Parameter& parameter : table) {
+    const auto& names = parameter.old_names;
+    if (std::find(names.begin(), names.end(), name) != names.end()) return &parameter;
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 std::string valueText(const Parameter& parameter) {
   return std::visit(ValueText{}, parameter.value);
 }
 
+std::string limitsText(const Parameter& parameter) {
+  if (std::holds_alternative<bool*>(parameter.value)) return "true, false";
+  if (std::holds_alternative<std::string*>(parameter.value)) return listOf(parameter.choices);
+  const std::string min = shortestText(parameter.min);
+  return hasUpperLimit(parameter) ? min + " to " + shortestText(parameter.max) : min + " or more";
+}
+
 void setValue(const Parameter& parameter, const std::string& text) {
   std::visit(Assignment{parameter, text}, parameter.value);
 }
 
+void printWarning(const std::string& sentence) {
+  std::fprintf(stderr, "warning: %s\n", sentence.c_str());
+}
+
 void setParameter(const std::vector<Parameter>& table, const std::string& name,
-                  const std::string& text) {
+                  const std::string& text, const WarningHandler& warn) {
   std::vector<std::string> names;
   for (const Parameter& parameter : table) {
     if (parameter.name == name) return setValue(parameter, text);
     names.push_back(parameter.name);
+  }
+  if (const Parameter* parameter = findByOldName(table, name)) {
+    warn("the parameter " + name + " is deprecated; its new name is " + parameter->name);
+    return setValue(*parameter, text);
   }
   throw std::invalid_argument("unknown parameter '" + oneLine(name) + "'; did you mean '" +
                               nearestName(name, names) + "'?");
@@ -181,13 +223,14 @@ void setParameter(SlamConfig& config, const std::string& name, const std::string
   setParameter(parametersOf(config), name, text);
 }
 
-void applySettings(const std::vector<std::string>& settings, const std::vector<Parameter>& table) {
+void applySettings(const std::vector<std::string>& settings, const std::vector<Parameter>& table,
+                   const WarningHandler& warn) {
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
     if (equals == std::string::npos) {
       throw std::invalid_argument("setting '" + oneLine(setting) + "': must be name=value");
     }
-    setParameter(table, setting.substr(0, equals), setting.substr(equals + 1));
+    setParameter(table, setting.substr(0, equals), setting.substr(equals + 1), warn);
   }
 }
 

@@ -13,52 +13,58 @@ namespace kestrel {
 namespace {
 
 const char* const kIntroduction =
-    "# Parameters of kestrel_slam with their defaults, for the live nodes and for map_recording.\n"
-    "# Keep only what you change; whatever is missing keeps its default.\n"
+    "# Parameters of kestrel_slam with their defaults, for mapper_node, scan_projector_node and\n"
+    "# map_recording.\n"
+    "# Keep only the lines that you change; a missing parameter keeps its default.\n"
     "# This file is the output of `map_recording --list-parameters`.\n";
 const char* const kFilterIntroduction =
     "# Parameters of the pose filter with their defaults, for pose_filter_node.\n"
-    "# Keep only what you change; whatever is missing keeps its default.\n"
+    "# Keep only the lines that you change; a missing parameter keeps its default.\n"
     "# This file is the output of `measure_filter --list-parameters`.\n";
 
 std::string lineOf(const YAML::Mark& mark) { return "line " + std::to_string(mark.line + 1); }
 
-void setFrom(const YAML::Node& key, const YAML::Node& value, SlamConfig& config) {
+void setFrom(const YAML::Node& key, const YAML::Node& value, const std::vector<Parameter>& table,
+             const WarningHandler& warn) {
   if (!value.IsScalar()) {
     throw std::invalid_argument("'" + key.Scalar() + "' is not a single value; one 'name: value' " +
                                 "a line is expected");
   }
-  setParameter(config, key.Scalar(), value.Scalar());
+  setParameter(table, key.Scalar(), value.Scalar(), warn);
 }
 
+/// "0.1 to 5 m"; "any text" for a text without choices.
 std::string rangeText(const Parameter& parameter) {
-  std::ostringstream text;
-  if (!parameter.choices.empty()) {
-    for (const std::string& choice : parameter.choices) {
-      text << (text.tellp() > 0 ? ", " : "") << choice;
-    }
-  } else if (std::holds_alternative<bool*>(parameter.value)) {
-    text << "true, false";
-  } else {
-    text << parameter.min << " to " << parameter.max;
-    if (!parameter.unit.empty()) text << " " << parameter.unit;
-  }
-  return text.str();
+  const std::string limits = limitsText(parameter);
+  if (limits.empty()) return "any text";
+  return limits + (parameter.unit.empty() ? "" : " " + parameter.unit);
+}
+
+/// The parameter server refuses a value that is not there: an empty text needs its quotes.
+std::string yamlValue(const Parameter& parameter) {
+  const std::string value = valueText(parameter);
+  return value.empty() ? "''" : value;
 }
 
 std::string yamlOf(const std::vector<Parameter>& parameters, const char* introduction) {
   std::ostringstream yaml;
   yaml << introduction;
+  std::string group;
   for (const Parameter& parameter : parameters) {
+    if (parameter.group != group) {
+      group = parameter.group;
+      yaml << "\n# ---- " << group << "\n";
+    }
     yaml << "\n# " << parameter.description << "\n# " << rangeText(parameter) << "\n"
-         << parameter.name << ": " << valueText(parameter) << "\n";
+         << parameter.name << ": " << yamlValue(parameter) << "\n";
   }
   return yaml.str();
 }
 
 }  // namespace
 
-void loadParameters(const std::string& path, SlamConfig& config) {
+void loadParameters(const std::string& path, const std::vector<Parameter>& table,
+                    const WarningHandler& warn) {
   const std::string text = readFile(path);
   YAML::Node root;
   try {
@@ -72,11 +78,15 @@ void loadParameters(const std::string& path, SlamConfig& config) {
   }
   for (const auto& entry : root) {
     try {
-      setFrom(entry.first, entry.second, config);
+      setFrom(entry.first, entry.second, table, warn);
     } catch (const std::invalid_argument& error) {
       throw std::runtime_error(path + ", " + lineOf(entry.first.Mark()) + ": " + error.what());
     }
   }
+}
+
+void loadParameters(const std::string& path, SlamConfig& config) {
+  loadParameters(path, parametersOf(config));
 }
 
 std::string defaultParametersYaml() {

@@ -7,6 +7,10 @@
 #include <set>
 #include <stdexcept>
 
+#include "kestrel_slam/parameters/filter_parameters.h"
+#include "kestrel_slam/parameters/parameters_text.h"
+#include "kestrel_slam/parameters/parameters_yaml.h"
+
 namespace kestrel {
 namespace {
 
@@ -135,17 +139,125 @@ TEST(Parameters, TextsOfValuesAreShort) {
   EXPECT_EQ(valueOf(config, "max_beams"), "100000");
 }
 
-TEST(Parameters, TableIsComplete) {
-  SlamConfig config;
+/// Each name once; a sentence as description; limits where there are numbers.
+void expectComplete(const std::vector<Parameter>& table) {
   std::set<std::string> names;
-  for (const Parameter& parameter : parametersOf(config)) {
+  for (const Parameter& parameter : table) {
     EXPECT_TRUE(names.insert(parameter.name).second) << parameter.name << " twice";
-    EXPECT_FALSE(parameter.description.empty()) << parameter.name;
+    for (const std::string& name : parameter.old_names) {
+      EXPECT_TRUE(names.insert(name).second) << name << " twice";
+    }
+    EXPECT_FALSE(parameter.group.empty()) << parameter.name;
+    ASSERT_FALSE(parameter.description.empty()) << parameter.name;
+    EXPECT_EQ(parameter.description.back(), '.') << parameter.name;
     const bool is_text = std::holds_alternative<std::string*>(parameter.value);
     EXPECT_EQ(parameter.min < parameter.max,
               !is_text && !std::holds_alternative<bool*>(parameter.value))
         << parameter.name;
   }
+}
+
+TEST(Parameters, TablesAreComplete) {
+  SlamConfig config;
+  expectComplete(parametersOf(config));
+  PoseFilterConfig filter;
+  expectComplete(parametersOf(filter));
+}
+
+TEST(Parameters, LimitsAreReadable) {
+  SlamConfig config;
+  for (const Parameter& parameter : parametersOf(config)) {
+    const std::string limits = limitsText(parameter);
+    EXPECT_EQ(limits.find("inf"), std::string::npos) << parameter.name;
+    if (parameter.name == "map_resolution") {
+      EXPECT_EQ(limits, "0.005 to 1");
+    }
+    if (parameter.name == "progressive_seed") {
+      EXPECT_EQ(limits, "0 or more");
+    }
+    if (parameter.name == "covariance") {
+      EXPECT_EQ(limits, "hessian, sampled");
+    }
+    if (parameter.name == "mirror_angles") {
+      EXPECT_EQ(limits, "");
+    }
+  }
+}
+
+TEST(Parameters, SomeHaveNoUpperLimit) {
+  EXPECT_EQ(setError("map_update_distance_thresh", "1000000"), "accepted");
+  EXPECT_EQ(setError("map_update_distance_thresh", "-1"),
+            "map_update_distance_thresh = -1: must be 0 m or more");
+  EXPECT_EQ(setError("map_update_distance_thresh", "far"),
+            "map_update_distance_thresh = far: must be a number, 0 m or more");
+  EXPECT_EQ(setError("map_update_distance_thresh", "inf"),
+            "map_update_distance_thresh = inf: must be a number, 0 m or more");
+}
+
+TEST(Parameters, OldNamesAreAcceptedWithOneWarning) {
+  PoseFilterConfig filter;
+  std::vector<std::string> warnings;
+  applySettings({"heading_sigma=0.2", "anchor_after=3", "max_anchors=7", "coast_after=0.7"},
+                parametersOf(filter),
+                [&](const std::string& warning) { warnings.push_back(warning); });
+  EXPECT_EQ(filter.yaw_sigma_rad, 0.2);
+  EXPECT_EQ(filter.gate.reinitialize_after_s, 3.0);
+  EXPECT_EQ(filter.gate.max_reinitializations, 7);
+  EXPECT_EQ(filter.gate.coast_after_s, 0.7);
+  ASSERT_EQ(warnings.size(), 3U);
+  EXPECT_EQ(warnings.front(),
+            "the parameter heading_sigma is deprecated; its new name is yaw_sigma");
+}
+
+TEST(Parameters, MessagesForOldNamesShowTheNewOne) {
+  PoseFilterConfig filter;
+  EXPECT_EQ(errorOf([&] {
+              setParameter(parametersOf(filter), "heading_sigma", "-1", [](const std::string&) {});
+            }),
+            "yaw_sigma = -1: must be between 0.0001 and 10 rad");
+}
+
+/// YAML 1.1, which rosparam reads, takes 2e-05 for a text.
+TEST(Parameters, SmallNumbersHaveNoExponent) {
+  PoseFilterConfig filter;
+  filter.noise.gyro_bias_walk = 2.5e-5;
+  for (const Parameter& parameter : parametersOf(filter)) {
+    if (parameter.name == "gyro_bias_walk") {
+      EXPECT_EQ(valueText(parameter), "0.000025");
+    }
+  }
+  EXPECT_EQ(defaultFilterParametersYaml().find("e-"), std::string::npos);
+}
+
+/// A table with one parameter of each kind.
+struct Example {
+  double speed = 0.5;
+  std::string frame, mode = "fast";
+  std::vector<Parameter> table() {
+    return {{"max_speed", "m/s", "Speed limit.", &speed, 0.0, 10.0, {}, "Motion", {"vmax"}},
+            {"mode", "", "How it moves.", &mode, 0.0, 0.0, {"fast", "slow"}, "Motion", {}},
+            {"frame", "", "Frame a|b.", &frame, 0.0, 0.0, {}, "Frames", {}}};
+  }
+};
+
+TEST(Parameters, MarkdownHasATableForEachGroup) {
+  EXPECT_EQ(parametersMarkdown(Example().table()),
+            "**Motion**\n\n"
+            "| name | default | unit | limits | effect |\n|---|---|---|---|---|\n"
+            "| `max_speed` | `0.5` | m/s | 0 to 10 | Speed limit. (Old name: `vmax`.) |\n"
+            "| `mode` | `fast` |  | fast, slow | How it moves. |\n"
+            "\n**Frames**\n\n"
+            "| name | default | unit | limits | effect |\n|---|---|---|---|---|\n"
+            "| `frame` | empty |  |  | Frame a\\|b. |\n");
+}
+
+TEST(Parameters, HelpShowsDefaultLimitsAndEffect) {
+  EXPECT_EQ(parametersHelp(Example().table()),
+            "Motion\n"
+            "  max_speed: 0.5 m/s (0 to 10 m/s)\n      Speed limit. (Old name: vmax.)\n"
+            "  mode: fast (fast, slow)\n      How it moves.\n"
+            "\nFrames\n"
+            "  frame: ''\n      Frame a|b.\n");
 }
 
 TEST(Parameters, DefaultsAreValid) { EXPECT_NO_THROW(validate(SlamConfig())); }

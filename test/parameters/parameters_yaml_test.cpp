@@ -85,6 +85,28 @@ TEST(ParametersYamlTest, ErrorsNameLineAndParameter) {
   EXPECT_CONTAINS(errorOf("map_resolution: [0.1\n"), "no valid YAML");
 }
 
+TEST(ParametersYamlTest, OldNamesAreAcceptedWithAWarning) {
+  const TemporaryFolder folder;
+  PoseFilterConfig filter;
+  std::vector<std::string> warnings;
+  loadParameters(folder.write("p.yaml", "max_anchors: 5\nheading_sigma: 0.2\n"),
+                 parametersOf(filter),
+                 [&](const std::string& warning) { warnings.push_back(warning); });
+  EXPECT_EQ(filter.gate.max_reinitializations, 5);
+  EXPECT_EQ(filter.yaw_sigma_rad, 0.2);
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_CONTAINS(warnings.front(), "max_reinitializations");
+}
+
+/// rosparam cannot send a value that is missing.
+TEST(ParametersYamlTest, TheServerCanTakeEveryValue) {
+  for (const std::string& yaml : {defaultParametersYaml(), defaultFilterParametersYaml()}) {
+    for (const auto& entry : YAML::Load(yaml)) {
+      EXPECT_FALSE(entry.second.IsNull()) << entry.first.Scalar();
+    }
+  }
+}
+
 TEST(ParametersYamlTest, AMissingFileIsNamed) {
   SlamConfig config;
   EXPECT_EQ(messageOf([&] { loadParameters("/nowhere/p.yaml", config); }),

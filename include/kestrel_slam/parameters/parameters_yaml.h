@@ -2,16 +2,20 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "kestrel_slam/parameters/parameters.h"
 
 namespace kestrel {
 
-/// Sets the parameters of a flat YAML file (`name: value`), which may leave out any. Throws
-/// std::runtime_error that names the file, the line, the parameter and what is allowed.
+/// Sets the parameters of a flat YAML file (`name: value`), which may leave out any. An old name is
+/// accepted with a warning. Throws std::runtime_error that names the file, the line, the parameter
+/// and what is allowed.
+void loadParameters(const std::string& path, const std::vector<Parameter>& table,
+                    const WarningHandler& warn = printWarning);
 void loadParameters(const std::string& path, SlamConfig& config);
 
-/// All parameters with their defaults as a commented YAML file: unit, range, meaning.
+/// All parameters of projector and mapper with their defaults as a commented YAML file.
 std::string defaultParametersYaml();
 /// The same of the pose filter.
 std::string defaultFilterParametersYaml();

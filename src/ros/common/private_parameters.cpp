@@ -12,7 +12,7 @@
 namespace kestrel {
 namespace {
 
-/// Of diagnostic_updater, which reads it from the same namespace.
+/// A parameter of diagnostic_updater, which reads it from the same namespace.
 constexpr char kDiagnosticPeriod[] = "diagnostic_period";
 
 /// The shorter of the two decimal forms that give the same number when they are read.
@@ -64,30 +64,70 @@ std::vector<std::string> privateNames(const ros::NodeHandle& private_nh) {
   return names;
 }
 
+std::vector<std::string> validNames(const std::vector<Parameter>& parameters) {
+  std::vector<std::string> names;
+  for (const Parameter& parameter : parameters) names.push_back(parameter.name);
+  return names;
+}
+
+bool isKnown(const std::string& name, const std::vector<Parameter>& parameters) {
+  const auto has_name = [&name](const Parameter& parameter) {
+    const auto& old = parameter.old_names;
+    return parameter.name == name || std::find(old.begin(), old.end(), name) != old.end();
+  };
+  return name == kDiagnosticPeriod || std::any_of(parameters.begin(), parameters.end(), has_name);
+}
+
+/// One line for all parameters with the same reason.
+void reportUnneeded(const std::vector<std::string>& names, const std::string& reason) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "~" : ", ~") + name;
+  if (names.size() == 1) {
+    ROS_INFO("The parameter %s has no effect: %s.", list.c_str(), reason.c_str());
+  } else {
+    ROS_INFO("The parameters %s have no effect: %s.", list.c_str(), reason.c_str());
+  }
+}
+
 void reportUnused(const ros::NodeHandle& private_nh, const std::vector<Parameter>& parameters,
-                  const std::map<std::string, std::string>& unneeded) {
-  std::vector<std::string> valid;
-  for (const Parameter& parameter : parameters) valid.push_back(parameter.name);
+                  const UnneededParameters& unneeded) {
+  std::map<std::string, std::vector<std::string>> names_by_reason;
   for (const std::string& name : privateNames(private_nh)) {
-    if (name == kDiagnosticPeriod) continue;
-    if (std::find(valid.begin(), valid.end(), name) != valid.end()) continue;
+    if (isKnown(name, parameters)) continue;
     const auto reason = unneeded.find(name);
     if (reason != unneeded.end()) {
-      ROS_INFO("The parameter ~%s has no effect: %s.", name.c_str(), reason->second.c_str());
+      names_by_reason[reason->second].push_back(name);
     } else {
       ROS_WARN("Unknown parameter ~%s; did you mean ~%s?", name.c_str(),
-               nearestName(name, valid).c_str());
+               nearestName(name, validNames(parameters)).c_str());
     }
+  }
+  for (const auto& [reason, names] : names_by_reason) reportUnneeded(names, reason);
+}
+
+void readOldNames(const ros::NodeHandle& private_nh, const Parameter& parameter) {
+  for (const std::string& name : parameter.old_names) {
+    XmlRpc::XmlRpcValue value;
+    if (!private_nh.getParam(name, value)) continue;
+    ROS_WARN("The parameter ~%s is deprecated; its new name is ~%s.", name.c_str(),
+             parameter.name.c_str());
+    setValue(parameter, textOf(parameter, value));
   }
 }
 
 }  // namespace
 
+void addUnneeded(const std::vector<Parameter>& table, const std::string& reason,
+                 UnneededParameters& unneeded) {
+  for (const Parameter& parameter : table) unneeded.emplace(parameter.name, reason);
+}
+
 void readPrivateParameters(const ros::NodeHandle& private_nh,
                            const std::vector<Parameter>& parameters,
-                           const std::map<std::string, std::string>& unneeded) {
+                           const UnneededParameters& unneeded) {
   reportUnused(private_nh, parameters, unneeded);
   for (const Parameter& parameter : parameters) {
+    readOldNames(private_nh, parameter);
     XmlRpc::XmlRpcValue value;
     if (private_nh.getParam(parameter.name, value)) setValue(parameter, textOf(parameter, value));
   }

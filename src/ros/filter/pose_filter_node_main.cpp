@@ -3,5 +3,11 @@
 #include "kestrel_slam/ros/filter/pose_filter_node.h"
 
 int main(int argc, char** argv) {
-  return kestrel::runNode<kestrel::PoseFilterNode>(argc, argv, "pose_filter", "pose_filter_node");
+  using namespace kestrel;
+  constexpr NodeProgram kProgram = {
+      "pose_filter", "pose_filter_node",
+      "fuses the IMU with the poses of mapper_node and with heights, and publishes\n"
+      "pose and velocity of the vehicle at the rate of the IMU.",
+      "roslaunch kestrel_slam mav.launch"};
+  return runNode<PoseFilterNode, PoseFilterNodeConfig>(argc, argv, kProgram);
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/mapper/mapper_parameters.h"
 
-#include <map>
-
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/parameters/parameter_table.h"
 #include "kestrel_slam/ros/common/private_parameters.h"
@@ -10,11 +8,13 @@
 namespace kestrel {
 namespace {
 
-/// Parameters of hector_mapping, and of libraries, that the node knows and does not need.
-const std::map<std::string, std::string>& unneededParameters() {
-  static const std::string kGrows = "the map has no fixed size, it grows with what is seen";
+using namespace parameter_table;
+
+/// Parameters of hector_mapping and of other nodes that have no effect here.
+UnneededParameters unneededParameters() {
+  static const std::string kGrows = "the map has no fixed size, it grows as the vehicle explores";
   static const std::string kNoDebug = "the node reports on /diagnostics and slam_cloud";
-  static const std::map<std::string, std::string> table = {
+  UnneededParameters unneeded = {
       {"map_size", kGrows},
       {"map_start_x", kGrows},
       {"map_start_y", kGrows},
@@ -26,7 +26,9 @@ const std::map<std::string, std::string>& unneededParameters() {
       {"pub_debug_output", kNoDebug},
       {"output_timing", "the time per scan is in /diagnostics"},
   };
-  return table;
+  SlamConfig slam;
+  addUnneeded(attitudeParametersOf(slam), "only scan_projector_node uses the attitude", unneeded);
+  return unneeded;
 }
 
 /// tf2 knows no leading slashes, which launch files written for tf1 still have.
@@ -55,38 +57,65 @@ void validate(const MapperNodeConfig& config) {
   validate(config.slam);
 }
 
+std::vector<Parameter> frameParametersOf(MapperNodeConfig& config) {
+  return {
+      text("base_frame", &config.base_frame,
+           "Frame of the vehicle, whose pose is published; with input planar_scan: "
+           "base_footprint_frame of scan_projector_node."),
+      text("map_frame", &config.map_frame, "Frame of the map and of the published poses."),
+      text("odom_frame", &config.odom_frame,
+           "Frame of an odometry whose motion predicts the pose; empty: there is no odometry."),
+      text("tf_map_scanmatch_transform_frame_name", &config.tf_map_scanmatch_transform_frame_name,
+           "Frame of the pose that pub_map_scanmatch_transform publishes."),
+  };
+}
+
+std::vector<Parameter> inputParametersOf(MapperNodeConfig& config) {
+  constexpr double kMaxQueue = 10000;
+  return {
+      choice("input", &config.input, {"scan", "planar_scan"},
+             "scan: scans of a laser that stays level; planar_scan: scans of "
+             "scan_projector_node."),
+      text("scan_topic", &config.scan_topic, "Topic of the laser, with input scan."),
+      text("planar_scan_topic", &config.planar_scan_topic,
+           "Topic of scan_projector_node, with input planar_scan."),
+      text("sys_msg_topic", &config.sys_msg_topic,
+           "Topic of commands; the command reset deletes the map."),
+      number("scan_subscriber_queue_size", "", &config.scan_subscriber_queue_size, 1.0, kMaxQueue,
+             "Number of scans that can wait for matching; a longer queue drops fewer scans under "
+             "load, and poses come later."),
+  };
+}
+
+std::vector<Parameter> outputParametersOf(MapperNodeConfig& config) {
+  constexpr double kMinPeriod = 0.1, kMaxPeriod = 3600.0, kMaxTolerance = 60.0;
+  return {
+      text("pose_update_topic", &config.pose_update_topic,
+           "Topic of the published pose with covariance."),
+      number("map_pub_period", "s", &config.map_pub_period, kMinPeriod, kMaxPeriod,
+             "Time between two published maps; a map that did not change is not published "
+             "again."),
+      number("transform_tolerance", "s", &config.transform_tolerance, 0.0, kMaxTolerance,
+             "Time by which map_frame -> odom_frame is dated into the future; a larger value "
+             "bridges longer gaps between scans."),
+      flag("pub_map_odom_transform", &config.pub_map_odom_transform,
+           "Publish map_frame -> odom_frame, or map_frame -> base_frame without odometry; set it "
+           "to false if pose_filter_node does so."),
+      flag("pub_map_scanmatch_transform", &config.pub_map_scanmatch_transform,
+           "Also publish the pose as a frame of its own in tf."),
+      flag("pub_odometry", &config.pub_odometry, "Also publish the pose on scanmatch_odom."),
+      flag("advertise_map_service", &config.advertise_map_service,
+           "Offer the service dynamic_map."),
+  };
+}
+
 }  // namespace
 
 std::vector<Parameter> parametersOf(MapperNodeConfig& config) {
-  using namespace parameter_table;
-  constexpr double kMaxQueue = 10000, kMinPeriod = 0.1, kMaxPeriod = 3600.0, kMaxTolerance = 60.0;
-  std::vector<Parameter> parameters = {
-      text("base_frame", &config.base_frame, "the vehicle's frame"),
-      text("map_frame", &config.map_frame, "the frame of map and poses"),
-      text("odom_frame", &config.odom_frame, "the odometry's frame; empty: no odometry"),
-      choice("input", &config.input, {"scan", "planar_scan"},
-             "scan: of a laser that stays level; planar_scan: of the scan projector"),
-      text("scan_topic", &config.scan_topic, "the laser's topic"),
-      text("planar_scan_topic", &config.planar_scan_topic, "the scan projector's topic"),
-      text("sys_msg_topic", &config.sys_msg_topic, "topic of commands; 'reset' forgets the map"),
-      text("pose_update_topic", &config.pose_update_topic, "topic of the pose with covariance"),
-      number("scan_subscriber_queue_size", "", &config.scan_subscriber_queue_size, 1.0, kMaxQueue,
-             "scans that may wait for being matched"),
-      number("map_pub_period", "s", &config.map_pub_period, kMinPeriod, kMaxPeriod,
-             "the map is published this often, if it changed"),
-      number("transform_tolerance", "s", &config.transform_tolerance, 0.0, kMaxTolerance,
-             "how far the transform map -> odom is dated into the future"),
-      flag("pub_map_odom_transform", &config.pub_map_odom_transform,
-           "publish map -> odom, or map -> base without odometry"),
-      flag("pub_map_scanmatch_transform", &config.pub_map_scanmatch_transform,
-           "publish the pose as a frame of its own, too"),
-      text("tf_map_scanmatch_transform_frame_name", &config.tf_map_scanmatch_transform_frame_name,
-           "the name of that frame"),
-      flag("pub_odometry", &config.pub_odometry, "publish the pose on scanmatch_odom, too"),
-      flag("advertise_map_service", &config.advertise_map_service, "offer dynamic_map"),
-  };
-  for (const Parameter& parameter : parametersOf(config.slam)) parameters.push_back(parameter);
-  return parameters;
+  return joined({group("Frames", frameParametersOf(config)),
+                 group("Inputs", inputParametersOf(config)),
+                 group("Outputs", outputParametersOf(config)), mappingParametersOf(config.slam),
+                 projectionParametersOf(config.slam)});
 }
 
 MapperNodeConfig loadParameters(const ros::NodeHandle& private_nh) {

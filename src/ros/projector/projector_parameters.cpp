@@ -2,7 +2,6 @@
 #include "kestrel_slam/ros/projector/projector_parameters.h"
 
 #include <algorithm>
-#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -15,57 +14,88 @@ namespace {
 
 using namespace parameter_table;
 
-/// The node's own one takes its place: it knows tf and none as well.
+/// The node has its own parameter of this name, with the additional choices tf and none.
 constexpr char kAttitudeSource[] = "attitude_source";
 
-/// Parameters of laser_ortho_projector, and what does their job here.
-const std::map<std::string, std::string>& unneededParameters() {
-  static const std::map<std::string, std::string> table = {
+/// Parameters of laser_ortho_projector and of other nodes that have no effect here.
+UnneededParameters unneededParameters() {
+  static const std::string kSource = "~attitude_source says where the attitude comes from";
+  UnneededParameters unneeded = {
       {"ortho_frame", "the scans are published in ~base_stabilized_frame"},
-      {"fixed_frame", "~attitude_frame names the frame that tf has the attitude in"},
-      {"use_imu", "~attitude_source says where the attitude comes from"},
-      {"use_pose", "~attitude_source says where the attitude comes from"},
+      {"fixed_frame", "~attitude_frame is the frame whose attitude is taken from tf"},
+      {"use_imu", kSource},
+      {"use_pose", kSource},
+      {"filter_height_topic", "the height of the pose filter comes with ~filter_topic"},
       {"publish_tf", "~pub_stabilized_transform and ~pub_footprint_transform switch tf"},
   };
-  return table;
+  SlamConfig slam;
+  addUnneeded(mappingParametersOf(slam), "only mapper_node builds a map", unneeded);
+  return unneeded;
 }
 
-std::vector<Parameter> nodeParametersOf(ProjectorNodeConfig& config) {
-  constexpr double kMaxWait = 10.0, kMaxQueue = 10000, kMinIncrement = 1e-4, kMaxIncrement = 0.5;
+std::vector<Parameter> frameParametersOf(ProjectorNodeConfig& config) {
   return {
-      text("base_frame", &config.base_frame, "the vehicle's frame"),
+      text("base_frame", &config.base_frame, "Frame of the vehicle."),
       text("base_stabilized_frame", &config.base_stabilized_frame,
-           "the vehicle's frame without roll and pitch, in which scans are published"),
-      text("base_footprint_frame", &config.base_footprint_frame, "the same, down on the floor"),
+           "Frame of the vehicle without roll and pitch, in which the planar scans are "
+           "published."),
+      text("base_footprint_frame", &config.base_footprint_frame,
+           "Frame without roll and pitch on the floor below the vehicle."),
+  };
+}
+
+std::vector<Parameter> inputParametersOf(ProjectorNodeConfig& config) {
+  return {
       text("scan_topics", &config.scan_topics,
-           "topics of the lasers, with commas between them or as a list; empty: none"),
-      text("cloud_topic", &config.cloud_topic, "topic of a 3D lidar; empty: none"),
-      text("imu_topic", &config.imu_topic, "topic of the IMU"),
+           "Topics of the lasers, separated by commas or as a list; empty: none."),
+      text("cloud_topic", &config.cloud_topic, "Topic of a 3D lidar; empty: none."),
+      text("imu_topic", &config.imu_topic, "Topic of the IMU."),
       text("height_topic", &config.height_topic,
-           "topic of a range finder that looks down; where mirror_angles are given, of their "
-           "height; empty: none"),
-      text("odom_topic", &config.odom_topic, "topic of an odometry with the velocity; empty: none"),
-      text(
-          "filter_topic", &config.filter_topic,
-          "topic of the states of the pose filter, filtered_motion: its attitude, velocity, height "
-          "and motion are used while they are known well; empty: none"),
+           "Topic of a range finder that looks down; with mirror_angles the node publishes its "
+           "height there; empty: none."),
+      text("odom_topic", &config.odom_topic,
+           "Topic of an odometry whose velocity corrects the motion during a scan; empty: none."),
+      text("filter_topic", &config.filter_topic,
+           "Topic filtered_motion of pose_filter_node, whose attitude, velocity, height and motion "
+           "are used while they are well known; empty: none."),
+  };
+}
+
+std::vector<Parameter> attitudeChoicesOf(ProjectorNodeConfig& config) {
+  return {
       choice(kAttitudeSource, &config.attitude_source, {"auto", "orientation", "raw", "tf", "none"},
-             "the IMU's orientation, or its gyro and accelerometer (auto: what it gives); tf; or "
-             "none for a laser that is always level"),
+             "orientation: the IMU's own orientation; raw: from its gyro and accelerometer; auto: "
+             "the orientation if the IMU gives one, else raw; tf: from tf; none: the laser is "
+             "always level."),
       text("attitude_frame", &config.attitude_frame,
-           "attitude from tf: the frame whose z axis points up; empty: base_stabilized_frame"),
+           "With attitude_source tf: frame whose z axis points up; empty: "
+           "base_stabilized_frame."),
       choice("without_imu", &config.without_imu, {"drop", "level"},
-             "what happens to scans where the IMU fails: dropped, or taken to be level"),
+             "What happens to scans while the attitude is missing: drop, or take the vehicle to be "
+             "level."),
+  };
+}
+
+std::vector<Parameter> queueParametersOf(ProjectorNodeConfig& config) {
+  constexpr double kMaxWait = 10.0, kMaxQueue = 10000;
+  return {
       number("max_wait", "s", &config.max_wait_s, 0.0, kMaxWait,
-             "how long a scan waits for its attitude and transform"),
+             "Time that a scan waits for its attitude and transform before it is dropped; a larger "
+             "value drops fewer scans if the IMU is late."),
       number("queue_size", "", &config.queue_size, 1.0, kMaxQueue,
-             "scans that may wait; beyond that the oldest are dropped"),
+             "Number of scans that can wait; if there are more, the oldest is dropped."),
+  };
+}
+
+std::vector<Parameter> outputParametersOf(ProjectorNodeConfig& config) {
+  constexpr double kMinIncrement = 1e-4, kMaxIncrement = 0.5;
+  return {
       flag("pub_stabilized_transform", &config.pub_stabilized_transform,
-           "publish base_stabilized_frame -> base_frame; never where the attitude is from tf"),
+           "Publish base_stabilized_frame -> base_frame; never with attitude_source tf."),
       flag("pub_footprint_transform", &config.pub_footprint_transform,
-           "publish base_footprint_frame -> base_stabilized_frame"),
+           "Publish base_footprint_frame -> base_stabilized_frame."),
       number("view_increment", "rad", &config.view_increment_rad, kMinIncrement, kMaxIncrement,
-             "angle between the beams of planar_scan_view"),
+             "Angle between the beams of planar_scan_view; a smaller angle shows more detail."),
   };
 }
 
@@ -110,11 +140,15 @@ std::vector<std::string> splitNames(const std::string& text) {
 }
 
 std::vector<Parameter> parametersOf(ProjectorNodeConfig& config) {
-  std::vector<Parameter> parameters = nodeParametersOf(config);
-  for (const Parameter& parameter : projectorParametersOf(config.slam)) {
-    if (parameter.name != kAttitudeSource) parameters.push_back(parameter);
-  }
-  return parameters;
+  std::vector<Parameter> attitude = attitudeParametersOf(config.slam);
+  attitude.erase(std::remove_if(attitude.begin(), attitude.end(),
+                                [](const Parameter& p) { return p.name == kAttitudeSource; }),
+                 attitude.end());
+  return joined(
+      {group("Frames", frameParametersOf(config)), group("Inputs", inputParametersOf(config)),
+       group("Attitude", joined({attitudeChoicesOf(config), attitude})),
+       group("Waiting", queueParametersOf(config)), group("Outputs", outputParametersOf(config)),
+       projectionParametersOf(config.slam)});
 }
 
 ProjectorNodeConfig loadProjectorParameters(const ros::NodeHandle& private_nh) {

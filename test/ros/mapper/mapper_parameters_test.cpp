@@ -131,6 +131,13 @@ TEST_F(MapperParameters, FramesMustDiffer) {
   EXPECT_EQ(errorOfLoading(), "");
 }
 
+TEST_F(MapperParameters, TheShippedFileHoldsTheDefaults) {
+  ASSERT_TRUE(ros::param::has("/shipped/map_resolution"));
+  const MapperNodeConfig config = loadParameters(ros::NodeHandle("/shipped"));
+  EXPECT_EQ(config.slam.mapper.grid.resolution_m, OccupancyGridConfig().resolution_m);
+  EXPECT_EQ(config.slam.projector.ignored_angles, "");
+}
+
 TEST(MapperProgram, EndsWithOneLineOnABadParameter) {
   const Outcome outcome = runNode("_map_resolution:=-1", 10);
   EXPECT_EQ(outcome.exit_code, 1);
@@ -144,6 +151,15 @@ TEST(MapperProgram, EndsWithOneLineOnABadParameter) {
 TEST(MapperProgram, NamesTheNearestOfAMisspeltParameter) {
   const Outcome outcome = runNode("_map_resolutoin:=0.1", 4);
   EXPECT_NE(outcome.output.find("Unknown parameter ~map_resolutoin; did you mean ~map_resolution?"),
+            std::string::npos)
+      << outcome.output;
+  ros::param::del("/parameters");
+}
+
+TEST(MapperProgram, SaysOnceWhyParametersOfTheProjectorAreNotNeeded) {
+  const Outcome outcome = runNode("_gravity_time:=4 _gravity_gate:=0.1", 4);
+  EXPECT_NE(outcome.output.find("~gravity_gate, ~gravity_time have no effect: only "
+                                "scan_projector_node uses the attitude"),
             std::string::npos)
       << outcome.output;
   ros::param::del("/parameters");

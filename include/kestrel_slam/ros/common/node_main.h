@@ -5,11 +5,16 @@
 
 #include <cstdio>
 #include <exception>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/ros/common/node_program.h"
 
 namespace kestrel {
 
-/// The exit code. The last node handle to go takes the logging with it, so that a message has to be
-/// written while one is left.
+/// Runs the node to its end and returns the exit code. The last node handle takes the logging with
+/// it, so that a message has to be written while one is left.
 template <typename Node>
 int spinNode(const char* program) {
   const ros::NodeHandle nh;
@@ -23,14 +28,21 @@ int spinNode(const char* program) {
   }
 }
 
-/// The whole of a program with one node: 1 and one line where it cannot run.
-template <typename Node>
-int runNode(int argc, char** argv, const char* name, const char* program) {
+/// The whole program of a node with the parameters of `Config`. Exit code: 0, or 1 with one line
+/// that says why the node cannot run.
+template <typename Node, typename Config>
+int runNode(int argc, char** argv, const NodeProgram& program) {
+  Config defaults;
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (const auto answer = answerTo(arguments, program, parametersOf(defaults))) {
+    std::fputs(answer->c_str(), stdout);
+    return 0;
+  }
   try {
-    ros::init(argc, argv, name);
-    return spinNode<Node>(program);
+    ros::init(argc, argv, program.node);
+    return spinNode<Node>(program.program);
   } catch (const std::exception& error) {  // before there was any logging
-    std::fprintf(stderr, "%s cannot start: %s\n", program, error.what());
+    std::fprintf(stderr, "%s cannot start: %s\n", program.program, error.what());
     return 1;
   }
 }

@@ -15,7 +15,7 @@ struct MapperNodeConfig {
   std::string base_frame = "base_link";
   std::string map_frame = "map";
   std::string odom_frame;      ///< empty, or the base frame: no odometry, tf is map -> base
-  std::string input = "scan";  ///< scan: of a level laser; planar_scan: of the scan projector
+  std::string input = "scan";  ///< scan: from a level laser; planar_scan: from the scan projector
   std::string scan_topic = "scan";
   std::string planar_scan_topic = "planar_scan";
   std::string sys_msg_topic = "syscommand";
@@ -37,12 +37,10 @@ struct MapperNodeConfig {
   bool usesOdometry() const { return !odom_frame.empty() && odom_frame != base_frame; }
 };
 
-/// The table of the node's parameters and those of the SLAM, bound to `config`.
+/// The table of the node's parameters and those of map, matching and projection, bound to `config`.
 std::vector<Parameter> parametersOf(MapperNodeConfig& config);
 
-/// Reads the private parameters. Says so where one of hector_mapping has no effect here and why,
-/// and where one is unknown, with the nearest valid name. Throws std::invalid_argument that names
-/// a parameter out of range, its value and what is allowed.
+/// Reads the private parameters; see readPrivateParameters. Throws std::invalid_argument.
 MapperNodeConfig loadParameters(const ros::NodeHandle& private_nh);
 
 }  // namespace kestrel
