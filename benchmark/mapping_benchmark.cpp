@@ -12,7 +12,7 @@
 #include "kestrel_slam/sensor/planar_scan.h"
 #include "kestrel_slam/sensor/scan_projector.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint64_t kSeed = 1;
@@ -88,6 +88,6 @@ BENCHMARK(insert);
 BENCHMARK(snapshot);
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 BENCHMARK_MAIN();

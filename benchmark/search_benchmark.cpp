@@ -14,7 +14,7 @@
 #include "kestrel_slam/experiments/mapped_log.h"
 #include "kestrel_slam/matching/correlative.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kResolution_m = 0.03;  // as in Olson's experiments
@@ -68,7 +68,7 @@ void run(const std::string& recording, std::size_t small, std::size_t large) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   if (argc < 2 || argc > 4) {
@@ -78,7 +78,7 @@ int main(int argc, char** argv) {
   }
   constexpr int kBase = 10;
   try {
-    kestrel_slam::run(argv[1],
+    kestrel::run(argv[1],
                       argc > 2 ? std::max(1UL, std::strtoul(argv[2], nullptr, kBase)) : 500,
                       argc > 3 ? std::strtoul(argv[3], nullptr, kBase) : 50);
   } catch (const std::exception& error) {

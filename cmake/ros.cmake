@@ -5,6 +5,8 @@ find_package(catkin REQUIRED COMPONENTS
   roscpp sensor_msgs std_msgs std_srvs tf2 tf2_msgs tf2_ros visualization_msgs)
 find_package(rosbag_storage REQUIRED)  # apart: what flies is not linked to it
 
+file(GLOB MESSAGES RELATIVE ${PROJECT_SOURCE_DIR}/msg ${PROJECT_SOURCE_DIR}/msg/*.msg)
+add_message_files(DIRECTORY msg FILES ${MESSAGES})
 file(GLOB SERVICES RELATIVE ${PROJECT_SOURCE_DIR}/srv ${PROJECT_SOURCE_DIR}/srv/*.srv)
 add_service_files(DIRECTORY srv FILES ${SERVICES})
 generate_messages(DEPENDENCIES geometry_msgs std_msgs)

@@ -56,7 +56,8 @@ if(KESTREL_WITH_ROS AND CATKIN_ENABLE_TESTING)
   foreach(source ${ROS_TEST_SOURCES})
     get_filename_component(name ${source} NAME_WE)
     add_executable(${name} ${source})
-    target_link_libraries(${name} PRIVATE kestrel_ros_testing kestrel_commands kestrel_warnings GTest::gtest)
+    target_link_libraries(${name} PRIVATE kestrel_ros_testing kestrel_commands kestrel_warnings GTest::gtest
+      ${rosbag_storage_LIBRARIES})
     target_compile_definitions(${name} PRIVATE KESTREL_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
       KESTREL_MAPPER_NODE="$<TARGET_FILE:mapper_node>"
       KESTREL_SCAN_PROJECTOR_NODE="$<TARGET_FILE:scan_projector_node>")

@@ -10,7 +10,7 @@
 #include "kestrel_slam/matching/gauss_newton.h"
 #include "kestrel_slam/sensor/planar_scan.h"
 
-namespace kestrel_slam::room {
+namespace kestrel::room {
 
 /// A wall from (x0, y0) to (x1, y1), m.
 struct Segment {
@@ -67,4 +67,4 @@ inline Submap map(const Pose2& map_T_room = Pose2()) {
   return map;
 }
 
-}  // namespace kestrel_slam::room
+}  // namespace kestrel::room

@@ -12,7 +12,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/sensor/laser_scan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A flight along x through a room with a corner cut off by a cupboard: x from -2 to 5 m, y from
 /// -1.5 to 2.5 m, in closed form.
@@ -69,4 +69,4 @@ struct RoomFlight {
   }
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

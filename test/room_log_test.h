@@ -9,7 +9,7 @@
 #include "room_log.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Tests of tools that map a log of a RoomFlight and write into the same temporary folder.
 class RoomLogTest : public ::testing::Test {
@@ -24,4 +24,4 @@ class RoomLogTest : public ::testing::Test {
   std::string log_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <string>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What a command left behind.
 struct Outcome {
@@ -26,4 +26,4 @@ inline Outcome runCommand(const std::string& command) {
   return outcome;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A folder for the files of one test; gone with it.
 class TemporaryFolder {
@@ -64,4 +64,4 @@ std::string messageOf(Action action) {
     GTEST_SKIP() << "no recordings: neither KESTREL_DATA nor ../shared/data is a folder"; \
   }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

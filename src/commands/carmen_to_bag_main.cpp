@@ -10,7 +10,7 @@
 #include "kestrel_slam/recording/bag/bag_writer.h"
 #include "kestrel_slam/recording/carmen_log.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 struct Options {
@@ -41,10 +41,10 @@ void run(const Options& options) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
-  using namespace kestrel_slam;
+  using namespace kestrel;
   CLI::App app(
       "Converts a CARMEN log to a rosbag with /scan, /odom, /tf and /tf_static.\n"
       "Exit code 0: done; 1: bad input; 2: wrong usage.");

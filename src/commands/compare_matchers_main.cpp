@@ -17,7 +17,7 @@
 #include "kestrel_slam/offline/version.h"
 #include "kestrel_slam/report/likelihood_plot.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
@@ -155,10 +155,10 @@ void check(const Arguments& arguments) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
-  using namespace kestrel_slam;
+  using namespace kestrel;
   CLI::App app("Maps a recording with every matcher and compares them in a table and a picture.");
   Arguments arguments;
   declareOptions(app, arguments);

@@ -15,7 +15,7 @@
 #include "kestrel_slam/recording/trajectory.h"
 #include "kestrel_slam/report/evaluation_plot.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 struct Options {
@@ -147,10 +147,10 @@ void run(const Options& options) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
-  using namespace kestrel_slam;
+  using namespace kestrel;
   CLI::App app(
       "Compares a trajectory with relations (Freiburg benchmark) or a reference trajectory.\n"
       "Exit code 0: done; 1: bad input; 2: wrong usage.");

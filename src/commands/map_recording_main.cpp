@@ -10,7 +10,7 @@
 #include "kestrel_slam/offline/version.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
@@ -80,10 +80,10 @@ void check(const Arguments& arguments) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
-  using namespace kestrel_slam;
+  using namespace kestrel;
   CLI::App app("Maps a recording of a 2D laser and writes the map, the trajectory and a report.");
   Arguments arguments;
   declareOptions(app, arguments);

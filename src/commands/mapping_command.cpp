@@ -17,7 +17,7 @@
 #include "kestrel_slam/report/progress_bar.h"
 #include "kestrel_slam/report/report.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
@@ -82,6 +82,10 @@ void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
       ->check(CLI::IsMember({"none", "use"}));
   app.add_option("--imu", arguments.imu,
                  "use: roll, pitch and turn rate from the recording's IMU (default); none: level")
+      ->check(CLI::IsMember({"none", "use"}));
+  app.add_option("--filter", arguments.filter,
+                 "use: the pose filter runs as in mav.launch, where the IMU has gyro and "
+                 "accelerometer and no odometry is used (default); none: without")
       ->check(CLI::IsMember({"none", "use"}));
   app.add_option("--set", arguments.settings, "name=value: a parameter, after those of --config")
       ->expected(1)
@@ -156,6 +160,7 @@ OfflineRun mapVisibly(Recording& recording, const SlamConfig& config,
   RunOptions options = arguments.run;
   options.use_odometry = arguments.odometry == "use";
   options.use_imu = arguments.imu == "use";
+  options.use_filter = arguments.filter == "use" && !options.use_odometry;
   options.base_T_laser = laserPoseOf(arguments.laser_pose);
   ProgressBar bar(stderr, ::isatty(STDERR_FILENO) == 1);
   OfflineRun run = runOffline(recording, config, options, [&](const OfflineProgress& progress) {
@@ -191,4 +196,4 @@ void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& 
   writeFileAtomically((folder / "report.html").string(), reportHtml(run, info));
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -17,7 +17,7 @@
 #include "kestrel_slam/recording/reference.h"
 #include "kestrel_slam/simulation/flight_plan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kPercent = 100.0;
@@ -286,10 +286,10 @@ void run(Options options) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
-  using namespace kestrel_slam;
+  using namespace kestrel;
   Options options;
   CLI::App app(
       "Runs the pose filter with projector and mapper on simulated flights and prints its errors "

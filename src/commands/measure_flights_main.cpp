@@ -12,7 +12,7 @@
 #include "kestrel_slam/experiments/hard_flight.h"
 #include "kestrel_slam/map/map_io.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kMillimeter = 1e-3, kPercent = 100.0;
@@ -178,10 +178,10 @@ void run(const Options& options) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
-  using namespace kestrel_slam;
+  using namespace kestrel;
   Options options;
   CLI::App app("Maps simulated flights and prints their errors against the truth.");
   app.add_option("--random", options.random_flights, "number of random flights")

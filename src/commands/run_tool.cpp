@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <exception>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 int runTool(const std::string& name, CLI::App& app, int argc, char** argv, const Action& run,
             const Action& check) {
@@ -24,4 +24,4 @@ int runTool(const std::string& name, CLI::App& app, int argc, char** argv, const
   return kSuccess;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -13,7 +13,7 @@
 #include "kestrel_slam/simulation/flight_plan.h"
 #include "kestrel_slam/simulation/flight_simulator.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 struct Options {
@@ -129,10 +129,10 @@ void run(const Options& options) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
-  using namespace kestrel_slam;
+  using namespace kestrel;
   Options options;
   CLI::App app("Simulates the flight of a quadrotor with all its sensors and writes a rosbag.");
   declareOptions(app, options);

@@ -17,7 +17,7 @@
 #include "kestrel_slam/report/slice_plot.h"
 #include "kestrel_slam/sensor/scan_projector.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
@@ -128,10 +128,10 @@ void run(const Options& options) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
-  using namespace kestrel_slam;
+  using namespace kestrel;
   Options options;
   CLI::App app(
       "Cuts the horizontal slice that is mapped out of clouds of a 3D lidar (of a level vehicle),\n"

@@ -13,7 +13,7 @@
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/recording/text_stream.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::size_t kPoseFields = 4, kCovarianceFields = 6;
@@ -105,4 +105,4 @@ ClaimEvaluation evaluateClaims(const std::vector<Claim>& claims,
   return {statisticsOf(translations), statisticsOf(rotations), statisticsOf(nees)};
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kInterval = 1.0;  ///< s
@@ -75,4 +75,4 @@ double shareWithin(const std::vector<double>& values, const std::pair<double, do
          static_cast<double>(values.size());
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/recording/text_stream.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::size_t kRelationFields = 8;
@@ -252,4 +252,4 @@ double pathLength(const Trajectory& trajectory) {
   return distances.empty() ? 0.0 : distances.back();
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kBytesPerMegabyte = 1e6;
@@ -84,4 +84,4 @@ DriveMeasurement measureDrive(const FlightTrial& trial) {
   return result;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

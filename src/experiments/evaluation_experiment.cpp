@@ -10,7 +10,7 @@
 #include "kestrel_slam/report/plot.h"
 #include "kestrel_slam/sensor/planar_scan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint64_t kSeed = 1;
@@ -164,4 +164,4 @@ void plotEvaluationFunction(const std::string& path, const std::vector<MethodTri
   writePlot(path, panels);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

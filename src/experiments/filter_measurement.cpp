@@ -11,7 +11,7 @@
 #include "kestrel_slam/recording/simulated_recording.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kInterval_s = 1.0;  // between two samples of the NEES
@@ -133,28 +133,33 @@ FilterMeasurement measureFilter(const FilterTrial& trial) {
   const std::unique_ptr<Motion> motion =
       flyQuadrotor(flight.place.plan, flight.place.quadrotor, flight.seed);
   FlightSimulator simulator(world, *motion, flight.vehicle, flight.seed);
-  FilteredMapping mapping(flight.config, trial.filter, trial.coupling);
+  PipelineConfig config;
+  config.slam = flight.config;
+  config.filter = trial.filter;
+  config.coupling = trial.coupling;
+  Pipeline pipeline(config);
   Judge judge(*motion, kFlightStart + trial.blind_until_s);
-  mapping.on_scan = [&](const PlanarScan& scan, const MapperResult& result) {
-    judge.hear(scan, result);
-  };
-  mapping.on_output = [&](const FilterOutput& out) { judge.hear(out, simulator.imuBiases()); };
+  pipeline.on_scan = [&](const MappedSweep& sweep) { judge.hear(sweep.scan, sweep.result); };
+  pipeline.on_filter = [&](const FilterOutput& out) { judge.hear(out, simulator.imuBiases()); };
   FlightEvent event;
   while (simulator.next(event)) {
     const double time = event.stamp - kFlightStart;
     if (const auto* sample = std::get_if<ImuSample>(&event.message)) {
-      mapping.addImu(*sample, Eigen::Isometry3d(flight.vehicle.base_R_imu), event.arrival);
+      pipeline.addImu(*sample, Eigen::Isometry3d(flight.vehicle.base_R_imu), event.arrival);
     } else if (const auto* range = std::get_if<HeightSample>(&event.message)) {
-      mapping.addRange(*range);
+      pipeline.addRange(*range, event.arrival);
     } else if (const auto* barometer = std::get_if<Barometer>(&event.message)) {
-      mapping.addBarometer(barometer->sample);
+      pipeline.addBarometer(barometer->sample, event.arrival);
     } else if (const auto* scan = std::get_if<LaserScan>(&event.message)) {
       if (time >= trial.blind_from_s && time < trial.blind_until_s) continue;
-      mapping.addScan(*scan, flight.vehicle.base_T_laser);
+      PipelineScan input;
+      input.data = *scan;
+      input.base_T_laser = flight.vehicle.base_T_laser;
+      pipeline.addScan(std::move(input), event.arrival);
     }
   }
   FilterMeasurement result = judge.result();
-  result.status = mapping.filter().status(event.stamp);
+  result.status = pipeline.filter().status(event.stamp);
   return result;
 }
 
@@ -184,4 +189,4 @@ double measureImuCost(double duration_s) {
   return kMicroseconds * spent.count() / samples;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "kestrel_slam/recording/simulated_recording.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// An occupied cell farther than this from every upright surface is false, m: twice the edge of a
@@ -84,4 +84,4 @@ FlightMeasurement measureFlight(const FlightTrial& trial) {
   return result;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/recording/simulated_recording.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kFalseAlarm = 0.2;  // m
@@ -130,4 +130,4 @@ std::string HardFlightMeasurement::failures(const HardLimits& limits) const {
   return text.str();
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 #include "kestrel_slam/experiments/hard_flight.h"
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Waypoint = FlightPlan::Waypoint;
@@ -167,4 +167,4 @@ std::vector<HardFlight> hardFlights() {
           spin(kFast),  spin(kSlow),         fastStart(kFast), fastStart(kSlow)};
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

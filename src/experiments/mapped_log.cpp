@@ -8,7 +8,7 @@
 #include "kestrel_slam/recording/recording.h"
 #include "kestrel_slam/sensor/scan_projector.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 MappedLog mapLog(const std::string& path, double resolution_m) {
   const SlamConfig config;
@@ -34,4 +34,4 @@ MappedLog mapLog(const std::string& path, double resolution_m) {
   return log;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

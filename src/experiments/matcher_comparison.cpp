@@ -10,7 +10,7 @@
 #include "kestrel_slam/offline/stats.h"
 #include "kestrel_slam/report/plot.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kMapShare = 2.2, kErrorShare = 1.4;  // heights of the charts
@@ -183,4 +183,4 @@ void plotComparison(const std::string& path, const std::vector<MethodRun>& runs,
   writePlot(path, {trajectoryPanel(runs), translation, rotation});
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

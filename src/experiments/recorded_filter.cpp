@@ -7,8 +7,10 @@
 #include <stdexcept>
 
 #include "kestrel_slam/evaluation/evaluation.h"
+#include "kestrel_slam/geometry/pose3.h"
+#include "kestrel_slam/offline/offline_run.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kHalfDifference_s = 0.1;  // motion capture jitters from frame to frame
@@ -26,29 +28,6 @@ bool velocityAt(const Trajectory& reference, double stamp, Eigen::Vector2d& velo
   velocity = (to->pose.translation() - from->pose.translation()) / seconds;
   return true;
 }
-
-/// Everything that has come until `time`, the readings of the range finder and the IMU.
-class Feeder {
- public:
-  Feeder(const Recording& recording, FilteredMapping& mapping)
-      : imu_(recording.imu()), heights_(recording.heights()), mapping_(mapping) {}
-
-  void feedUntil(double time) {
-    for (; next_ < imu_.samples.size() && imu_.samples[next_].stamp <= time; ++next_) {
-      const double stamp = imu_.samples[next_].stamp;
-      for (; height_ < heights_.size() && heights_[height_].stamp <= stamp; ++height_) {
-        mapping_.addRange(heights_[height_]);
-      }
-      mapping_.addImu(imu_.samples[next_], imu_.base_T_imu, stamp);
-    }
-  }
-
- private:
-  const RecordedImu& imu_;
-  const std::vector<HeightSample>& heights_;
-  FilteredMapping& mapping_;
-  std::size_t next_ = 0, height_ = 0;
-};
 
 }  // namespace
 
@@ -77,27 +56,23 @@ RecordedFilterRun runFiltered(Recording& recording, const SlamConfig& config,
   if (recording.imu().samples.empty()) {
     throw std::runtime_error("the recording has no IMU, which the pose filter needs");
   }
-  RecordedFilterRun run;
-  FilteredMapping mapping(config, filter, coupling);
-  mapping.on_output = [&](const FilterOutput& output) {
-    const Pose2 pose = Pose2(output.map_T_base.translation().x(),
-                             output.map_T_base.translation().y(), output.yaw());
-    run.filter.push_back({{output.stamp, pose}, output.velocity.head<2>()});
+  RecordedFilterRun result;
+  RunOptions options;
+  options.use_filter = true;
+  options.filter = filter;
+  options.coupling = coupling;
+  options.base_T_laser = base_T_laser;
+  options.filter_observer = [&](const FilterOutput& output) {
+    result.filter.push_back(
+        {{output.stamp, toPose2(output.map_T_base)}, output.velocity.head<2>()});
   };
-  mapping.on_scan = [&](const PlanarScan& scan, const MapperResult& result) {
-    if (result.state == MatchState::kLost) return;
-    const Eigen::Vector2d velocity = Eigen::Rotation2Dd(result.pose.yaw) * result.velocity;
-    run.mapper.push_back({{scan.stamp, result.pose}, velocity});
+  options.observer = [&](const PlanarScan& scan, const MapperResult& found) {
+    if (found.state == MatchState::kLost) return;
+    const Eigen::Vector2d velocity = Eigen::Rotation2Dd(found.pose.yaw) * found.velocity;
+    result.mapper.push_back({{scan.stamp, found.pose}, velocity});
   };
-  Feeder feeder(recording, mapping);
-  RecordedScan scan;
-  while (recording.next(scan)) {
-    feeder.feedUntil(sweepTimes(scan.scan).last);
-    mapping.addScan(scan.scan, base_T_laser.value_or(scan.base_T_laser));
-  }
-  feeder.feedUntil(recording.imu().samples.back().stamp);
-  run.status = mapping.filter().status(recording.imu().samples.back().stamp);
-  return run;
+  result.status = *runOffline(recording, config, options).filter;
+  return result;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -2,7 +2,7 @@
 #include "kestrel_slam/experiments/flight_measurement.h"
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 VehicleModel utmVehicle() {
@@ -111,4 +111,4 @@ std::vector<FlightTrial> standardFlights() {
           laserOnly()};
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -4,7 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr int kBisections = 40;
@@ -43,4 +43,4 @@ Intersection intersect(const Eigen::Matrix3d& prior, const Eigen::Matrix3d& meas
   return result;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

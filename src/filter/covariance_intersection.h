@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Result of a covariance intersection of a prior with a measurement of the same quantity.
 struct Intersection {
@@ -18,4 +18,4 @@ struct Intersection {
 /// the units of the quantities. `prior` and `measured`: symmetric and positive definite.
 Intersection intersect(const Eigen::Matrix3d& prior, const Eigen::Matrix3d& measured);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

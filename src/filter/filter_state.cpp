@@ -5,7 +5,7 @@
 #include "kestrel_slam/geometry/gravity.h"
 #include "kestrel_slam/sensor/attitude_estimator.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 // A saturated reading tells hardly more than the direction.
@@ -145,4 +145,4 @@ bool isHealthy(const FilterState& state) {
   return finite && (state.covariance.diagonal().array() >= 0.0).all();
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

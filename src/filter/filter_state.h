@@ -6,7 +6,7 @@
 #include "kestrel_slam/filter/filter_types.h"
 #include "kestrel_slam/filter/pose_filter_config.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The two states beside those of FilterOutput: what the height sensors refer to. They are
 /// estimated together with the others, so that a height that was learned from the filter never
@@ -75,4 +75,4 @@ bool isHealthy(const FilterState& state);
 /// The matrix of the cross product.
 Eigen::Matrix3d skew(const Eigen::Vector3d& v);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

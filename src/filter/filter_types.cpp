@@ -4,7 +4,7 @@
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// What the filter may be wrong by where others build on it: 0.6 degrees move the end of a beam of
@@ -97,4 +97,4 @@ Eigen::Matrix<double, 6, 6> twistCovariance(const FilterOutput& output, double g
   return result;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

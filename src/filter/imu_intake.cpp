@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kPeriodShare = 0.02;  // of the newest period in the smoothed one
@@ -108,4 +108,4 @@ ImuIntake::Result ImuIntake::accumulate(double stamp, const ImuInput& reading) {
   return Result::kStep;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include "kestrel_slam/sensor/imu_validation.h"
 #include "kestrel_slam/sensor/stamp_check.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// One step of the IMU: the mean of its readings (trapezoidal) since the step before.
 struct ImuStep {
@@ -53,4 +53,4 @@ class ImuIntake {
   double period_s_ = 0.0;  ///< smoothed
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

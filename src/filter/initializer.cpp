@@ -9,7 +9,7 @@
 #include "kestrel_slam/geometry/pose3.h"
 #include "measurement.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kInAir_s = 1.1;       // no standstill after this long: the vehicle flies
@@ -150,4 +150,4 @@ FilterState Initializer::inAir(double stamp, const Eigen::Quaterniond& map_R_bas
   return state;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

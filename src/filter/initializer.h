@@ -9,7 +9,7 @@
 #include "kestrel_slam/sensor/attitude_estimator.h"
 #include "kestrel_slam/sensor/standstill.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Finds the first attitude and the biases: from a second of standstill, or, where the vehicle
 /// moves, from what gravity says on the average.
@@ -51,4 +51,4 @@ class Initializer {
   std::optional<Eigen::Quaterniond> estimated_;  ///< in flight
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

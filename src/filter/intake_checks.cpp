@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/sensor/imu_validation.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kAsymmetry = 1e-6;   // share of the largest element: rounding
@@ -59,4 +59,4 @@ std::string faultOf(const HeightSample& sample, bool only_positive, double max_m
   return std::abs(sample.height_m) > max_m ? "too far" : "";
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include "kestrel_slam/filter/pose_filter_config.h"
 #include "kestrel_slam/sensor/imu_sample.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Why a measurement cannot be used whatever the state is; empty where it can.
 std::string faultOf(const PoseMeasurement& measurement);
@@ -19,4 +19,4 @@ std::string faultOf(const HeightSample& sample, bool only_positive, double max_m
 /// Finite, symmetric and positive definite.
 bool isCovariance(const Eigen::Matrix3d& matrix);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include "kestrel_slam/sensor/attitude_estimator.h"
 #include "measurement.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Derivative of the yaw by the orientation's error.
@@ -97,4 +97,4 @@ Linearized<1> linearizeBarometer(const Measurement& measurement, const FilterSta
   return result;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 const char* const kGated = "innovation gate";
@@ -270,4 +270,4 @@ Verdict apply(const Measurement& m, const PoseFilterConfig& config, FilterState&
   return {"unknown sensor"};
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include "filter_state.h"
 #include "kestrel_slam/filter/filter_types.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// One measurement of any sensor, in the form in which the timeline keeps it.
 struct Measurement {
@@ -51,4 +51,4 @@ Linearized<1> linearizeBarometer(const Measurement& measurement, const FilterSta
 /// below (Wilson and Hilferty's approximation: 3 % too much at worst for gates).
 double chiSquareQuantile(double probability, int freedom);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

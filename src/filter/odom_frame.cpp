@@ -5,7 +5,7 @@
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 Eigen::Quaterniond OdomFrame::mapROdom() const {
   return Eigen::Quaterniond(Eigen::AngleAxisd(yaw_, Eigen::Vector3d::UnitZ()));
@@ -35,4 +35,4 @@ Eigen::Isometry3d OdomFrame::mapTOdom(const FilterState& state) const {
   return result;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

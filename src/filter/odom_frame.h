@@ -5,7 +5,7 @@
 
 #include "filter_state.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Keeps the pose in odom continuous: it moves as the estimate is propagated, and what corrects the
 /// place or the yaw in map moves the frame odom instead (REP-105).
@@ -27,4 +27,4 @@ class OdomFrame {
   double yaw_ = 0.0;                                    ///< of odom in map, rad
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 #include "intake_checks.h"
 #include "pose_filter_state.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kExtrapolation_s = 0.1;  // the last reading says nothing of later
@@ -134,4 +134,4 @@ double PoseFilter::imuRate() const { return state_->imu.rate(); }
 
 const PoseFilterConfig& PoseFilter::config() const { return state_->config; }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kHuge = 1e6;
@@ -68,4 +68,4 @@ void validate(const PoseFilterConfig& config) {
   validateMeasurements(config);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

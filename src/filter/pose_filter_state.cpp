@@ -10,7 +10,7 @@
 #include "kestrel_slam/sensor/attitude_buffer.h"
 #include "kestrel_slam/sensor/attitude_estimator.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kModerateRate = 3.0;   // rad/s; beyond, an IMU off the axis feels the turn
@@ -267,4 +267,4 @@ std::string PoseFilter::State::problem(FilterHealth health_now) const {
   return text.str();
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

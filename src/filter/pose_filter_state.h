@@ -12,7 +12,7 @@
 #include "odom_frame.h"
 #include "timeline.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What the filter consists of, and how the parts work together.
 struct PoseFilter::State {
@@ -51,4 +51,4 @@ struct PoseFilter::State {
   std::optional<FilterOutput> last_known;  ///< before the last reset
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::size_t kMaxWaiting = 1000;  // more is no sensor
@@ -108,4 +108,4 @@ const Timeline::Node* Timeline::after(const Node& node) const {
   return next == nodes_.end() ? nullptr : &*next;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

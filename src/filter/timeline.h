@@ -11,7 +11,7 @@
 #include "filter_state.h"
 #include "measurement.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The last moments of the filter: its state at every IMU sample, and what was measured in between.
 /// A measurement that comes late is put into its place, and everything since then is repeated.
@@ -55,4 +55,4 @@ class Timeline {
   std::vector<Measurement> waiting_;  ///< newer than the newest node, ascending
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 double yawOf(const Eigen::Quaterniond& world_R_base) {
   const Eigen::Vector3d nose = world_R_base * Eigen::Vector3d::UnitX();
@@ -26,4 +26,4 @@ Pose2 toPose2(const Eigen::Isometry3d& transform) {
           std::atan2(rotation(1, 0), rotation(0, 0))};
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

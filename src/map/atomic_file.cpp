@@ -9,7 +9,7 @@
 #include <iterator>
 #include <stdexcept>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 [[noreturn]] void fail(const std::string& what, const std::string& path, int error) {
@@ -52,4 +52,4 @@ std::string readFile(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kLogOddsScale = 1000.0;
@@ -68,4 +68,4 @@ void addMisses(std::uint32_t bits, std::int16_t miss, std::int16_t min, std::int
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

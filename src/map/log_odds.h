@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Log odds of a probability, as the cells of a grid store it: in steps of 1/1000, fine enough for
 /// any update, and ±32 in range.
@@ -17,4 +17,4 @@ const double* probabilityTable();
 /// never 0, which would mean unknown.
 void addMisses(std::uint32_t bits, std::int16_t miss, std::int16_t min, std::int16_t* values);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/map/pgm.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 // Gray values and thresholds of map_server's map_saver.
@@ -229,4 +229,4 @@ MapSnapshot readMap(const std::string& yaml_path) {
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 
 #include "log_odds.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kBytesPerMegabyte = 1e6;
@@ -253,4 +253,4 @@ MapSnapshot OccupancyGrid::snapshot() const {
   return map;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

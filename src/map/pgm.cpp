@@ -4,7 +4,7 @@
 #include <cctype>
 #include <stdexcept>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr int kWhite = 255;
@@ -120,4 +120,4 @@ GrayImage decodePgm(const std::string& bytes) {
   return image;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

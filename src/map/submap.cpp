@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/sensor/planar_scan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kBytesPerMegabyte = 1e6;
@@ -74,4 +74,4 @@ std::size_t Submap::memoryBytes() const {
   return bytes;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 
 #include "wall_tangent.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Hits after which the mean of a cell forgets old ones, so that it can follow a moved wall. Of 15
@@ -290,4 +290,4 @@ void SurfelField::updateShape(std::uint32_t id) {
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Neighboring hits of a scan that make a direction: at least this far apart together, each at
@@ -49,4 +49,4 @@ Eigen::Vector2f tangentAt(const std::vector<OccupancyGrid::Changes::Hit>& hits, 
   return Eigen::Vector2f::Zero();
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/map/occupancy_grid.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The direction of the wall at hit `i` from its neighbors in the scan, as (cos, sin) of twice its
 /// angle, or zero where they make no line. `sparse`: they are so far apart that a match had better
@@ -15,4 +15,4 @@ namespace kestrel_slam {
 Eigen::Vector2f tangentAt(const std::vector<OccupancyGrid::Changes::Hit>& hits, std::size_t i,
                           bool& sparse);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

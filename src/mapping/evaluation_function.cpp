@@ -3,7 +3,7 @@
 
 #include <limits>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 double evaluationFunction(const MatchResult& match, const EvaluationConfig& config) {
   constexpr auto kStages = static_cast<double>(kMatchStages);
@@ -25,4 +25,4 @@ double evaluationFunction(const MatchResult& match, const EvaluationConfig& conf
   return 1.0 / score + config.penalty * (variance / unit.square()).sum();
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 
 #include "kestrel_slam/matching/covariance.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// One beam of so many, but between so many of them, tells which scans the walls around come from.
@@ -65,4 +65,4 @@ Eigen::Matrix3d MapUncertainty::at(const SurfelField& surface, const Points& poi
   return mean;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

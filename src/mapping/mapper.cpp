@@ -9,7 +9,7 @@
 #include "kestrel_slam/mapping/motion_model.h"
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// A lost vehicle is found where the scan fits well (search_score), and where this share of it is
@@ -205,4 +205,4 @@ const MapperConfig& Mapper::config() const { return state_->config; }
 MapSnapshot Mapper::snapshot() const { return state_->map.grid().snapshot(); }
 std::size_t Mapper::memoryBytes() const { return state_->map.memoryBytes(); }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// A vehicle that seems to move farther than this between two scans was moved, or jumped in the
@@ -195,4 +195,4 @@ void MotionModel::setPose(const Pose2& map_T_base) {
   placed_ = true;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

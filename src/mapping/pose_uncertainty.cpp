@@ -8,7 +8,7 @@
 
 #include "kestrel_slam/matching/covariance.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Standard deviations of a pose that is only predicted.
@@ -109,4 +109,4 @@ void PoseUncertainty::lose(const Pose2& predicted) {
   drifting_ = false;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 
 #include "window_sums.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Blocks of the top level: at least 4 cells a side, and at most this many of them in a row.
@@ -154,4 +154,4 @@ void BranchAndBound::expand(const Block& block) {
   expandAll(blocks);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 #include "likelihood_image.h"
 #include "search_grid.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A pose of the grid with what it is worth.
 struct ScoredPose {
@@ -80,4 +80,4 @@ class BranchAndBound {
   ScoredPose best_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

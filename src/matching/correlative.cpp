@@ -10,7 +10,7 @@
 #include "search_grid.h"
 #include "surface_sampler.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Steps around the best pose that make the mean.
@@ -126,4 +126,4 @@ SearchResult searchWindowBruteForce(const SurfelField& surface, const Points& po
   return resultOf(grid, image, best);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

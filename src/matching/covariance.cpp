@@ -5,7 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// An empty scan has no Hessian at all.
@@ -74,4 +74,4 @@ Eigen::Matrix3d transported(const Eigen::Matrix3d& covariance, const Eigen::Vect
   return jacobian * covariance * jacobian.transpose();
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

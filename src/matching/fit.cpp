@@ -6,7 +6,7 @@
 
 #include "surfel_lanes.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 double leastConstraint(const Fit& fit) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> normals(fit.normals, Eigen::EigenvaluesOnly);
@@ -57,4 +57,4 @@ Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, doub
   return result;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

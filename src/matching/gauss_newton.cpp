@@ -3,7 +3,7 @@
 
 #include "surfel_lanes.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// The sums of the normal equations of four points at a time.
@@ -100,4 +100,4 @@ NormalEquations linearizeOccupancy(const OccupancyGrid& grid, int level, const P
   return result;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include "kestrel_slam/matching/covariance.h"
 #include "thinned.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Cauchy scales of the stages. Wide ones see far, the last one only what lies on the wall: scale
@@ -208,4 +208,4 @@ void fillUncertainty(const Submap& map, const Points& points, const Optimum& opt
       kUnconstrainedM * kUnconstrainedM * (weakest * weakest.transpose());
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

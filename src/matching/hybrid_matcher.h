@@ -4,7 +4,7 @@
 #include "kestrel_slam/matching/fit.h"
 #include "kestrel_slam/matching/matcher.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Gauss-Newton on the distance to the walls, from the prediction; from other initial guesses where
 /// that fit is poor; from an exhaustive search where those are poor as well.
@@ -62,4 +62,4 @@ struct Optimum {
 void fillUncertainty(const Submap& map, const Points& points, const Optimum& optimum,
                      const MatcherConfig& config, MatchResult& result);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

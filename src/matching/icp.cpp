@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Below this the turn of centerd points is rounding noise, m² a pair.
@@ -92,4 +92,4 @@ void rejectWorstPairs(std::vector<IcpPair>& pairs, double share) {
   pairs.erase(kept, pairs.end());
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

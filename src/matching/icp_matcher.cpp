@@ -7,7 +7,7 @@
 #include "hybrid_matcher.h"
 #include "thinned.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// How far the stages look for partners, in shares of the largest distance.
@@ -132,4 +132,4 @@ void IcpMatcher::pairUp(const Task& task, const Points& points, const Pose2& pos
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,7 +11,7 @@
 #include "kestrel_slam/matching/icp.h"
 #include "kestrel_slam/matching/matcher.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Iterative closest points (papers 003 and 004): pair every hit with the nearest point of the
 /// reference, reject the worst pairs, align, and again until nothing moves. In three stages, each
@@ -51,4 +51,4 @@ class IcpMatcher : public Matcher {
   IcpReference reference_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// The tree covers so much more than it was asked for: a vehicle that hovers needs no new one.
@@ -82,4 +82,4 @@ std::shared_ptr<const NearestPoints> IcpReference::around(const Submap& map,
   return points_;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/matching/nearest_points.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The points of the map's surface around a place: where the hits of its occupied cells lie, and
 /// which way their walls run.
@@ -40,4 +40,4 @@ class IcpReference {
   mutable std::shared_ptr<const NearestPoints> points_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

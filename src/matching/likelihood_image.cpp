@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Steps of the table of likelihoods, per cell² of squared distance.
@@ -121,4 +121,4 @@ void LikelihoodImage::buildRow(int level, int y, int x0, int x1, std::vector<std
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

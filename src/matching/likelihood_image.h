@@ -7,7 +7,7 @@
 #include "reach_mask.h"
 #include "search_grid.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Likelihood of the cells that a search can reach, and the maxima over windows of 2^k × 2^k cells.
 ///
@@ -60,4 +60,4 @@ class LikelihoodImage {
   std::vector<std::vector<std::uint8_t>> levels_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "surface_sampler.h"
 #include "window_sums.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Beams that count as independent of each other; the others see the same walls as those.
@@ -123,4 +123,4 @@ PoseMoments momentsOf(const LikelihoodSurface& surface) {
   return moments;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include "kestrel_slam/matching/fit.h"
 #include "progressive_matcher.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Paper 001: Gauss-Newton on the interpolated occupancy, 20, 10, 5 cm (eq. 7-14), iterated to
@@ -111,4 +111,4 @@ SubmapOptions submapOptions(const MatcherConfig& config) {
   return options;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

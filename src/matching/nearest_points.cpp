@@ -3,7 +3,7 @@
 
 #include <nanoflann.hpp>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// What nanoflann asks of a set of points.
@@ -74,4 +74,4 @@ const WallPoint* NearestPoints::nearest(const Eigen::Vector2f& place, float reac
 
 std::size_t NearestPoints::size() const { return tree_->cloud.points.size(); }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include "kestrel_slam/geometry/random.h"
 #include "thinned.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 static_assert(OccupancyGrid::kLevels == kMatchStages, "one stage a level");
@@ -198,4 +198,4 @@ Pose2 ProgressiveRefiner::findCoarsely(const OccupancyGrid& grid, const Points& 
       .pose;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 
 #include "hybrid_matcher.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// A window of the other matchers' searches ends at so many sigmas of the candidates.
@@ -64,4 +64,4 @@ void ProgressiveMatcher::search(const Submap& map, const MatchRequest& request, 
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

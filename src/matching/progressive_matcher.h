@@ -5,7 +5,7 @@
 #include "kestrel_slam/matching/matcher.h"
 #include "kestrel_slam/matching/progressive.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Paper 002: sampled candidates of the motion model vote on 20, 10 and 5 cm; from the other
 /// initial guesses and from wide samples where that fits poorly, which the paper does not need on
@@ -32,4 +32,4 @@ class ProgressiveMatcher : public Matcher {
   ProgressiveRefiner refiner_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

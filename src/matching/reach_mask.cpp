@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 ReachMask::ReachMask(const SearchGrid& grid, int margin, int before, int after) {
   const CellBox reach = grid.reach();
@@ -58,4 +58,4 @@ std::pair<int, int> ReachMask::span(int y) const {
   return {first, last};
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 
 #include "search_grid.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Which blocks of kSide × kSide cells the points of a scan can reach in a search.
 class ReachMask {
@@ -60,4 +60,4 @@ class ReachMask {
   std::vector<std::uint8_t> mask_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

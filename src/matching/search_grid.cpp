@@ -7,7 +7,7 @@
 
 #include "likelihood_image.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Points farther away than this many cells (100 m at 5 cm) take no part: the image around them all
@@ -88,4 +88,4 @@ Pose2 SearchGrid::pose(const GridPose& at) const {
           center_.yaw + at.k * angular_step_};
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

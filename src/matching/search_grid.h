@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/matching/correlative.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A pose of the search: steps from the center of the window.
 struct GridPose {
@@ -59,4 +59,4 @@ class SearchGrid {
   double score_of_one_ = 0.0;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,10 +5,10 @@
 #include "likelihood_image.h"
 #include "search_grid.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The surface from `center` on, ± the steps; the image has to hold that.
 LikelihoodSurface sampleAround(const SearchGrid& grid, const LikelihoodImage& image,
                                const GridPose& center, int linear_steps, int angular_steps);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,7 +11,7 @@
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/map/surfel_field.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Four floats that the compiler keeps in one register on x86-64 and on ARM, without machine flags.
 using Lanes = Eigen::Array<float, 4, 1>;
@@ -78,4 +78,4 @@ inline void forEachLanes(const SurfelField& surface, const Points& points, const
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

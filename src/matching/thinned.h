@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/matching/gauss_newton.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Every k-th point, so that about `count` remain.
 inline Points thinned(const Points& points, std::size_t count) {
@@ -16,4 +16,4 @@ inline Points thinned(const Points& points, std::size_t count) {
   return result;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr int kLanes = LikelihoodImage::kLanes;
@@ -85,4 +85,4 @@ void addWindows(const LikelihoodImage& image, const Windows& windows, const Poin
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -4,7 +4,7 @@
 #include "likelihood_image.h"
 #include "search_grid.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Points whose sums are looked at in one go.
 constexpr int kChunkPoints = 32;
@@ -18,4 +18,4 @@ struct Windows {
 void addWindows(const LikelihoodImage& image, const Windows& windows, const PointCell* points,
                 int count, int* sums);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kLeastFieldShare = 0.05;  // of the field that is level; less has no direction
@@ -91,4 +91,4 @@ std::optional<PositionMeasurement> LocalFixes::toPosition(const sensor_msgs::Nav
                              covarianceOf(message)};
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,7 +11,7 @@
 
 #include "kestrel_slam/geometry/pose3.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 // Standard deviations outside 1e-5 and 1e3 m (or rad) are rounding or mean nothing.
@@ -140,4 +140,4 @@ sensor_msgs::PointCloud2 hitCloud(const PlanarScan& scan, const Pose2& map_T_bas
   return cloud;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

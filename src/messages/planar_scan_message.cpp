@@ -4,187 +4,100 @@
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/messages/sensor_messages.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
-using sensor_msgs::PointCloud2;
-using sensor_msgs::PointField;
-
-/// One point of the message as it lies in memory.
-struct Point {
-  float x, y, z, hit, origin_x, origin_y, heading, speed_x, speed_y, predicted_x, predicted_y,
-      predicted_yaw;
-};
-constexpr const char* kFields[] = {"x",        "y",           "z",           "hit",
-                                   "origin_x", "origin_y",    "heading",     "speed_x",
-                                   "speed_y",  "predicted_x", "predicted_y", "predicted_yaw"};
-constexpr std::size_t kFieldCount = sizeof kFields / sizeof kFields[0];
-static_assert(sizeof(Point) == kFieldCount * sizeof(float));
-
+constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kHitThreshold = 0.5F;  // `hit` is 0 or 1
 
-/// Where the fields that are read lie in a point, bytes.
-struct Offsets {
-  std::size_t x, y, hit, origin_x, origin_y, heading;
-};
-
-std::size_t offsetOf(const PointCloud2& message, const std::string& name) {
-  for (const PointField& field : message.fields) {
-    if (field.name != name) continue;
-    if (field.datatype != PointField::FLOAT32 || field.count > 1) {
-      throw std::invalid_argument("its field '" + name + "' is not a single float32");
-    }
-    if (static_cast<std::size_t>(field.offset) + sizeof(float) > message.point_step) {
-      throw std::invalid_argument("its field '" + name + "' lies beyond point_step " +
-                                  std::to_string(message.point_step));
-    }
-    return field.offset;
-  }
-  throw std::invalid_argument("it has no field '" + name +
-                              "'; planar scans come from the scan projector");
-}
-
-/// The payload has to hold what the sizes promise.
-void requirePayload(const PointCloud2& message) {
-  if (message.width == 0 || message.height == 0) return;
-  const std::size_t row = static_cast<std::size_t>(message.width) * message.point_step;
-  if (message.height > 1 && message.row_step < row) {
-    throw std::invalid_argument("its row_step " + std::to_string(message.row_step) +
-                                " is less than the " + std::to_string(row) + " bytes of a row");
-  }
-  const std::size_t promised =
-      static_cast<std::size_t>(message.height - 1) * message.row_step + row;
-  if (message.data.size() < promised) {
-    throw std::invalid_argument("it has " + std::to_string(message.data.size()) +
-                                " bytes of data, its sizes promise " + std::to_string(promised));
-  }
-}
-
-Offsets offsetsOf(const PointCloud2& message) {
-  return {offsetOf(message, "x"),        offsetOf(message, "y"),
-          offsetOf(message, "hit"),      offsetOf(message, "origin_x"),
-          offsetOf(message, "origin_y"), offsetOf(message, "heading")};
-}
-
-/// Messages need not be aligned.
-float floatAt(const std::uint8_t* bytes) {
-  float value = 0.0F;
-  std::memcpy(&value, bytes, sizeof value);
-  return value;
-}
-
-PlanarRay rayAt(const std::uint8_t* point, const Offsets& offsets) {
-  const Eigen::Vector2f origin(floatAt(point + offsets.origin_x),
-                               floatAt(point + offsets.origin_y));
-  const Eigen::Vector2f end(floatAt(point + offsets.x), floatAt(point + offsets.y));
-  const float hit = floatAt(point + offsets.hit);
-  if (!origin.allFinite() || !end.allFinite() || !std::isfinite(hit)) {
-    throw std::invalid_argument("it has a point that is not finite");
-  }
-  return {origin, end, hit > kHitThreshold};
-}
-
-/// NaN says that there is no gyro.
-std::optional<double> headingAt(const std::uint8_t* point, const Offsets& offsets) {
-  const float heading = floatAt(point + offsets.heading);
-  if (std::isnan(heading)) return std::nullopt;
-  if (std::isinf(heading)) throw std::invalid_argument("its heading is infinite");
-  return static_cast<double>(heading);
-}
-
-void describeFields(PointCloud2& message) {
-  message.fields.resize(kFieldCount);
-  for (std::size_t i = 0; i < kFieldCount; ++i) {
-    message.fields[i].name = kFields[i];
-    message.fields[i].offset = static_cast<std::uint32_t>(i * sizeof(float));
-    message.fields[i].datatype = PointField::FLOAT32;
-    message.fields[i].count = 1;
-  }
-}
-
-/// One number of the whole scan, that stands in all of its points. NaN where the message has no
-/// such field: other programs may not know it.
-double sharedValue(const PointCloud2& message, const std::string& name) {
-  const bool named = std::any_of(message.fields.begin(), message.fields.end(),
-                                 [&](const PointField& field) { return field.name == name; });
-  if (message.width == 0 || message.height == 0 || !named) return static_cast<double>(kNan);
-  return static_cast<double>(floatAt(message.data.data() + offsetOf(message, name)));
-}
-
-std::optional<Eigen::Vector2d> speedOf(const PointCloud2& message) {
-  const Eigen::Vector2d speed(sharedValue(message, "speed_x"), sharedValue(message, "speed_y"));
-  return speed.allFinite() ? std::optional(speed) : std::nullopt;
-}
-
-std::optional<Pose2> predictedOf(const PointCloud2& message) {
-  const Pose2 pose(sharedValue(message, "predicted_x"), sharedValue(message, "predicted_y"),
-                   sharedValue(message, "predicted_yaw"));
-  return pose.isFinite() ? std::optional(pose) : std::nullopt;
-}
-
-/// A nearer return hides a farther one, and any return what only clears.
+/// A near return hides a farther one, and any return hides a ray that only clears.
 float nearer(float before, float range) {
   return std::isnan(before) ? range : std::min(before, range);
 }
 
+/// Throws where the value is infinite, or only a part of it is absent.
+bool isPresent(const Eigen::VectorXd& value, const char* name) {
+  if (value.array().isNaN().all()) return false;
+  if (value.allFinite()) return true;
+  throw std::invalid_argument(std::string(name) + " is not finite");
+}
+
+void requireLengths(const kestrel_slam::PlanarScan& message) {
+  const std::size_t rays = message.hit.size();
+  if (message.end_x.size() == rays && message.end_y.size() == rays &&
+      message.origin_x.size() == rays && message.origin_y.size() == rays) {
+    return;
+  }
+  throw std::invalid_argument(
+      "its arrays have different lengths: end_x " + std::to_string(message.end_x.size()) +
+      ", end_y " + std::to_string(message.end_y.size()) + ", origin_x " +
+      std::to_string(message.origin_x.size()) + ", origin_y " +
+      std::to_string(message.origin_y.size()) + ", hit " + std::to_string(rays));
+}
+
+PlanarRay rayAt(const kestrel_slam::PlanarScan& message, std::size_t i) {
+  PlanarRay ray{{message.origin_x[i], message.origin_y[i]},
+                {message.end_x[i], message.end_y[i]},
+                message.hit[i] != 0};
+  if (ray.origin.allFinite() && ray.end.allFinite()) return ray;
+  throw std::invalid_argument("ray " + std::to_string(i) + " is not finite");
+}
+
 }  // namespace
 
-sensor_msgs::PointCloud2Ptr toPlanarScanMessage(const PlanarScan& scan, const std::string& frame,
+kestrel_slam::PlanarScanPtr toPlanarScanMessage(const PlanarScan& scan, const std::string& frame,
                                                 const ros::Time& stamp) {
-  const auto message = boost::make_shared<PointCloud2>();
-  message->header.frame_id = frame;
+  const auto message = boost::make_shared<kestrel_slam::PlanarScan>();
   message->header.stamp = stamp;
-  describeFields(*message);
-  message->height = 1;
-  message->width = static_cast<std::uint32_t>(scan.rays.size());
-  message->point_step = sizeof(Point);
-  message->row_step = message->width * message->point_step;
-  message->is_dense = true;
-  message->data.resize(scan.rays.size() * sizeof(Point));
-  const float heading = scan.integrated_yaw ? static_cast<float>(*scan.integrated_yaw) : kNan;
-  const Eigen::Vector2f speed =
-      scan.integrated_acceleration.value_or(Eigen::Vector2d(kNan, kNan)).cast<float>();
-  Eigen::Vector3f predicted = Eigen::Vector3f::Constant(kNan);
-  if (scan.predicted) {
-    predicted =
-        Eigen::Vector3d(scan.predicted->x, scan.predicted->y, scan.predicted->yaw).cast<float>();
+  message->header.frame_id = frame;
+  message->integrated_yaw = scan.integrated_yaw.value_or(kAbsent);
+  const Eigen::Vector2d acceleration =
+      scan.integrated_acceleration.value_or(Eigen::Vector2d::Constant(kAbsent));
+  message->integrated_acceleration_x = acceleration.x();
+  message->integrated_acceleration_y = acceleration.y();
+  message->predicted_x = scan.predicted ? scan.predicted->x : kAbsent;
+  message->predicted_y = scan.predicted ? scan.predicted->y : kAbsent;
+  message->predicted_yaw = scan.predicted ? scan.predicted->yaw : kAbsent;
+  for (auto* array : {&message->origin_x, &message->origin_y, &message->end_x, &message->end_y}) {
+    array->reserve(scan.rays.size());
   }
-  std::uint8_t* place = message->data.data();
+  message->hit.reserve(scan.rays.size());
   for (const PlanarRay& ray : scan.rays) {
-    const Point point{ray.end.x(),    ray.end.y(),    0.0F,          ray.hit ? 1.0F : 0.0F,
-                      ray.origin.x(), ray.origin.y(), heading,       speed.x(),
-                      speed.y(),      predicted.x(),  predicted.y(), predicted.z()};
-    std::memcpy(place, &point, sizeof point);
-    place += sizeof point;
+    message->origin_x.push_back(ray.origin.x());
+    message->origin_y.push_back(ray.origin.y());
+    message->end_x.push_back(ray.end.x());
+    message->end_y.push_back(ray.end.y());
+    message->hit.push_back(ray.hit ? 1 : 0);
   }
   return message;
 }
 
-PlanarScan fromPlanarScanMessage(const sensor_msgs::PointCloud2& message) {
-  if (message.is_bigendian) throw std::invalid_argument("its data are big-endian");
-  const Offsets offsets = offsetsOf(message);
-  requirePayload(message);
+PlanarScan fromPlanarScanMessage(const kestrel_slam::PlanarScan& message) {
+  requireLengths(message);
   PlanarScan scan;
-  scan.stamp = scan.time = message.header.stamp.toSec();
-  scan.integrated_acceleration = speedOf(message);
-  scan.predicted = predictedOf(message);
-  scan.rays.reserve(static_cast<std::size_t>(message.width) * message.height);
-  for (std::size_t row = 0; row < message.height; ++row) {
-    const std::uint8_t* point = message.data.data() + row * message.row_step;
-    for (std::size_t column = 0; column < message.width; ++column, point += message.point_step) {
-      if (scan.rays.empty()) scan.integrated_yaw = headingAt(point, offsets);
-      scan.rays.push_back(rayAt(point, offsets));
-    }
+  scan.stamp = scan.time = toSeconds(message.header.stamp);
+  const Eigen::Vector2d acceleration(message.integrated_acceleration_x,
+                                     message.integrated_acceleration_y);
+  const Eigen::Vector3d predicted(message.predicted_x, message.predicted_y, message.predicted_yaw);
+  if (isPresent(Eigen::VectorXd::Constant(1, message.integrated_yaw), "integrated_yaw")) {
+    scan.integrated_yaw = message.integrated_yaw;
   }
+  if (isPresent(acceleration, "integrated_acceleration")) {
+    scan.integrated_acceleration = acceleration;
+  }
+  if (isPresent(predicted, "predicted")) {
+    scan.predicted = Pose2(predicted.x(), predicted.y(), predicted.z());
+  }
+  scan.rays.reserve(message.hit.size());
+  for (std::size_t i = 0; i < message.hit.size(); ++i) scan.rays.push_back(rayAt(message, i));
   return scan;
 }
 
@@ -215,4 +128,4 @@ sensor_msgs::LaserScanPtr toLaserScanView(const PlanarScan& scan, const std::str
   return message;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/sensor/point_buffer.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// sensor_msgs/Imu: a covariance that begins with -1 belongs to a value that does not exist.
@@ -85,4 +85,4 @@ HeightSample toHeightSample(const sensor_msgs::Range& message, double sensor_z) 
   return {toSeconds(message.header.stamp), range - sensor_z};
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

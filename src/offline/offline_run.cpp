@@ -10,11 +10,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "kestrel_slam/sensor/attitude_tracker.h"
-#include "kestrel_slam/sensor/height_tracker.h"
-#include "kestrel_slam/sensor/scan_projector.h"
+#include "kestrel_slam/offline/arrival_order.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -59,43 +57,52 @@ struct Occurrence {
   }
 };
 
-HeightConfig heightConfig(const ProjectorConfig& projector) {
-  HeightConfig config;
-  config.fixed_m = projector.height_m;
-  return config;
+/// More than a live projector waits: nobody waits for the result of a recording.
+constexpr double kMaxWait_s = 1.0;
+constexpr std::size_t kQueueSize = 200;
+
+PipelineConfig pipelineConfigOf(const Recording& recording, const SlamConfig& config,
+                                const RunOptions& options) {
+  PipelineConfig result;
+  result.slam = config;
+  result.filter = options.filter;
+  result.use_filter = options.use_filter;
+  result.coupling = options.coupling;
+  result.level = !options.use_imu || recording.imu().samples.empty();
+  result.max_wait_s = kMaxWait_s;
+  result.queue_size = kQueueSize;
+  return result;
 }
 
 class Runner {
  public:
   Runner(Recording& recording, const SlamConfig& config, const RunOptions& options)
       : recording_(recording),
-        projector_(config.projector),
-        attitude_(config.attitude),
-        height_(heightConfig(config.projector)),
-        mapper_(config.mapper),
-        memory_limit_mb_(config.mapper.grid.memory_limit_mb),
-        options_(options),
-        use_imu_(options.use_imu && !recording.imu().samples.empty()) {}
+        config_(pipelineConfigOf(recording, config, options)),
+        messages_(recording, !config_.level),
+        pipeline_(config_),
+        options_(options) {
+    pipeline_.on_scan = [this](const MappedSweep& sweep) { record(sweep); };
+    pipeline_.on_drop = [this](const DroppedSweep& sweep) { drop(sweep); };
+    pipeline_.on_filter = options_.filter_observer;
+  }
 
   OfflineRun run(const ProgressCallback& progress) {
     const Clock::time_point start = Clock::now();
-    RecordedScan scan;
     const std::size_t total = std::min(options_.max_scans, recording_.scanCount());
-    while (read_ < options_.max_scans && readNext(scan)) {
-      ++read_;
-      if (!first_time_) first_time_ = scan.time;
-      run_.duration_s = scan.time - *first_time_;
-      if (perturb(options_.perturbation, read_, scan)) {
-        processScan(scan);
-      } else {
-        ++run_.left_out;
-      }
-      if (progress && !progress({read_, total, run_.duration_s})) {
-        run_.warnings.push_back("stopped early, after " + std::to_string(read_) + " of " +
-                                std::to_string(total) + " scans");
-        break;
-      }
+    ArrivingMessage message;
+    bool stopped = false;
+    while (readNext(message)) {
+      const auto* scan = std::get_if<RecordedScan>(&message.message);
+      if (scan != nullptr && read_ == options_.max_scans) break;
+      add(message);
+      if (scan == nullptr || !progress || progress({read_, total, run_.duration_s})) continue;
+      run_.warnings.push_back("stopped early, after " + std::to_string(read_) + " of " +
+                              std::to_string(total) + " scans");
+      stopped = true;
+      break;
     }
+    if (!stopped) pipeline_.finish();
     run_.processing_s = secondsSince(start);
     finish();
     return std::move(run_);
@@ -103,9 +110,9 @@ class Runner {
 
  private:
   /// False at the end, and where the recording breaks off.
-  bool readNext(RecordedScan& scan) {
+  bool readNext(ArrivingMessage& message) {
     try {
-      return recording_.next(scan);
+      return messages_.next(message);
     } catch (const std::exception& error) {
       run_.warnings.push_back("the recording breaks off after " + std::to_string(read_) +
                               " scans: " + error.what());
@@ -113,84 +120,78 @@ class Runner {
     }
   }
 
-  void processScan(const RecordedScan& scan) {
-    const Clock::time_point start = Clock::now();
-    Projection projection = project(scan);
-    if (projection.error != ScanError::kNone) {
-      drop(projection);
+  void add(ArrivingMessage& message) {
+    if (auto* scan = std::get_if<RecordedScan>(&message.message)) {
+      addScan(*scan, message.arrival);
       return;
     }
-    projection.scan.time = scan.time;
-    const MapperResult result =
-        mapper_.process(projection.scan, options_.use_odometry ? scan.odom_T_base : std::nullopt);
-    velocity_ = result.velocity;
-    record(scan, result, kMillisecondsPerSecond * secondsSince(start));
-    if (options_.observer) options_.observer(projection.scan, result);
-  }
-
-  Projection project(const RecordedScan& scan) {
-    VehicleState vehicle;
-    if (use_imu_) {
-      const double end = (scan.cloud ? sweepTimes(*scan.cloud) : sweepTimes(scan.scan)).last;
-      readImuUpTo(end);
-      readHeightsUpTo(end);
-      vehicle.attitude = &attitude_.buffer();
-      vehicle.velocity = velocity_;
-      vehicle.height_m = height_.height(scan.scan.stamp);
+    const Clock::time_point start = work_start_ = Clock::now();
+    if (const auto* sample = std::get_if<ImuSample>(&message.message)) {
+      pipeline_.addImu(*sample, recording_.imu().base_T_imu, message.arrival);
+    } else {
+      pipeline_.addRange(std::get<HeightSample>(message.message), message.arrival);
     }
-    const Eigen::Isometry3d mounting = options_.base_T_laser.value_or(scan.base_T_laser);
-    const Projection projection = scan.cloud ? projector_.project(*scan.cloud, mounting, vehicle)
-                                             : projector_.project(scan.scan, mounting, vehicle);
-    height_.addProjection(scan.scan.stamp, projection);
-    return projection;
+    if (work_start_ == start) work_s_ += secondsSince(start);
   }
 
-  /// One reading beyond `time`, so that the attitude at `time` is known; like a live projector,
-  /// which waits for it.
-  void readImuUpTo(double time) {
-    const RecordedImu& imu = recording_.imu();
-    const Eigen::Quaterniond base_R_imu(imu.base_T_imu.linear());
-    while (next_imu_ < imu.samples.size()) {
-      const std::optional<double> latest = attitude_.buffer().latest();
-      if (latest && *latest >= time) return;
-      attitude_.add(imu.samples[next_imu_++], base_R_imu);
+  void addScan(RecordedScan& scan, double arrival) {
+    ++read_;
+    if (!first_time_) first_time_ = scan.time;
+    run_.duration_s = scan.time - *first_time_;
+    if (!perturb(options_.perturbation, read_, scan)) {
+      ++run_.left_out;
+      return;
     }
-  }
-
-  void readHeightsUpTo(double time) {
-    const std::vector<HeightSample>& heights = recording_.heights();
-    for (; next_height_ < heights.size() && heights[next_height_].stamp <= time; ++next_height_) {
-      height_.addRange(heights[next_height_], &attitude_.buffer());
+    PipelineScan input;
+    if (scan.cloud) {
+      input.data = std::move(*scan.cloud);
+    } else {
+      input.data = std::move(scan.scan);
     }
+    input.base_T_laser = options_.base_T_laser.value_or(scan.base_T_laser);
+    if (options_.use_odometry) input.odom_T_base = scan.odom_T_base;
+    input.time = scan.time;
+    input.number = read_;
+    work_start_ = Clock::now();
+    pipeline_.addScan(std::move(input), arrival);
   }
 
-  void drop(const Projection& projection) {
-    const std::string reason = toString(projection.error);
-    if (run_.dropped[reason]++ == 0) {
-      run_.warnings.push_back("scans dropped (" + reason + "), the first " + place() + ": " +
-                              projection.message);
-    }
+  void drop(const DroppedSweep& sweep) {
+    if (run_.dropped[sweep.reason]++ > 0) return;
+    run_.warnings.push_back("scans dropped (" + sweep.reason + "), the first " +
+                            placeOf(sweep.input) + ": " + sweep.message);
   }
 
-  void record(const RecordedScan& scan, const MapperResult& result, double ms) {
+  /// Of projector, filter and mapper since the scan before, ms.
+  double takeWork() {
+    const double ms = kMillisecondsPerSecond * (work_s_ + secondsSince(work_start_));
+    work_s_ = 0.0;
+    work_start_ = Clock::now();
+    return ms;
+  }
+
+  void record(const MappedSweep& sweep) {
+    const MapperResult& result = sweep.result;
     ScanRecord entry;
-    entry.time = scan.time;
+    entry.ms = takeWork();
+    entry.time = sweep.scan.time;
     entry.state = result.state;
     entry.score = result.match.score;
     entry.evaluation = result.evaluation;
-    entry.ms = ms;
     entry.iterations = result.match.iterations;
     entry.searched = result.searched;
     entry.inserted = result.inserted;
-    entry.map_bytes = mapper_.memoryBytes();
+    entry.map_bytes = pipeline_.mapper().memoryBytes();
     entry.degenerate = result.match.degenerate;
     entry.uncertain = result.uncertain;
     run_.scans.push_back(entry);
-    run_.trajectory.push_back({scan.scan.stamp, result.pose});
+    run_.trajectory.push_back({sweep.scan.stamp, result.pose});
     addDistance(result.pose);
-    if (result.state == MatchState::kLost) lost_.add(place());
-    if (result.map_full) full_.add(place());
-    if (options_.use_odometry && !scan.odom_T_base) without_odometry_.add(place());
+    const std::string place = placeOf(sweep.input);
+    if (result.state == MatchState::kLost) lost_.add(place);
+    if (result.map_full) full_.add(place);
+    if (options_.use_odometry && !sweep.input.odom_T_base) without_odometry_.add(place);
+    if (options_.observer) options_.observer(sweep.scan, result);
   }
 
   void addDistance(const Pose2& pose) {
@@ -201,7 +202,15 @@ class Runner {
     last_counted_ = pose;
   }
 
-  std::string place() const { return placeText(run_.duration_s, read_); }
+  void finishFilter() {
+    run_.filter = pipeline_.filter().status(recording_.imu().samples.back().stamp);
+    if (pipeline_.filter().output()) return;
+    run_.warnings.push_back("the pose filter does not run: " + run_.filter->message);
+  }
+
+  std::string placeOf(const PipelineScan& scan) const {
+    return placeText(scan.time.value_or(0.0) - first_time_.value_or(0.0), scan.number);
+  }
 
   void warn(const Occurrence& occurrence, const std::string& what, const std::string& advice) {
     if (occurrence.count == 0) return;
@@ -216,25 +225,23 @@ class Runner {
     run_.warnings.insert(run_.warnings.begin(), read_warnings.begin(), read_warnings.end());
     warn(lost_, "fitted nowhere and did not enter the map", "");
     std::ostringstream limit;
-    limit << memory_limit_mb_;
+    limit << config_.slam.mapper.grid.memory_limit_mb;
     warn(full_, "met a full map, parts of them are missing in it",
          "the memory limit is " + limit.str() + " MB");
     warn(without_odometry_, "had no odometry and used the laser alone", "");
-    run_.map = mapper_.snapshot();
-    run_.map_memory_bytes = mapper_.memoryBytes();
+    run_.map = pipeline_.mapper().snapshot();
+    run_.map_memory_bytes = pipeline_.mapper().memoryBytes();
     run_.peak_memory_mb = peakMemoryMb();
+    if (config_.use_filter && !config_.level) finishFilter();
   }
 
   Recording& recording_;
-  ScanProjector projector_;
-  AttitudeTracker attitude_;
-  HeightTracker height_;
-  Mapper mapper_;
-  double memory_limit_mb_;
+  PipelineConfig config_;
+  ArrivalOrder messages_;
+  Pipeline pipeline_;
   RunOptions options_;
-  bool use_imu_;
-  std::size_t next_imu_ = 0, next_height_ = 0;
-  Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();  ///< in base_stabilized, of the last scan
+  Clock::time_point work_start_;  ///< of the call of the pipeline that runs
+  double work_s_ = 0.0;           ///< in the calls before it, since the last scan
 
   OfflineRun run_;
   std::size_t read_ = 0;
@@ -260,4 +267,4 @@ OfflineRun runOffline(Recording& recording, const SlamConfig& config, const RunO
   return Runner(recording, config, options).run(progress);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

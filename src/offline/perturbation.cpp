@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/geometry/random.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Spreads the numbers of the scans over the seeds (the golden ratio of 2^64).
@@ -29,4 +29,4 @@ bool perturb(const Perturbation& perturbation, std::size_t number, RecordedScan&
   return true;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/parameters/parameter_table.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using namespace parameter_table;
@@ -104,4 +104,4 @@ std::vector<Parameter> parametersOf(PoseFilterConfig& config) {
   return all;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -4,7 +4,7 @@
 #include "kestrel_slam/parameters/parameter_table.h"
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using namespace parameter_table;
@@ -169,4 +169,4 @@ std::vector<Parameter> parametersOf(SlamConfig& config) {
   return all;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

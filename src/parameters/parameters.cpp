@@ -14,7 +14,7 @@
 
 #include "kestrel_slam/sensor/range_correction.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Longest piece of a user's text that a message repeats.
@@ -222,4 +222,4 @@ void validate(const SlamConfig& config) {
               config.mapper.grid.max_probability);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/parameters/filter_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 const char* const kIntroduction =
@@ -89,4 +89,4 @@ std::string defaultFilterParametersYaml() {
   return yamlOf(parametersOf(config), kFilterIntroduction);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

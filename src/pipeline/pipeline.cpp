@@ -2,114 +2,136 @@
 #include "kestrel_slam/pipeline/pipeline.h"
 
 #include <algorithm>
+#include <utility>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
-constexpr std::size_t kMaxWaitingScans = 40;  // a silent IMU: older ones are of no use
-
-HeightConfig heightConfig(const ProjectorConfig& projector) {
-  HeightConfig config;
-  config.fixed_m = projector.height_m;
-  return config;
+ProjectionStageConfig projectionConfigOf(const PipelineConfig& config) {
+  return {config.slam.projector, config.slam.attitude, config.level, config.level_without_imu,
+          config.max_wait_s};
 }
 
 }  // namespace
 
-FilteredMapping::FilteredMapping(const SlamConfig& config, const PoseFilterConfig& filter_config,
-                                 const CouplingOptions& options)
-    : options_(options),
-      filter_(filter_config),
-      projector_(config.projector),
-      tracker_(config.attitude),
-      filtered_attitude_(config.attitude.buffer),
-      height_(heightConfig(config.projector)),
-      mapper_(config.mapper) {}
+Pipeline::Pipeline(const PipelineConfig& config)
+    : config_(config),
+      projection_(projectionConfigOf(config)),
+      filter_(config.filter),
+      mapping_(config.slam.mapper),
+      queue_(config.queue_size) {}
 
-const AttitudeBuffer& FilteredMapping::attitude() const {
-  return filter_gives_attitude_ ? filtered_attitude_ : tracker_.buffer();
+void Pipeline::advance(double arrival) {
+  now_ = std::max(now_, arrival);
+  deliverPoses();
 }
 
-/// Until the filter knows up from down, the tracker's attitude has to do.
-void FilteredMapping::chooseAttitude() {
-  const bool chosen = options_.attitude && filter_.output() && filter_.output()->givesAttitude();
-  if (!chosen) filtered_attitude_.clear();
-  if (chosen != filter_gives_attitude_) integrals_jump_ = true;
-  filter_gives_attitude_ = chosen;
-}
-
-void FilteredMapping::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu,
-                             double arrival) {
-  deliverPoses(arrival);
-  tracker_.add(sample, Eigen::Quaterniond(base_T_imu.linear()));
-  const bool moved = filter_.addImu(sample, base_T_imu);
-  chooseAttitude();
-  if (moved) {
-    const FilterOutput& now = *filter_.output();
-    filtered_attitude_.add(now.stamp, Eigen::Quaterniond(now.map_T_base.linear()),
-                           now.angular_velocity, now.specific_force);
-    if (options_.height && now.givesHeight()) height_.addFiltered({now.stamp, now.height()});
-    if (on_output) on_output(now);
-  }
-  processScans(arrival);
-}
-
-void FilteredMapping::addRange(const HeightSample& sample) {
-  height_.addRange(sample, &attitude());
-  filter_.addRange(sample);
-}
-
-void FilteredMapping::addBarometer(const HeightSample& sample) {
-  if (options_.barometer) filter_.addBarometer(sample);
-}
-
-void FilteredMapping::addScan(const LaserScan& scan, const Eigen::Isometry3d& base_T_laser) {
-  scans_.push_back({scan, base_T_laser});
-  if (scans_.size() > kMaxWaitingScans) scans_.pop_front();
-}
-
-void FilteredMapping::deliverPoses(double now) {
-  for (; !poses_.empty() && poses_.front().arrival <= now; poses_.pop_front()) {
-    filter_.addPose(poses_.front().pose);
+void Pipeline::deliverPoses() {
+  for (; !poses_.empty() && poses_.front().arrival <= now_; poses_.pop_front()) {
+    fuse(poses_.front().pose, filter_);
   }
 }
 
-void FilteredMapping::processScans(double now) {
-  while (!scans_.empty() && process(scans_.front(), now)) scans_.pop_front();
+void Pipeline::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu,
+                      double arrival) {
+  advance(arrival);
+  if (config_.level) return;
+  projection_.addImu(sample, base_T_imu);
+  if (config_.use_filter) updateFilter(sample, base_T_imu);
+  processQueue();
 }
 
-/// False where its attitude has not come yet.
-bool FilteredMapping::process(const WaitingScan& waiting, double now) {
-  const SweepTimes times = sweepTimes(waiting.scan);
-  const std::optional<double> latest = attitude().latest();
-  if (!latest || *latest < times.last) return false;
-  VehicleState vehicle;
-  vehicle.attitude = &attitude();
-  vehicle.velocity = velocity_;
-  const double stamp = waiting.scan.stamp;
-  vehicle.height_m = height_.height(stamp);
-  Projection projection = projector_.project(waiting.scan, waiting.base_T_laser, vehicle);
-  height_.addProjection(stamp, projection);
-  for (const auto& height : {projection.mirror_height_m, projection.floor_height_m}) {
-    if (height) filter_.addFloorHeight({stamp, *height});
+void Pipeline::updateFilter(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
+  if (!filter_.addImu(sample, base_T_imu)) return;
+  const FilterOutput& output = *filter_.output();
+  FilteredMotion motion = motionOf(output);
+  motion.gives_attitude &= config_.coupling.attitude;
+  motion.gives_prediction &= config_.coupling.prediction;
+  if (!config_.coupling.height) motion.height_m.reset();
+  projection_.addMotion(motion);
+  if (on_filter) on_filter(output);
+}
+
+void Pipeline::addRange(const HeightSample& sample, double arrival, bool is_upright) {
+  advance(arrival);
+  projection_.addRange(sample, is_upright);
+  if (!config_.use_filter) return;
+  if (is_upright) {
+    filter_.addFloorHeight(sample);
+  } else {
+    filter_.addRange(sample);
   }
-  if (projection.error != ScanError::kNone) return true;
-  projection.scan.time = stamp;
-  if (integrals_jump_) projection.scan.integrated_yaw.reset();  // it counts from elsewhere
-  integrals_jump_ = false;
-  if (options_.prediction) {
-    const std::optional<FilterOutput> predicted = filter_.at(stamp);
-    if (predicted && predicted->givesPrediction()) {
-      projection.scan.predicted = predicted->odomPose();
-    }
+}
+
+void Pipeline::addBarometer(const HeightSample& sample, double arrival) {
+  advance(arrival);
+  if (config_.use_filter && config_.coupling.barometer) filter_.addBarometer(sample);
+}
+
+void Pipeline::addScan(PipelineScan scan, double arrival) {
+  advance(arrival);
+  const SweepTimes times = sweepTimes(scan.data);
+  const std::optional<WaitingScan> removed = queue_.push({std::move(scan), times, now_});
+  if (removed) drop(removed->scan, "overload", "too many scans wait for their attitude");
+  processQueue();
+}
+
+void Pipeline::finish() {
+  finished_ = true;
+  deliverPoses();
+  processQueue();
+}
+
+void Pipeline::processQueue() {
+  queue_.process([this](const WaitingScan& waiting) { return handle(waiting); });
+}
+
+/// True where the scan does not have to wait any more.
+bool Pipeline::handle(const WaitingScan& waiting) {
+  const double waited =
+      finished_ ? std::numeric_limits<double>::infinity() : now_ - waiting.arrival;
+  const SweepDecision decision = projection_.judge(waiting.times, waited, now_);
+  if (decision.kind == SweepDecision::kWait) return false;
+  if (decision.kind == SweepDecision::kDrop) {
+    drop(waiting.scan, decision.reason, decision.message);
+  } else {
+    map(waiting.scan, decision.kind == SweepDecision::kProjectLevel);
   }
-  const MapperResult result = mapper_.process(projection.scan);
-  velocity_ = result.velocity;
-  if (result.state != MatchState::kLost) {
-    poses_.push_back({now + options_.match_s, {stamp, result.pose, result.covariance}});
-  }
-  if (on_scan) on_scan(projection.scan, result);
   return true;
 }
 
-}  // namespace kestrel_slam
+void Pipeline::map(const PipelineScan& scan, bool level) {
+  ProjectedSweep projected = projection_.project(scan.data, scan.base_T_laser, level);
+  Projection& projection = projected.projection;
+  const double stamp = stampOf(scan.data);
+  for (const auto& height : {projection.mirror_height_m, projection.floor_height_m}) {
+    if (height && config_.use_filter) filter_.addFloorHeight({stamp, *height});
+  }
+  if (projection.error != ScanError::kNone) {
+    drop(scan, toString(projection.error), projection.message);
+    return;
+  }
+  const MapperResult result = mapping_.process(projection.scan, scan.odom_T_base, scan.time);
+  const MatchedPose pose = matchedPoseOf(result, stamp);
+  projection_.addVelocity(stamp, pose.velocity);
+  if (config_.use_filter) poses_.push_back({now_ + config_.coupling.match_s, pose});
+  if (on_scan) on_scan({scan, projected, projection.scan, result});
+}
+
+void Pipeline::drop(const PipelineScan& scan, const std::string& reason,
+                    const std::string& message) {
+  if (on_drop) on_drop({scan, reason, message});
+}
+
+void Pipeline::setPose(const Pose2& map_T_base, const Eigen::Matrix3d& covariance) {
+  mapping_.setPose(map_T_base);
+  filter_.setPose(map_T_base, covariance);
+}
+
+void Pipeline::reset(const Pose2& map_T_base) {
+  queue_.clear();
+  poses_.clear();
+  mapping_.reset(map_T_base);
+}
+
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "kestrel_slam/recording/fan.h"
 #include "kestrel_slam/recording/text_stream.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 // Columns, counted from 0.
@@ -114,4 +114,4 @@ std::string BreezyLog::description() const {
          " scans of a URG-04LX, with odometry from the wheels";
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,7 +11,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kMaxBeams = 1e7;
@@ -173,4 +173,4 @@ CarmenScan parseCarmenScan(const std::string& line, double no_return_m) {
                                              : parseRobotLaser(fields, no_return_m);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

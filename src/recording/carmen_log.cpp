@@ -9,7 +9,7 @@
 
 #include "kestrel_slam/recording/text_stream.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 const std::string kFrontLaser = "FLASER";
@@ -215,4 +215,4 @@ std::string CarmenLog::description() const {
   return text.str();
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

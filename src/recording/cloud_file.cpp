@@ -12,7 +12,7 @@
 #include "kestrel_slam/recording/text_stream.h"
 #include "kestrel_slam/sensor/point_buffer.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::size_t kNuScenesValues = 5, kKittiValues = 4;  // of each point
@@ -171,4 +171,4 @@ PointCloud readCloudFile(const std::string& path) {
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 // Data sheets of Hokuyo.
@@ -35,4 +35,4 @@ LaserScan scanOf(const Fan& fan, std::size_t beams, double rate_hz) {
   return scan;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "kestrel_slam/recording/fan.h"
 #include "kestrel_slam/recording/text_stream.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::size_t kMinBeams = 8;  // fewer numbers in a line are no scan
@@ -114,4 +114,4 @@ std::string RangeTable::description() const {
   return text.str();
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

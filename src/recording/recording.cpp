@@ -11,7 +11,7 @@
 #include "kestrel_slam/recording/bag/bag_recording.h"
 #endif
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 std::unique_ptr<Recording> openBag(const std::string& path,
@@ -38,4 +38,4 @@ std::unique_ptr<Recording> openRecording(const std::string& path, const Recordin
                            "formats");
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include "kestrel_slam/recording/bag/bag_reference.h"
 #endif
 
-namespace kestrel_slam {
+namespace kestrel {
 
 bool isBag(const std::string& path) {
   static const std::string kMagic = "#ROSBAG";
@@ -30,4 +30,4 @@ Trajectory readReference(const std::string& path, const std::string& topic) {
 #endif
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include "kestrel_slam/sensor/attitude_buffer.h"
 #include "kestrel_slam/sensor/time_base.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// The vehicle with the one scanner that is read. What is in the messages of a sensor does not
@@ -124,4 +124,4 @@ const std::vector<TrueState>& SimulatedRecording::trueStates() const { return st
 const World& SimulatedRecording::world() const { return state_->world; }
 const Motion& SimulatedRecording::motion() const { return *state_->motion; }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

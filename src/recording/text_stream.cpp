@@ -15,7 +15,7 @@
 #include <fstream>
 #include <stdexcept>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::size_t kMagicBytes = 6;
@@ -92,4 +92,4 @@ bool parseFinite(const std::string& text, double& value) {
   return end == text.c_str() + text.size() && std::isfinite(value);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/recording/text_stream.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::size_t kTumFields = 8;
@@ -103,4 +103,4 @@ Trajectory readTum(const std::string& path) {
   return trajectory;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

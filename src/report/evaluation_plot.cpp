@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/report/plot.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kMapShare = 2.5;  // height of the map relative to an error chart
@@ -59,4 +59,4 @@ void plotEvaluation(const std::string& path, const Trajectory& trajectory,
   writePlot(path, panels);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

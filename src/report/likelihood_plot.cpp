@@ -12,7 +12,7 @@
 #include "kestrel_slam/report/plot.h"
 #include "kestrel_slam/sensor/planar_scan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// What is shown, as shares of the best score.
@@ -90,4 +90,4 @@ void LikelihoodWatch::write(const std::string& path) const {
   writePlot(path, {panel});
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include <memory>
 #include <stdexcept>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr unsigned char kFreeGray = 254, kUnknownGray = 205, kOccupiedGray = 0;
@@ -88,4 +88,4 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -13,7 +13,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 // All lengths in pixels.
@@ -269,4 +269,4 @@ void writePlot(const std::string& path, const std::vector<PlotPanel>& panels) {
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kRedrawInterval_s = 0.1;
@@ -71,4 +71,4 @@ void ProgressBar::finish() {
   if (terminal_ && last_drawn_s_ >= 0.0) std::fputc('\n', stream_);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include "kestrel_slam/report/map_image.h"
 #include "kestrel_slam/report/series.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -214,4 +214,4 @@ std::string reportHtml(const OfflineRun& run, const RunInfo& info) {
          kMapScript + kPageScript + "</script>\n</body>\n</html>\n";
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

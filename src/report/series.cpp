@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kSpeedWindow_s = 0.5;
@@ -50,4 +50,4 @@ Speeds speedsOf(const std::vector<double>& times, const std::vector<Pose2>& pose
   return speeds;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

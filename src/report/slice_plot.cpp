@@ -3,7 +3,7 @@
 
 #include "kestrel_slam/report/plot.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 void writeSlicePlot(const std::string& path, const std::string& title, const PointCloud& cloud,
                     const Eigen::Isometry3d& base_T_lidar, const PlanarScan& slice,
@@ -29,4 +29,4 @@ void writeSlicePlot(const std::string& path, const std::string& title, const Poi
   writePlot(path, {panel});
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

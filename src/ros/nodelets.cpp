@@ -10,7 +10,7 @@
 #include "kestrel_slam/ros/mapper/mapper_node.h"
 #include "kestrel_slam/ros/projector/scan_projector_node.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Runs a node inside of a nodelet manager, where messages between nodelets are passed by pointer.
 /// The handles of a nodelet are served by one thread at a time, as the nodes ask for.
@@ -34,8 +34,8 @@ class ScanProjectorNodelet : public NodeletOf<ScanProjectorNode> {};
 class MapperNodelet : public NodeletOf<MapperNode> {};
 class PoseFilterNodelet : public NodeletOf<PoseFilterNode> {};
 
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
-PLUGINLIB_EXPORT_CLASS(kestrel_slam::ScanProjectorNodelet, nodelet::Nodelet)
-PLUGINLIB_EXPORT_CLASS(kestrel_slam::MapperNodelet, nodelet::Nodelet)
-PLUGINLIB_EXPORT_CLASS(kestrel_slam::PoseFilterNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(kestrel::ScanProjectorNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(kestrel::MapperNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(kestrel::PoseFilterNodelet, nodelet::Nodelet)

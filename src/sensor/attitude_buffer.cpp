@@ -7,7 +7,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/pose3.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Cosine of the pitch below which the nose points straight up or down: yaw has no meaning there.
@@ -157,4 +157,4 @@ std::optional<double> AttitudeBuffer::latest() const {
 
 void AttitudeBuffer::clear() { entries_.clear(); }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

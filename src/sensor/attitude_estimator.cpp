@@ -8,7 +8,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/gravity.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kStart_s = 0.25;  // readings of this long give the first attitude
@@ -182,4 +182,4 @@ void AttitudeEstimator::learnStandstill(const Reading& reading, double dt) {
   settled_s_ = std::max(settled_s_, config_.gravity_time_s);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include "kestrel_slam/sensor/stamp_check.h"
 #include "mounting_monitor.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 // So many readings in a row that cannot be used make the IMU invalid; a single one does not.
@@ -231,4 +231,4 @@ ImuStatus AttitudeTracker::status(double now) const {
   return status;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "pair_list.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::size_t kMinMirrorBeams = 3;
@@ -79,4 +79,4 @@ std::optional<double> mirrorHeight(const LaserScan& scan, const Eigen::Isometry3
   return *middle > 0.0 ? std::optional(*middle) : std::nullopt;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

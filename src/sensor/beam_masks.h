@@ -8,7 +8,7 @@
 #include "kestrel_slam/sensor/beam_filter.h"
 #include "kestrel_slam/sensor/laser_scan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Which beams see the vehicle's frame or the mirror; empty where there are none.
 std::vector<bool> maskOf(const LaserScan& scan, const std::vector<AngleRange>& ignored,
@@ -21,4 +21,4 @@ std::optional<double> mirrorHeight(const LaserScan& scan, const Eigen::Isometry3
                                    const std::vector<AngleRange>& mirror,
                                    const ProjectorConfig& config);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

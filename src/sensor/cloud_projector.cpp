@@ -10,7 +10,7 @@
 #include "scan_validation.h"
 #include "sweep_frames.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::size_t kMaxPoints = 2'000'000;  // of one sweep; the largest lidars send 300 000
@@ -185,4 +185,4 @@ Projection ScanProjector::project(const PointCloud& cloud, const Eigen::Isometry
   return result;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

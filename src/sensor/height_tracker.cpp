@@ -10,7 +10,7 @@
 #include "kestrel_slam/sensor/imu_validation.h"
 #include "kestrel_slam/sensor/stamp_check.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kNoise_m = 0.1;         // two readings may differ by this without any motion
@@ -226,4 +226,4 @@ double HeightTracker::stepBelow() const { return state_->range_finder.step(); }
 
 const std::map<std::string, std::size_t>& HeightTracker::counts() const { return state_->counts; }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

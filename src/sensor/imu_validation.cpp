@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kMaxNormError = 0.05;    // of a quaternion; less is rounding
@@ -89,4 +89,4 @@ bool FrozenCheck::add(const ImuSample& sample) {
   return duration_s_ >= frozen_s_;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

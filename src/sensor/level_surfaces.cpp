@@ -8,7 +8,7 @@
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kLookEvery = 0.045;  // s
@@ -113,4 +113,4 @@ std::optional<double> LevelSurfaces::ceilingHeight(double time,
   return ceiling_over_base_->height_m;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

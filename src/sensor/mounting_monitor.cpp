@@ -10,7 +10,7 @@
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_estimator.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kMaxStep_s = 0.5;  // one reading stands for no longer
@@ -110,4 +110,4 @@ MountingMonitor::Judgement MountingMonitor::judgeSize() const {
   return {ImuHealth::kContradiction, message + "; gravity does not correct the attitude"};
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/sensor/attitude_tracker.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Watches whether attitude and accelerometer make sense together over some seconds: an IMU that is
 /// mounted in another way than tf says, or that measures in other units or with other signs.
@@ -51,4 +51,4 @@ class MountingMonitor {
 /// "0.98 m/s²: is it in g?": what a norm of the accelerometer that is not gravity may be.
 std::string describeSize(double size);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -4,7 +4,7 @@
 #include <locale>
 #include <sstream>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 std::optional<std::vector<std::pair<double, double>>> parsePairs(const std::string& text) {
   std::vector<std::pair<double, double>> pairs;
@@ -21,4 +21,4 @@ std::optional<std::vector<std::pair<double, double>>> parsePairs(const std::stri
   return pairs;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Reads "a:b, c:d" with any number of pairs, also none; nothing where the text is anything else.
 std::optional<std::vector<std::pair<double, double>>> parsePairs(const std::string& text);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/sensor/planar_scan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 Points hitsOf(const PlanarScan& scan) {
   Points points;
@@ -12,4 +12,4 @@ Points hitsOf(const PlanarScan& scan) {
   return points;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kNanosecond = 1e-9;  // s
@@ -201,4 +201,4 @@ PointCloud unpackPoints(const PointBuffer& buffer, double stamp) {
   return cloud;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

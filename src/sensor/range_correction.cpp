@@ -6,7 +6,7 @@
 
 #include "pair_list.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 RangeCorrection::RangeCorrection(const std::string& text) {
   const auto pairs = parsePairs(text);
@@ -35,4 +35,4 @@ float RangeCorrection::corrected(float range) const {
   return range + knots_.back().second;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -13,7 +13,7 @@
 #include "scan_validation.h"
 #include "sweep_frames.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// The directions of the beams in the laser's plane, one after the other. Turning the last one
@@ -259,4 +259,4 @@ Projection ScanProjector::projectCorrected(const LaserScan& scan,
   return result;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Beams may lie at most this far apart; farther, two of them already cover more than a turn.
@@ -135,4 +135,4 @@ std::string noValidBeamText(const BeamCounts& counts) {
   return "no usable beam: " + (text.empty() ? "no points" : text);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

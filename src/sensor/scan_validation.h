@@ -9,7 +9,7 @@
 #include "kestrel_slam/sensor/laser_scan.h"
 #include "kestrel_slam/sensor/projection.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The limits of one scan, in the type of its ranges so that equal numbers compare equal.
 struct RangeLimits {
@@ -32,4 +32,4 @@ std::string mountingProblem(const Eigen::Isometry3d& base_T_sensor);
 /// The sentence for a scan without any usable beam.
 std::string noValidBeamText(const BeamCounts& counts);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

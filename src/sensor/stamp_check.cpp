@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kMaxStep_s = 1.0;  // more is a jump
@@ -28,4 +28,4 @@ StampCheck::Verdict StampCheck::check(double stamp) {
   return step > 0.0 ? Verdict::kNext : Verdict::kSetBack;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

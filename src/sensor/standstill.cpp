@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kBlock_s = 1.0;
@@ -51,4 +51,4 @@ std::optional<Eigen::Vector3d> Standstill::judge() const {
   return mean;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "kestrel_slam/geometry/pose3.h"
 #include "scan_validation.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kInterval = 4e-3;       // s
@@ -107,4 +107,4 @@ std::optional<Projection> checkAttitude(const SweepFrames& frames, double stamp,
   return std::nullopt;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

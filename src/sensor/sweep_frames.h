@@ -8,7 +8,7 @@
 #include "kestrel_slam/sensor/projection.h"
 #include "kestrel_slam/sensor/scan_projector.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Where the sensor was at one moment of its sweep, seen from `base_stabilized` at the reference
 /// time. Floats: a sweep's beams are projected by the hundred thousand a second.
@@ -75,4 +75,4 @@ inline float lengthInSlice(const Slice& slice, float origin_z, float rise) {
 std::optional<Projection> checkAttitude(const SweepFrames& frames, double stamp,
                                         const ProjectorConfig& config);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 double MonotoneTime::repair(double stamp) {
   if (!started_) {
@@ -74,4 +74,4 @@ void MonotoneTime::learnStep(double step) {
   typical_step_ = std::max(learned, kMinStep);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,7 +3,7 @@
 
 #include "kestrel_slam/simulation/flight_plan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 // The places of places(), each built anew.
 Place laboratory();
@@ -17,4 +17,4 @@ Place hall();
 Place town();
 Place largeTown();
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

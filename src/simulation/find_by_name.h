@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The item with this `name`. Throws std::invalid_argument that lists the names there are.
 template <typename T>
@@ -18,4 +18,4 @@ const T& findByName(const std::vector<T>& items, const std::string& kind, const 
   throw std::invalid_argument("unknown " + kind + " '" + name + "'; there are " + names);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/random.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Waypoint = FlightPlan::Waypoint;
@@ -147,4 +147,4 @@ FlightPlan randomPlan(const Place& place, double duration_s, std::uint64_t seed)
   return plan;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

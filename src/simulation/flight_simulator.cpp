@@ -10,7 +10,7 @@
 #include "imu_simulator.h"
 #include "kestrel_slam/geometry/random.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -255,4 +255,4 @@ bool FlightSimulator::next(FlightEvent& event) {
   return true;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

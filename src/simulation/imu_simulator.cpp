@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/geometry/gravity.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 Eigen::Quaterniond rotation(const Eigen::Vector3d& vector) {
@@ -63,4 +63,4 @@ ImuSample ImuSimulator::next(const TrueState& truth) {
   return sample;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

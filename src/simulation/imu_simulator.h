@@ -9,7 +9,7 @@
 #include "kestrel_slam/simulation/flight_simulator.h"
 #include "kestrel_slam/simulation/motion.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What an IMU in the origin of the base measures, reading after reading at its rate.
 class ImuSimulator {
@@ -34,4 +34,4 @@ class ImuSimulator {
   Eigen::Vector3d attitude_error_;  ///< roll and pitch in base, yaw in world, rad
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,7 +3,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/simulation/sensor_models.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 // Matt walls send something back down to this angle between beam and surface.
@@ -128,4 +128,4 @@ const LaserModel& laserModel(const std::string& name) {
   return findByName(laserModels(), "sensor", name);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kDoorHeight = 2.1;  // m
@@ -120,4 +120,4 @@ std::vector<FlightPlan::Waypoint> aroundLoop(std::vector<Eigen::Vector3d> corner
   return alongLines(corners, spacing);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/simulation/flight_plan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A straight wall; what is set against it, and where one looks at it from, is to its left.
 struct WallLine {
@@ -62,4 +62,4 @@ std::vector<FlightPlan::Waypoint> alongLines(const std::vector<Eigen::Vector3d>&
 /// The same, back to the first corner.
 std::vector<FlightPlan::Waypoint> aroundLoop(std::vector<Eigen::Vector3d> corners, double spacing);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,7 +3,7 @@
 #include "find_by_name.h"
 #include "kestrel_slam/simulation/flight_plan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 const std::vector<Place>& places() {
   static const std::vector<Place> all = {
@@ -14,4 +14,4 @@ const std::vector<Place>& places() {
 
 const Place& place(const std::string& name) { return findByName(places(), "world", name); }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 #include "kestrel_slam/geometry/random.h"
 #include "place_parts.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kFlightHeight = 1.0;  // m
@@ -132,4 +132,4 @@ Place hall() {
   return hall;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include "kestrel_slam/geometry/random.h"
 #include "place_parts.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kLaserHeight = 1.0;  // m
@@ -108,4 +108,4 @@ Place largeTown() {
   return townOf("large_town", "the same around 600 m x 600 m, one loop of 2.4 km", 300.0);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

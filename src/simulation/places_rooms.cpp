@@ -5,7 +5,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "place_parts.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kFlightHeight = 1.0;  // m
@@ -228,4 +228,4 @@ Place fourRooms() {
   return rooms;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Waypoint = FlightPlan::Waypoint;
@@ -235,4 +235,4 @@ PathPoint PlanPath::at(double time) const {
   return point;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/simulation/flight_plan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Where a vehicle is asked to be at one time.
 struct PathPoint {
@@ -53,4 +53,4 @@ class PlanPath {
   std::vector<Knot> knots_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include "plan_path.h"
 #include "sampled_motion.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Vector6d = SampledMotion::Vector6d;
@@ -151,4 +151,4 @@ std::unique_ptr<Motion> flyQuadrotor(const FlightPlan& plan, const QuadrotorConf
   return motion;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr Eigen::Index kRoll = 3, kPitch = 4, kYaw = 5;
@@ -70,4 +70,4 @@ TrueState SampledMotion::at(double time) const {
   return toState(advance(from, acceleration, elapsed));
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/simulation/motion.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A motion by its accelerations at equal steps of time: linear between them, integrated exactly,
 /// so that every member of its state really is the derivative that its name says.
@@ -38,4 +38,4 @@ class SampledMotion : public Motion {
   std::vector<Sample> samples_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

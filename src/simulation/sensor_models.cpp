@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -213,4 +213,4 @@ PointCloud sweep(const LidarModel& lidar, const World& world, const Motion& moti
   return cloud;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

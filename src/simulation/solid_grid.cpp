@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -133,4 +133,4 @@ void SolidGrid::meet(const Ray& ray, RayHit& nearest) const {
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 
 #include "solids.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Which boxes and cylinders a ray may meet, cell by cell of a grid in the plane: a ray looks only
 /// at what stands in the cells that it passes, in their order, and stops at the first that it
@@ -35,4 +35,4 @@ class SolidGrid {
   std::vector<std::size_t> solids_;                   ///< numbers: boxes, then cylinders
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

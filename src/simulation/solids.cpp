@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// The part of a ray that is inside of a solid thing, and how steeply it enters.
@@ -122,4 +122,4 @@ void meetPlane(double z, const Ray& ray, RayHit& nearest) {
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

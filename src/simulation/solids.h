@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/simulation/world.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 struct Ray {
   Eigen::Vector3d origin;
@@ -50,4 +50,4 @@ class CylinderSolid {
 /// Updates `nearest` where the ray meets the horizontal plane at height `z` before.
 void meetPlane(double z, const Ray& ray, RayHit& nearest);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

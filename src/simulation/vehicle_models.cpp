@@ -3,7 +3,7 @@
 
 #include "kestrel_slam/simulation/flight_simulator.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 VehicleModel quadrotorWith(const std::string& sensor) {
   const Eigen::Translation3d laser_mount(0.08, 0.0, 0.06), lidar_mount(0.0, 0.0, 0.15);  // m
@@ -26,4 +26,4 @@ VehicleModel quadrotorWith(const std::string& sensor) {
   return vehicle;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 // A grown-up, m.
@@ -87,4 +87,4 @@ void WalkerPath::meet(const Ray& ray, double time, RayHit& nearest) const {
   CylinderSolid({step.position, kTrunkRadius, kLegTop, kTrunkTop}).meet(ray, nearest);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include "kestrel_slam/simulation/world.h"
 #include "solids.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The way of a walker, measured once.
 class WalkerPath {
@@ -29,4 +29,4 @@ class WalkerPath {
   std::vector<double> corner_at_;  ///< m along the polygon, of each corner and the way's end
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

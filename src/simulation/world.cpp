@@ -9,7 +9,7 @@
 #include "solid_grid.h"
 #include "walker.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 void validate(const World::Parts& parts) {
@@ -78,4 +78,4 @@ RayHit World::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& directi
 
 const World::Parts& World::parts() const { return index_->parts; }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

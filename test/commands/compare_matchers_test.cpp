@@ -10,7 +10,7 @@
 #include "room_log_test.h"
 #include "run_command.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
@@ -110,4 +110,4 @@ TEST_F(CompareMatchersTest, HelpAndVersionNeedNoRecording) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

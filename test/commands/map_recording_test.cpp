@@ -12,7 +12,7 @@
 #include "room_log_test.h"
 #include "run_command.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
@@ -191,4 +191,4 @@ TEST_F(MapRecordingTest, HelpVersionAndParametersNeedNoRecording) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -16,7 +16,7 @@
 #include "kestrel_slam/recording/cloud_file.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 template <typename T>
@@ -220,4 +220,4 @@ TEST(SliceCloud, EveryCloudOfABagIsSliced) {
 #endif
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

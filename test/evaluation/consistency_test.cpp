@@ -9,7 +9,7 @@
 #include "kestrel_slam/evaluation/claims.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 TEST(Consistency, NeesOfIndependentAxes) {
@@ -97,4 +97,4 @@ TEST(Claims, ABrokenLineIsNamed) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

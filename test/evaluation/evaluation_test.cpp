@@ -9,7 +9,7 @@
 #include "kestrel_slam/report/evaluation_plot.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 TEST(Statistics, AreThoseOfThePopulation) {
@@ -153,4 +153,4 @@ TEST(EvaluationPlot, WritesAPngEvenOfASinglePose) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

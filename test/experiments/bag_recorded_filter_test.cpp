@@ -9,7 +9,7 @@
 #include "kestrel_slam/recording/bag/bag_reference.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr char kCorrection[] =
@@ -50,4 +50,4 @@ TEST(RecordedFilter, NeedsAnImu) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 TEST(DriveMeasurement, TheBeginningOfTheDriveIsMappedWithBothLasers) {
@@ -43,4 +43,4 @@ TEST(DriveMeasurement, TheDriveIsThatOfThePaper) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

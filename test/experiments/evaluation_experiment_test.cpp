@@ -7,7 +7,7 @@
 #include "kestrel_slam/recording/simulated_recording.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Trial = EvaluationExperiment::Trial;
@@ -83,4 +83,4 @@ TEST(EvaluationExperimentTest, TableAndPictureOfEveryMethod) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include "kestrel_slam/evaluation/consistency.h"
 #include "kestrel_slam/simulation/flight_plan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 FilterTrial trialIn(const std::string& place) {
@@ -95,4 +95,4 @@ TEST(FilterMeasurement, WhatItClaimsIsWhatItIsWrongBy) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 FlightTrial shortFlight(const std::string& name) {
@@ -56,4 +56,4 @@ TEST(FlightMeasurement, WithoutTheProjectorTheFloorIsPaintedAsWalls) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

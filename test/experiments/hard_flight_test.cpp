@@ -5,7 +5,7 @@
 
 #include <cctype>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 class HardFlights : public testing::TestWithParam<std::size_t> {};
@@ -63,4 +63,4 @@ TEST(HardFlight, FailuresNameWhatExceedsItsLimit) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Scans at 0, 1, 2, ... s, at `step` m from each other along x, the last one `off` m to the side.
@@ -76,4 +76,4 @@ TEST(MatcherComparisonTest, ThePictureIsWritten) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

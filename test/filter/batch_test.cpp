@@ -12,7 +12,7 @@
 #include "kestrel_slam/geometry/gravity.h"
 #include "kestrel_slam/sensor/attitude_estimator.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kImuHz = 100.0;
@@ -250,6 +250,6 @@ TEST(PoseFilterBatch, AgreesWithBatchLeastSquares) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 #endif

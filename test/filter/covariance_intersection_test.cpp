@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 Eigen::Matrix3d rotated(const Eigen::Vector3d& variances, const Eigen::Vector3d& axis) {
@@ -70,4 +70,4 @@ TEST(CovarianceIntersection, ClaimsNoMoreThanIsTrueForAnyCorrelation) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

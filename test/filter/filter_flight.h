@@ -12,7 +12,7 @@
 #include "kestrel_slam/geometry/random.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A smooth flight that is known exactly: rest, then sweeping curves with roll, pitch and yaw.
 struct FilterFlight {
@@ -153,4 +153,4 @@ inline FilterErrors errorsOf(const FilterFlight& flight, const FilterOutput& out
           std::abs(std::remainder(yawOf(found) - truth.yaw(), 2.0 * 3.14159265358979))};
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

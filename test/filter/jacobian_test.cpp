@@ -7,7 +7,7 @@
 #include "../../src/filter/measurement.h"
 #include "kestrel_slam/sensor/attitude_estimator.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kStep = 1e-6;       // of the finite differences
@@ -119,4 +119,4 @@ TEST(Jacobian, ErrorBetweenIsTheInverseOfInject) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

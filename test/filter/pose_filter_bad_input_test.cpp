@@ -5,7 +5,7 @@
 
 #include "filter_flight.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -358,4 +358,4 @@ TEST_F(PoseFilterBadInput, Garbage) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "filter_flight.h"
 #include "kestrel_slam/geometry/pose3.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 FilterStatus statusAtEnd(const PoseFilter& filter, const FilterFlight& flight, double time) {
@@ -386,4 +386,4 @@ TEST(PoseFilter, RefusesAConfigurationOutsideOfItsLimits) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

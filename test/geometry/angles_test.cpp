@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 TEST(Angles, KeepsWhatIsInTheInterval) {
@@ -49,4 +49,4 @@ TEST(Angles, ConvertsDegrees) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 Eigen::Isometry2d toEigen(const Pose2& pose) {
@@ -106,4 +106,4 @@ TEST(Pose2, KnowsItsDistanceAndWhetherItIsFinite) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,7 +11,7 @@
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/map/pgm.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
@@ -203,4 +203,4 @@ TEST(PgmTest, WideValuesAreScaled) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

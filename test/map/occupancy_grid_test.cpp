@@ -8,7 +8,7 @@
 
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kTolerance = 1e-3;  // log odds are stored in steps of 1/1000
@@ -254,4 +254,4 @@ TEST(OccupancyGrid, SnapshotHasTheExtentOfWhatIsKnown) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 #include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kLimitMb = 1.0;
@@ -152,4 +152,4 @@ TEST(Submap, AStitchedWallIsClearedOnlyWhenItIsGone) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

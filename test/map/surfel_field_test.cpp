@@ -9,7 +9,7 @@
 #include "kestrel_slam/map/submap.h"
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// The surfel of the cell itself, or nullptr.
@@ -139,4 +139,4 @@ TEST(SurfelField, SparseHitsOfOneScanMakeALine) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 
 #include "kestrel_slam/map/submap.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr float kSize = 0.05F;  // m, of a cell
@@ -126,4 +126,4 @@ TEST_F(Neighbors, AreTheNearestAfterThousandsOfInsertionsAndRemovals) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

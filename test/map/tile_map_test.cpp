@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 struct Counter {
@@ -148,4 +148,4 @@ TEST(TileMap, ClearForgetsEverything) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 MatchResult resultWith(double s1, double s2, double s3) {
@@ -46,4 +46,4 @@ TEST(EvaluationFunction, NothingFitsIsInfinite) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -15,7 +15,7 @@
 #include "kestrel_slam/recording/trajectory.h"
 #include "kestrel_slam/sensor/scan_projector.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 std::string dataFile(const std::string& name) {
@@ -147,4 +147,4 @@ TEST_F(Freiburg, IcpLaserOnly) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 #include "kestrel_slam/mapping/mapper.h"
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -225,4 +225,4 @@ INSTANTIATE_TEST_SUITE_P(Methods, MapperGarbage,
                                            "hybrid"));
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 #include "kestrel_slam/mapping/mapper.h"
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 const std::vector<room::Segment> kSquare = {
@@ -94,4 +94,4 @@ TEST(MapperMotion, TheAccelerometerCarriesTheVehicleWhereTheScanDoesNotHold) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include "kestrel_slam/mapping/mapper.h"
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kStep = 0.025;  // s
@@ -92,4 +92,4 @@ TEST(MapperRecovery, AnotherRoomIsNotTakenForTheKnownOne) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -216,4 +216,4 @@ TEST(Mapper, ThousandsOfGarbageScans) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

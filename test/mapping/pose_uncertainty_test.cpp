@@ -9,7 +9,7 @@
 #include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 UncertainPose poseAt(double x, double shared_variance, double own_variance) {
@@ -112,4 +112,4 @@ TEST(PoseUncertainty, WithoutAnySensorOfTheMotionTheClaimCoversTheError) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 Submap mapOf(const std::vector<room::Segment>& walls, double resolution_m) {
@@ -122,4 +122,4 @@ TEST(Correlative, NothingToMatchGivesTheCenter) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 #include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// A square room of half width 3 m with n beams on each wall, at equal steps.
@@ -137,4 +137,4 @@ TEST(Covariance, MatchedPosesScatterAsClaimed) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

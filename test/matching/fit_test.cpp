@@ -5,7 +5,7 @@
 
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kScale_m = 0.1;
@@ -81,4 +81,4 @@ TEST(FitOf, NothingKnownIsZeroAndFinite) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

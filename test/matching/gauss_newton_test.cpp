@@ -9,7 +9,7 @@
 #include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// The gradient must be the derivative of the cost, as long as no point changes its wall.
@@ -89,4 +89,4 @@ TEST(GaussNewton, StaysWhereNothingPulls) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 struct Variant {
@@ -163,4 +163,4 @@ TEST(IcpMatcher, LastScansAreAllThatItSees) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint64_t kSeed = 3;
@@ -175,4 +175,4 @@ TEST(RejectWorstPairs, RemovesExactlyTheOutliers) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

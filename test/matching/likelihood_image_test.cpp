@@ -8,7 +8,7 @@
 
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr int kMaxLevels = 6;
@@ -88,4 +88,4 @@ TEST(LikelihoodImage, WindowsSideBySideAreNeighborsInMemory) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

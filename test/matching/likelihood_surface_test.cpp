@@ -10,7 +10,7 @@
 #include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 const Points& scanOfTheRoom() {
@@ -155,4 +155,4 @@ TEST(LikelihoodSurface, CovarianceFollowsTheRidgeOfACorridor) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 MatchResult match(const std::string& method, const Submap& map, const Points& points,
@@ -161,4 +161,4 @@ TEST(MakeMatcher, KnowsEveryName) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

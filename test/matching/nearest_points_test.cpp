@@ -5,7 +5,7 @@
 
 #include <random>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint64_t kSeed = 4;
@@ -68,4 +68,4 @@ TEST(NearestPoints, NoneAndManyAtOnePlace) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Of the room in the map: its walls cross the cells in all ways.
@@ -105,4 +105,4 @@ TEST(ProgressiveMatcher, CovarianceIsThatOfTheError) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

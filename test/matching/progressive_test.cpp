@@ -7,7 +7,7 @@
 #include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kBeams = 200.0;
@@ -223,4 +223,4 @@ TEST(ProgressiveRefiner, GoesOnWhereTheCoarserCellCouldNotSeeIt) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,7 +11,7 @@
 #include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kCell = 0.05;
@@ -136,4 +136,4 @@ TEST(SearchLimits, CovarianceIsSymmetricAndNotNegativeAnywhere) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

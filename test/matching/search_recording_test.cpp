@@ -9,7 +9,7 @@
 #include "kestrel_slam/matching/correlative.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kResolution_m = 0.03;
@@ -61,4 +61,4 @@ TEST_F(SearchRecording, EqualsBruteForceOnAThousandScans) {
 TEST_F(SearchRecording, EqualsBruteForceInLargeWindows) { compare(6, {4.0, 0.5 * kPi}, 2); }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 TEST(AidingMessages, CovarianceOfAPlanarPose) {
@@ -83,9 +83,4 @@ TEST(AidingMessages, FixesAreCountedFromTheFirst) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  return RUN_ALL_TESTS();
-}
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 #include "kestrel_slam/recording/recording.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr char kCorrection[] =
@@ -52,4 +52,4 @@ INSTANTIATE_TEST_SUITE_P(Bags, MotionCapture,
                                            Drive{"two_robots.bag", "/mocap_pose", true, 0.031}));
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "room_log.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// The room flight, with what a test wants to go wrong.
@@ -177,4 +177,4 @@ TEST(OfflineRunTest, AnEmptyRecordingGivesAnEmptyRun) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

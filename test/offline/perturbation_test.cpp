@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 RecordedScan scanOf(std::size_t beams) {
@@ -90,4 +90,4 @@ TEST(PerturbationTest, PointsOfACloudAreDroppedAsAWhole) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

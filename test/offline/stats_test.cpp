@@ -7,7 +7,7 @@
 #include "kestrel_slam/offline/version.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 ScanRecord scanOf(double time, MatchState state, double score, double ms) {
@@ -118,4 +118,4 @@ TEST(VersionTest, IsThatOfThePackage) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include <set>
 #include <stdexcept>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// The message that `action` throws, or "accepted".
@@ -170,4 +170,4 @@ TEST(Parameters, ValidateChecksRelationsAndRanges) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "kestrel_slam/parameters/filter_parameters.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 const char* const kShippedFile = KESTREL_SOURCE_DIR "/config/kestrel_slam.yaml";
@@ -92,4 +92,4 @@ TEST(ParametersYamlTest, AMissingFileIsNamed) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kWheelRadius = 0.077, kAxle = 0.33;  // m
@@ -106,4 +106,4 @@ TEST(RealBreezyLog, DrivesThroughTheMines) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

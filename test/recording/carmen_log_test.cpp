@@ -16,7 +16,7 @@
 #include "kestrel_slam/evaluation/evaluation.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// A FLASER line whose beams all read `range`.
@@ -285,4 +285,4 @@ TEST(RealLogs, IntelIsReadInTheOrderOfTheFile) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -15,7 +15,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// A line of `count` ranges: value, value + 0.5, value, value + 0.5, ...
@@ -165,4 +165,4 @@ TEST(RealRangeTable, TheQuadrotorTakesOff) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

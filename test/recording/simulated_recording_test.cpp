@@ -9,7 +9,7 @@
 #include "kestrel_slam/sensor/attitude_buffer.h"
 #include "simulation/test_flight.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint64_t kSeed = 2;
@@ -116,4 +116,4 @@ TEST(SimulatedRecording, DescribesItselfAndRefusesAVehicleThatSeesNothing) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

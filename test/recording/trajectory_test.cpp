@@ -8,7 +8,7 @@
 
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 TEST(Trajectory, WritesTheTumFormat) {
@@ -66,4 +66,4 @@ TEST(Trajectory, SaysWhatIsWrongWithAFile) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

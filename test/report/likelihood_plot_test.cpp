@@ -10,7 +10,7 @@
 #include "room_log.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 TEST(LikelihoodWatch, TheBestPoseIsWhereTheVehicleWas) {
@@ -45,4 +45,4 @@ TEST(LikelihoodWatch, SaysWhatItCannotShow) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::int8_t kU = MapSnapshot::kUnknown, kF = MapSnapshot::kFree,
@@ -88,4 +88,4 @@ TEST(Base64Test, TheVectorsOfRfc4648) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

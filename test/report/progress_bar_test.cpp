@@ -8,7 +8,7 @@
 #include "kestrel_slam/map/atomic_file.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// What a bar writes about a run of `scans` scans.
@@ -46,4 +46,4 @@ TEST(ProgressBarTest, OneLineOnATerminal) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 OfflineRun runOf(std::size_t scans) {
@@ -117,4 +117,4 @@ TEST(ReportTest, AnEmptyRunIsAPageToo) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Indices = std::vector<std::size_t>;
@@ -74,4 +74,4 @@ TEST(SeriesTest, EqualTimesGiveNoInfiniteSpeed) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

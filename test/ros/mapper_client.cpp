@@ -10,7 +10,7 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/recording/simulated_recording.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 1000;
@@ -178,4 +178,4 @@ void MapperClient::onDiagnostics(const diagnostic_msgs::DiagnosticArray& message
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

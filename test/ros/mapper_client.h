@@ -24,7 +24,7 @@
 #include "kestrel_slam/sensor/laser_scan.h"
 #include "kestrel_slam/simulation/world.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// One scan and where the base really was at its stamp.
 struct SimulatedScan {
@@ -108,4 +108,4 @@ class MapperClient {
   std::map<std::string, std::map<std::string, std::string>> diagnostics_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

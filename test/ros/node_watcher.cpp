@@ -3,7 +3,7 @@
 
 #include <ros/callback_queue.h>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 1000;
@@ -51,4 +51,4 @@ void NodeWatcher::onDiagnostics(const diagnostic_msgs::DiagnosticArray& message)
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Listens to the diagnostics of one node and to tf.
 class NodeWatcher {
@@ -49,4 +49,4 @@ class NodeWatcher {
   std::map<std::string, std::map<std::string, std::string>> diagnostics_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -17,7 +17,7 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "projector_client.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr char kManager[] = "manager";
@@ -200,7 +200,7 @@ TEST_F(Nodelets, UnloadCleanlyAndLoadAgain) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

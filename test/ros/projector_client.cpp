@@ -10,7 +10,7 @@
 
 #include "kestrel_slam/messages/planar_scan_message.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 1000;
@@ -49,12 +49,12 @@ ProjectorClient::ProjectorClient(const std::string& ns)
   cloud_publisher = nh.advertise<sensor_msgs::PointCloud2>("points", kQueue);
   constexpr bool kLatch = true;
   mounting_publisher_ = nh.advertise<tf2_msgs::TFMessage>("/tf_static", 1, kLatch);
-  const boost::function<void(const sensor_msgs::PointCloud2ConstPtr&)> on_planar_scan =
-      [this](const sensor_msgs::PointCloud2ConstPtr& message) {
+  const boost::function<void(const kestrel_slam::PlanarScanConstPtr&)> on_planar_scan =
+      [this](const kestrel_slam::PlanarScanConstPtr& message) {
         planar_scans[message->header.stamp] = message;
       };
   subscribers_.push_back(
-      nh.subscribe<sensor_msgs::PointCloud2>("planar_scan", kQueue, on_planar_scan));
+      nh.subscribe<kestrel_slam::PlanarScan>("planar_scan", kQueue, on_planar_scan));
 }
 
 bool ProjectorClient::connect(bool with_imu) {
@@ -119,4 +119,4 @@ void ProjectorClient::expectRight(const std::optional<PlanarScan>& scan, double 
   EXPECT_GT(scan->hitCount(), expected.size() / 2);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -14,11 +14,12 @@
 #include <string>
 #include <vector>
 
+#include "kestrel_slam/PlanarScan.h"
 #include "kestrel_slam/sensor/planar_scan.h"
 #include "node_watcher.h"
 #include "tilting_flight.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Plays the rest of the robot for a scan projector: publishes the sensors of a flight, and listens
 /// to everything of the node. Frames of a namespace `ns`: <ns>_base, <ns>_laser, <ns>_imu.
@@ -63,7 +64,7 @@ class ProjectorClient : public NodeWatcher {
   double time = 1000.1;      ///< of the next scan, s
   double imu_time = 1000.0;  ///< of the next IMU message, s
 
-  std::map<ros::Time, sensor_msgs::PointCloud2ConstPtr> planar_scans;  ///< by stamp
+  std::map<ros::Time, kestrel_slam::PlanarScanConstPtr> planar_scans;  ///< by stamp
   std::vector<sensor_msgs::LaserScan> views;
   std::vector<sensor_msgs::Range> heights;  ///< of the mirror
 
@@ -74,4 +75,4 @@ class ProjectorClient : public NodeWatcher {
   std::vector<ros::Subscriber> subscribers_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -18,7 +18,7 @@
 #include "kestrel_slam/ros/mapper/uncertainty_markers.h"
 #include "mapper_client.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -193,7 +193,7 @@ TEST(Conversions, MapKeepsCellsAndOrigin) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

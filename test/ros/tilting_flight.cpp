@@ -7,7 +7,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/gravity.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -136,4 +136,4 @@ geometry_msgs::TransformStamped transformMessage(const std::string& parent,
   return message;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

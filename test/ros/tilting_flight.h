@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A vehicle that hovers in the middle of a room of 8 m × 6 m, tilts to and fro and turns: what its
 /// sensors measure, and what a scan of it has to look like, in closed form. The walls are so high
@@ -54,4 +54,4 @@ geometry_msgs::TransformStamped transformMessage(const std::string& parent,
                                                  const Eigen::Isometry3d& parent_T_child,
                                                  double time);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/pose3.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -162,4 +162,4 @@ TEST(AttitudeError, EveryErrorHasAText) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

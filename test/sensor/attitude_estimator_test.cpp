@@ -12,7 +12,7 @@
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/geometry/random.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -286,4 +286,4 @@ TEST(AttitudeEstimator, StampsThatDoNotAscendAreIgnored) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include "kestrel_slam/sensor/attitude_tracker.h"
 #include "tracked_imu.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using AttitudeTrackerHealth = AttitudeTrackerTest;
@@ -136,4 +136,4 @@ TEST_F(AttitudeTrackerHealth, AccelerationInG) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

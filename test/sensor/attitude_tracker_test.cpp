@@ -10,7 +10,7 @@
 #include "kestrel_slam/geometry/random.h"
 #include "tracked_imu.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 TEST_F(AttitudeTrackerTest, SaysThatNothingHasCome) {
@@ -242,4 +242,4 @@ TEST_F(AttitudeTrackerTest, GarbageNeverGetsOut) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

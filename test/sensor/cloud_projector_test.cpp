@@ -7,7 +7,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/sensor/scan_projector.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -112,4 +112,4 @@ TEST(CloudProjector, CountsWhatIsInvalidAndRefusesWhatIsEmptyOrBroken) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

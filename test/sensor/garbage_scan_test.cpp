@@ -8,7 +8,7 @@
 
 #include "kestrel_slam/sensor/scan_projector.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Scans as a broken driver, a cut message or a bit error could make them.
@@ -76,4 +76,4 @@ TEST(ScanProjector, GarbageGivesFiniteRaysOrAReason) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include <functional>
 #include <limits>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -200,4 +200,4 @@ TEST_F(HeightTrackerTest, AClockThatWasSetBack) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 Eigen::Quaterniond pitched(double pitch) {
@@ -53,4 +53,4 @@ TEST(LevelSurfaces, ALineNeedsTiltAndReturns) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 
 #include "kestrel_slam/sensor/scan_projector.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 TEST(RangeCorrection, IsLinearBetweenItsRangesAndConstantBeyond) {
@@ -54,4 +54,4 @@ TEST(RangeCorrection, IsAppliedByTheScanProjector) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
@@ -232,4 +232,4 @@ TEST(ScanProjector, EveryErrorHasAWord) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/scan_projector.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -312,4 +312,4 @@ TEST(TiltedProjection, ABeamWithoutAReturnClearsOnlyInsideTheSlice) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 std::vector<double> repairAll(const std::vector<double>& stamps) {
@@ -115,4 +115,4 @@ TEST(MonotoneTime, IsMonotoneForAnyGarbage) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

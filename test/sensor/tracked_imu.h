@@ -14,7 +14,7 @@
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_tracker.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
@@ -97,4 +97,4 @@ class AttitudeTrackerTest : public ::testing::Test {
   AttitudeTracker tracker_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

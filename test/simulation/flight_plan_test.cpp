@@ -11,7 +11,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// A room of 8 m x 6 m and 3 m height with a pillar, a pane of glass and a table.
@@ -161,4 +161,4 @@ TEST(BuiltInPlaces, AreFlownAlongTheirPlans) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

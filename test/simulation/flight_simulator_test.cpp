@@ -12,7 +12,7 @@
 #include "simulation/statistics.h"
 #include "simulation/test_flight.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 std::vector<std::size_t> countsByType(const std::vector<FlightEvent>& events) {
@@ -207,4 +207,4 @@ TEST(VehicleModels, NamesChooseTheScannerAndUnknownOnesAreAnsweredWithTheKnown) 
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 #include "simulation/statistics.h"
 #include "simulation/test_flight.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 const Eigen::Vector3d kGravity(0.0, 0.0, 9.81);
@@ -162,4 +162,4 @@ TEST_F(ImuAndHeightModelsTest, RangesOutOfRangeFollowRep117) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 #include "kestrel_slam/simulation/sensor_models.h"
 #include "simulation/steady_motion.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 TEST(LidarModel, ItsPointsLieOnTheWallAndTheFloor) {
@@ -68,4 +68,4 @@ TEST(LidarModel, ItsColumnsAreCastAtTheirOwnTime) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,7 +11,7 @@
 #include "kestrel_slam/simulation/flight_plan.h"
 #include "kestrel_slam/simulation/sensor_models.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
@@ -87,7 +87,7 @@ double yawSpread(const Place& place) {
 class EveryPlace : public testing::TestWithParam<std::string> {};
 
 TEST_P(EveryPlace, ItsPlanKeepsItsDistance) {
-  const Place& place = kestrel_slam::place(GetParam());
+  const Place& place = kestrel::place(GetParam());
   const World world(place.parts);
   const Points points = alongPlan(place.plan);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -98,7 +98,7 @@ TEST_P(EveryPlace, ItsPlanKeepsItsDistance) {
 }
 
 TEST_P(EveryPlace, ItsFlightKeepsItsDistanceInGustsToo) {
-  const Place& place = kestrel_slam::place(GetParam());
+  const Place& place = kestrel::place(GetParam());
   const World world(place.parts);
   double time = 0.0;
   for (const Eigen::Vector3d& point : flown(place)) {
@@ -110,7 +110,7 @@ TEST_P(EveryPlace, ItsFlightKeepsItsDistanceInGustsToo) {
 
 TEST_P(EveryPlace, IsClosed) {
   // From anywhere on the flight, every level beam ends somewhere.
-  const Place& place = kestrel_slam::place(GetParam());
+  const Place& place = kestrel::place(GetParam());
   const World world(place.parts);
   for (const Eigen::Vector3d& point : alongPlan(place.plan)) {
     for (int i = 0; i < 360; ++i) {
@@ -132,7 +132,7 @@ TEST(Places, AreFoundByName) {
   for (const Place& place : places()) {
     names.insert(place.name);
     EXPECT_FALSE(place.description.empty());
-    EXPECT_EQ(&kestrel_slam::place(place.name), &place);
+    EXPECT_EQ(&kestrel::place(place.name), &place);
     EXPECT_GT(place.quadrotor.gust_m_s2, 0.0);
   }
   EXPECT_EQ(names.size(), 10u);
@@ -260,4 +260,4 @@ TEST(Places, PeopleWalkInTheRoom) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 #include "kestrel_slam/sensor/attitude_buffer.h"
 #include "kestrel_slam/simulation/flight_plan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -316,4 +316,4 @@ TEST(Quadrotor, FliesOddPlansToo) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

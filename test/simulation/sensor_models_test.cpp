@@ -10,7 +10,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "simulation/steady_motion.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -253,4 +253,4 @@ TEST(SensorModels, AreFoundByName) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 inline double meanOf(const std::vector<double>& values) {
   double sum = 0.0;
@@ -26,4 +26,4 @@ inline double noiseOf(const std::vector<double>& values) {
   return deviationOf(differences) / std::sqrt(2.0);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include "kestrel_slam/simulation/motion.h"
 #include "kestrel_slam/simulation/world.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Starts at `start`, flies and spins at constant rates, tilted as it started.
 class SteadyMotion : public Motion {
@@ -41,4 +41,4 @@ inline World wallAt(double distance, Material material = Material::kMatt) {
   return worldOf({{{distance + 0.5, 0, 1.5}, {1.0, 500.0, 3.0}, 0.0, material}});
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/simulation/flight_simulator.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A motion of which everything is known: x = 2 sin t, y = 0, z = 1 + 0.1 sin t, turning at a
 /// constant 0.5 rad/s about the vertical.
@@ -127,4 +127,4 @@ std::vector<Message> messagesOf(const std::vector<FlightEvent>& events) {
   return messages;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/simulation/world.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -88,4 +88,4 @@ TEST(Walker, TellsTheDistanceToItsWay) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,7 +11,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/random.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -325,4 +325,4 @@ TEST(World, CanBeMoved) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -17,7 +17,7 @@ namespace CLI {
 class App;
 }
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What the tools that map a recording read from the command line.
 struct MappingArguments {
@@ -25,6 +25,7 @@ struct MappingArguments {
   std::string config;  ///< YAML file with parameters; may be empty
   std::string odometry = "none";
   std::string imu = "use";
+  std::string filter = "use";
   std::vector<std::string> settings;  ///< name=value, after those of the file
   RecordingOptions topics;
   std::vector<double> laser_pose;  ///< x, y (m), yaw (degrees) of the laser; may be empty
@@ -76,4 +77,4 @@ void printWarnings(const std::string& prefix, const OfflineRun& run);
 /// Writes map.pgm, map.yaml, trajectory.tum, stats.json and report.html.
 void writeOutputs(const std::filesystem::path& folder, const OfflineRun& run, const RunInfo& info);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Exit codes of every tool.
 constexpr int kSuccess = 0, kBadInput = 1, kWrongUsage = 2;
@@ -20,4 +20,4 @@ using Action = std::function<void()>;
 int runTool(const std::string& name, CLI::App& app, int argc, char** argv, const Action& run,
             const Action& check = {});
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include "kestrel_slam/evaluation/evaluation.h"
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The claimed uncertainty of the pose of one scan.
 struct Claim {
@@ -32,4 +32,4 @@ struct ClaimEvaluation {
 ClaimEvaluation evaluateClaims(const std::vector<Claim>& claims,
                                const std::vector<Relation>& relations);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 #include "kestrel_slam/recording/trajectory.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Normalized estimation error squared e' C⁻¹ e of an error in (x, y, yaw): where C is the true
 /// covariance it has the mean 3 and lies within kNeesBand in 95 of 100 cases (chi-square, 3 degrees
@@ -44,4 +44,4 @@ double meanOf(const std::vector<double>& values);
 /// Share of the values within a band, 0 to 1.
 double shareWithin(const std::vector<double>& values, const std::pair<double, double>& band);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/recording/trajectory.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Statistics of absolute errors; all zero where there are none.
 struct ErrorStatistics {
@@ -97,4 +97,4 @@ ReferenceEvaluation evaluateReference(const Trajectory& trajectory, const Trajec
 /// Length of the path, m.
 double pathLength(const Trajectory& trajectory);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

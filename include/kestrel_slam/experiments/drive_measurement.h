@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/experiments/flight_measurement.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// One quarter of the scans of a drive.
 struct DriveQuarter {
@@ -33,4 +33,4 @@ FlightTrial largeTownDrive();
 /// Drives and maps. Throws what measureFlight throws.
 DriveMeasurement measureDrive(const FlightTrial& trial);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 #include "kestrel_slam/mapping/mapper_config.h"
 #include "kestrel_slam/matching/matcher.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What is tried, and what counts as a good match.
 struct ExperimentConfig {
@@ -82,4 +82,4 @@ std::string evaluationTable(const std::vector<MethodTrials>& methods, double thr
 void plotEvaluationFunction(const std::string& path, const std::vector<MethodTrials>& methods,
                             double threshold);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

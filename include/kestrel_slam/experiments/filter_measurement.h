@@ -9,7 +9,7 @@
 #include "kestrel_slam/experiments/flight_measurement.h"
 #include "kestrel_slam/pipeline/pipeline.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 using FilterError = Eigen::Matrix<double, kFilterDim, 1>;
 
@@ -38,7 +38,8 @@ struct FilterMeasurement {
 struct FilterTrial {
   FlightTrial flight;
   PoseFilterConfig filter;
-  CouplingOptions coupling;
+  /// The mapper's pose reaches the filter 5 ms after the scan.
+  CouplingOptions coupling{true, true, true, true, 0.005};
   double blind_from_s = 0.0, blind_until_s = 0.0;  ///< no scan comes meanwhile
 };
 
@@ -50,4 +51,4 @@ FilterMeasurement measureFilter(const FilterTrial& trial);
 /// is 20 ms late, a range finder and a barometer.
 double measureImuCost(double duration_s);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

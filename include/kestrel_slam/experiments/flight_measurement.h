@@ -13,7 +13,7 @@
 #include "kestrel_slam/simulation/flight_plan.h"
 #include "kestrel_slam/simulation/flight_simulator.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A simulated flight to be mapped, and how.
 struct FlightTrial {
@@ -53,4 +53,4 @@ FlightMeasurement measureFlight(const FlightTrial& trial);
 /// cylinder, at any height; infinite where there is none.
 double distanceToUprightSurface(const World::Parts& parts, const Eigen::Vector2d& point);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

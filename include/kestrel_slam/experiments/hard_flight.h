@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/experiments/flight_measurement.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What a hard flight must not exceed.
 struct HardLimits {
@@ -53,4 +53,4 @@ struct HardFlightMeasurement {
 /// Flies and maps. Deterministic. Throws what measureFlight throws.
 HardFlightMeasurement measureHardFlight(const HardFlight& flight);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/matching/gauss_newton.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A scan of a recording with the pose that the mapper found.
 struct MappedScan {
@@ -25,4 +25,4 @@ struct MappedLog {
 /// poses in a map of cells of `resolution_m`. Throws std::runtime_error where it cannot be read.
 MappedLog mapLog(const std::string& path, double resolution_m);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

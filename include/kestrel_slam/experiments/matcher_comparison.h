@@ -8,7 +8,7 @@
 #include "kestrel_slam/evaluation/evaluation.h"
 #include "kestrel_slam/offline/offline_run.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What one method made of a recording.
 struct MethodRun {
@@ -43,4 +43,4 @@ std::string comparisonTable(const std::vector<MethodRun>& runs, const MatcherCom
 void plotComparison(const std::string& path, const std::vector<MethodRun>& runs,
                     const MatcherComparison& comparison);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,7 +11,7 @@
 #include "kestrel_slam/recording/recording.h"
 #include "kestrel_slam/recording/trajectory.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Where something was, and how fast: in map, seen from above.
 struct MovingPose {
@@ -43,4 +43,4 @@ RecordedFilterRun runFiltered(Recording& recording, const SlamConfig& config,
                               const PoseFilterConfig& filter, const CouplingOptions& coupling,
                               const std::optional<Eigen::Isometry3d>& base_T_laser = std::nullopt);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

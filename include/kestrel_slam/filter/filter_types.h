@@ -9,7 +9,7 @@
 
 #include "kestrel_slam/geometry/pose2.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Who measured something for the filter.
 enum class FilterSensor {
@@ -136,4 +136,4 @@ struct FilterStatus {
   }
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

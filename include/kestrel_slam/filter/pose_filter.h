@@ -9,7 +9,7 @@
 #include "kestrel_slam/filter/pose_filter_config.h"
 #include "kestrel_slam/sensor/imu_sample.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The full state of the vehicle at the rate of the IMU: an error-state Kalman filter (paper 001
 /// section III, eq. 1-3 with biases) on gyro and accelerometer, aided by whatever measurements
@@ -74,4 +74,4 @@ class PoseFilter {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

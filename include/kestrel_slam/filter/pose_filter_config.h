@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What is known of the IMU's errors. The defaults are those of an Xsens MTi's data sheet.
 struct ImuNoiseConfig {
@@ -73,4 +73,4 @@ struct PoseFilterConfig {
 /// Throws std::invalid_argument with the name and the limits of the first value that is outside.
 void validate(const PoseFilterConfig& config);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 constexpr double kPi = 3.14159265358979323846;
 
@@ -16,4 +16,4 @@ inline double normalizeAngle(double angle) {
 inline constexpr double degToRad(double deg) { return deg * kPi / 180.0; }
 inline constexpr double radToDeg(double rad) { return rad * 180.0 / kPi; }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What an accelerometer at rest measures, m/s².
 constexpr double kGravity = 9.81;
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Element of SE(2): a rotation by `yaw` (rad, (-pi, pi]) and a translation (m).
 /// `a_T_b` maps coordinates in b to coordinates in a; `a_T_b * b_T_c` is `a_T_c`.
@@ -44,4 +44,4 @@ inline bool operator==(const Pose2& a, const Pose2& b) {
   return a.x == b.x && a.y == b.y && a.yaw == b.yaw;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/geometry/pose2.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The rotation without its turn about the vertical: `stabilized_R_base` (REP-105; paper 000 eq.
 /// 1).
@@ -20,4 +20,4 @@ double tiltOf(const Eigen::Quaterniond& world_R_base);
 /// Position and yaw seen from above.
 Pose2 toPose2(const Eigen::Isometry3d& transform);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Random numbers that are the same on every platform: the standard fixes the generator, but not
 /// the distributions.
@@ -36,4 +36,4 @@ class Random {
   std::mt19937_64 random_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Writes `content` to `path` by way of a temporary file in the same folder that is then renamed,
 /// so that no reader sees half a file and a failure leaves an older file as it was. Throws
@@ -13,4 +13,4 @@ void writeFileAtomically(const std::string& path, const std::string& content);
 /// The whole content of a file. Throws std::runtime_error that names the file and the reason.
 std::string readFile(const std::string& path);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

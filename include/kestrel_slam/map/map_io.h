@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/map/map_snapshot.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Writes `<stem>.pgm` and `<stem>.yaml` as map_server does (free 254, unknown 205, occupied 0;
 /// trinary, thresholds 0.65 and 0.196; `image:` relative to the yaml), each to a temporary name
@@ -17,4 +17,4 @@ void writeMap(const std::string& stem, const MapSnapshot& map);
 /// and what is wrong with it.
 MapSnapshot readMap(const std::string& yaml_path);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A copy of the known part of a map, in the layout and values of nav_msgs/OccupancyGrid.
 struct MapSnapshot {
@@ -24,4 +24,4 @@ struct MapSnapshot {
   }
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

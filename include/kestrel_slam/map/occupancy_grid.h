@@ -12,7 +12,7 @@
 #include "kestrel_slam/map/tile_map.h"
 #include "kestrel_slam/sensor/planar_scan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Value and gradient (1/m) of the interpolated occupancy (paper 001 eq. 4-6).
 struct InterpolatedValue {
@@ -125,4 +125,4 @@ class OccupancyGrid {
   Changes changes_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Parameters of the log-odds map (paper 000 eq. 6-10, paper 001).
 struct OccupancyGridConfig {
@@ -13,4 +13,4 @@ struct OccupancyGridConfig {
   double memory_limit_mb = 2048.0;  ///< no new cells beyond; reported, never crashed into
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A gray image, row-major from the upper left corner, 0 black to 255 white.
 struct GrayImage {
@@ -21,4 +21,4 @@ std::string encodePgm(const GrayImage& image, const std::string& comment);
 /// scaled to 255. Throws std::runtime_error that says what is wrong, without the file's name.
 GrayImage decodePgm(const std::string& bytes);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

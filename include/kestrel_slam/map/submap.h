@@ -9,7 +9,7 @@
 #include "kestrel_slam/map/occupancy_grid.h"
 #include "kestrel_slam/map/surfel_field.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A scan that entered the map.
 struct Keyframe {
@@ -57,4 +57,4 @@ class Submap {
   std::uint64_t revision_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

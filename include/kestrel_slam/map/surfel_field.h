@@ -10,7 +10,7 @@
 #include "kestrel_slam/map/occupancy_grid.h"
 #include "kestrel_slam/map/tile_map.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What of a distance along a wall counts: keeps points from sliding past its end.
 constexpr float kAlongWeight = 0.05F;
@@ -167,4 +167,4 @@ class SurfelField {
   std::uint32_t updates_ = 0;      ///< since the last clear
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

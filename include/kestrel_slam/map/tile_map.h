@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Index of a square cell: [x, x + 1) × [y, y + 1) in units of the resolution.
 struct Cell {
@@ -140,4 +140,4 @@ class TileMap {
   std::size_t tile_count_ = 0;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

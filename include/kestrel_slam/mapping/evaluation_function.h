@@ -3,7 +3,7 @@
 
 #include "kestrel_slam/matching/match_result.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Parameters of the penalized evaluation function (paper 000 eq. 4-5).
 struct EvaluationConfig {
@@ -26,4 +26,4 @@ struct EvaluationConfig {
 /// terms are numbers and a threshold holds for any laser. Infinite where nothing fits.
 double evaluationFunction(const MatchResult& match, const EvaluationConfig& config);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

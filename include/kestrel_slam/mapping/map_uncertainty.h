@@ -8,7 +8,7 @@
 #include "kestrel_slam/map/surfel_field.h"
 #include "kestrel_slam/matching/gauss_newton.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// How well the places of a map are known that was itself built from uncertain poses.
 ///
@@ -37,4 +37,4 @@ class MapUncertainty {
   std::vector<Birth> births_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 #include "kestrel_slam/matching/match_result.h"
 #include "kestrel_slam/sensor/planar_scan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// ok: the scan fits; degraded: it fits poorly or a direction is unconstrained; lost: it fits
 /// nowhere within the search windows, the pose is the prediction.
@@ -74,4 +74,4 @@ class Mapper {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

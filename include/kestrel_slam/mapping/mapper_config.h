@@ -5,7 +5,7 @@
 #include "kestrel_slam/mapping/evaluation_function.h"
 #include "kestrel_slam/matching/matcher.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// All parameters of the mapper. The defaults live here and nowhere else.
 struct MapperConfig {
@@ -20,4 +20,4 @@ struct MapperConfig {
   double gap_s = 1.0;               ///< after this long without a scan any yaw is searched
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

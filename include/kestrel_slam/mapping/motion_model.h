@@ -9,7 +9,7 @@
 #include "kestrel_slam/matching/matcher.h"
 #include "kestrel_slam/sensor/planar_scan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Whether a position is one that a vehicle can have: finite, and not absurdly far.
 bool isUsable(const Pose2& pose);
@@ -74,4 +74,4 @@ class MotionModel {
   bool placed_ = false;      ///< somebody said where the vehicle is: search around there
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include "kestrel_slam/mapping/map_uncertainty.h"
 #include "kestrel_slam/matching/match_result.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A pose and what is known of its error, as covariances of (x, y, yaw) in map, m² and rad².
 struct UncertainPose {
@@ -65,4 +65,4 @@ class PoseUncertainty {
   double drift_speed_ = 0.0;     ///< and of its speed now, m/s
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include "kestrel_slam/map/surfel_field.h"
 #include "kestrel_slam/matching/gauss_newton.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What to search, around a center.
 struct SearchWindow {
@@ -46,4 +46,4 @@ SearchResult searchWindowBruteForce(const SurfelField& surface, const Points& po
                                     const Pose2& center, const SearchWindow& window,
                                     const CorrelativeConfig& config);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

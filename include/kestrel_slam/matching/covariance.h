@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/geometry/pose2.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 // The two ways of paper 001, section IV-B, to the covariance of a match. Both take a cost in the
 // unit of 0.5 d² (m², d the distance of a point to its wall) and the variance of d that one
@@ -31,4 +31,4 @@ Eigen::Matrix3d stretched(const Eigen::Matrix3d& covariance, const Eigen::Vector
 /// at `from` does to the position of `to`. Both poses and all covariances are in map.
 Eigen::Matrix3d transported(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& from_to);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

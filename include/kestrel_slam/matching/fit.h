@@ -7,7 +7,7 @@
 #include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/matching/gauss_newton.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// How well a scan fits a map at a pose.
 struct Fit {
@@ -28,4 +28,4 @@ double leastConstraint(const Fit& fit);
 
 Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, double scale_m);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

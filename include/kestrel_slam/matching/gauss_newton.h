@@ -10,7 +10,7 @@
 #include "kestrel_slam/map/occupancy_grid.h"
 #include "kestrel_slam/map/surfel_field.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// End points of the hits of a scan in the base frame, m.
 
@@ -96,4 +96,4 @@ Descent descend(const Pose2& initial_guess, const GaussNewtonConfig& config,
   return best;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/geometry/pose2.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Parameters of the iterative closest point method (papers 003 and 004).
 struct IcpConfig {
@@ -54,4 +54,4 @@ Pose2 alignPointToLine(const std::vector<IcpPair>& pairs, const Pose2& initial_g
 /// Removes the `share` of the pairs, rounded down, whose errors are largest.
 void rejectWorstPairs(std::vector<IcpPair>& pairs, double share);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/matching/correlative.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The score of every pose of a window: what the exhaustive search maximizes, without the cost of
 /// the motion. Peaks, ridges (a corridor) and second maxima are seen in it.
@@ -55,4 +55,4 @@ struct PoseMoments {
 /// counts exp(n · score) with the n of that many independent beams. Needs a surface with poses.
 PoseMoments momentsOf(const LikelihoodSurface& surface);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

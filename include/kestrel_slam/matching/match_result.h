@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/geometry/pose2.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The estimate of one resolution, coarse to fine: what the evaluation function compares.
 struct StageEstimate {
@@ -32,4 +32,4 @@ struct MatchResult {
   std::array<StageEstimate, kMatchStages> stages;  ///< coarse to fine
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

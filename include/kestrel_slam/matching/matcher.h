@@ -13,7 +13,7 @@
 #include "kestrel_slam/matching/match_result.h"
 #include "kestrel_slam/matching/progressive.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Parameters of all matchers.
 struct MatcherConfig {
@@ -66,4 +66,4 @@ std::unique_ptr<Matcher> makeMatcher(const MatcherConfig& config);
 /// What the matcher needs of a map, beside the grid and the surface that all use.
 SubmapOptions submapOptions(const MatcherConfig& config);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A point of a wall.
 struct WallPoint {
@@ -31,4 +31,4 @@ class NearestPoints {
   std::unique_ptr<Tree> tree_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

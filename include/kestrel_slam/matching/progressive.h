@@ -10,7 +10,7 @@
 #include "kestrel_slam/matching/gauss_newton.h"
 #include "kestrel_slam/matching/match_result.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Parameters of the progressive refinement (paper 002, which gives no values).
 struct ProgressiveConfig {
@@ -102,4 +102,4 @@ class ProgressiveRefiner {
   StandardCandidates coarse_, fine_, wide_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 #include "kestrel_slam/filter/filter_types.h"
 #include "kestrel_slam/sensor/imu_sample.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Covariance of (x, y, yaw), m² and rad², in a message of ROS (x, y, z, roll, pitch, yaw).
 Eigen::Matrix3d planarCovariance(const geometry_msgs::PoseWithCovariance& message);
@@ -46,4 +46,4 @@ class LocalFixes {
   std::optional<Origin> origin_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -17,7 +17,7 @@
 #include "kestrel_slam/map/map_snapshot.h"
 #include "kestrel_slam/sensor/planar_scan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Position and yaw seen from above; not finite where the message is not.
 Pose2 toPose2(const geometry_msgs::Pose& pose);
@@ -50,4 +50,4 @@ sensor_msgs::Range toRangeMessage(const ros::Time& stamp, const std::string& lev
 /// The hits of a scan in the map frame; the header is left to the caller.
 sensor_msgs::PointCloud2 hitCloud(const PlanarScan& scan, const Pose2& map_T_base);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -13,7 +13,7 @@
 #include "kestrel_slam/sensor/laser_scan.h"
 #include "kestrel_slam/sensor/point_cloud.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A ROS time in seconds, rounded once: the double that the same decimals give when they are read.
 double toSeconds(const ros::Time& time);
@@ -39,4 +39,4 @@ ImuSample toImuSample(const sensor_msgs::Imu& message);
 /// was hit, along the beam. Outside of the sensor's limits it is +inf or -inf (REP-117).
 HeightSample toHeightSample(const sensor_msgs::Range& message, double sensor_z);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -13,11 +13,11 @@
 #include "kestrel_slam/map/map_snapshot.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/offline/perturbation.h"
-#include "kestrel_slam/parameters/parameters.h"
+#include "kestrel_slam/pipeline/pipeline.h"
 #include "kestrel_slam/recording/recording.h"
 #include "kestrel_slam/recording/trajectory.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What the report needs to know about one processed scan.
 struct ScanRecord {
@@ -47,6 +47,7 @@ struct OfflineRun {
   double peak_memory_mb = 0.0;                 ///< measured, of the whole process
   std::size_t map_memory_bytes = 0;
   MapSnapshot map;
+  std::optional<FilterStatus> filter;  ///< at the end, where the pose filter ran
 
   std::size_t droppedCount() const;
   /// Recorded time over processing time; 0 where nothing was measured.
@@ -57,11 +58,16 @@ struct OfflineRun {
 struct RunOptions {
   bool use_odometry = false;
   bool use_imu = true;  ///< roll, pitch and turn rate; without: the vehicle is taken to be level
+  bool use_filter = false;  ///< the pose filter runs beside, as on a vehicle; needs the IMU
+  PoseFilterConfig filter;
+  CouplingOptions coupling;
   std::optional<Eigen::Isometry3d> base_T_laser;  ///< in place of what the recording says
   Perturbation perturbation;
   std::size_t max_scans = std::numeric_limits<std::size_t>::max();  ///< only the first so many
   /// Sees every scan that the mapper processed, and what became of it.
   std::function<void(const PlanarScan&, const MapperResult&)> observer;
+  /// Sees every state of the pose filter.
+  std::function<void(const FilterOutput&)> filter_observer;
 };
 
 /// How far a run has come.
@@ -81,4 +87,4 @@ OfflineRun runOffline(Recording& recording, const SlamConfig& config,
                       const RunOptions& options = RunOptions(),
                       const ProgressCallback& progress = nullptr);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/recording/recording.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What a run leaves out of its recording: a result that depends on it was luck.
 struct Perturbation {
@@ -21,4 +21,4 @@ struct Perturbation {
 /// does not depend on the others.
 bool perturb(const Perturbation& perturbation, std::size_t number, RecordedScan& scan);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

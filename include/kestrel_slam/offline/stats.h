@@ -8,7 +8,7 @@
 #include "kestrel_slam/offline/offline_run.h"
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What was mapped, and how: the part of the outputs that is known before the run.
 struct RunInfo {
@@ -56,4 +56,4 @@ double rounded(double value, int decimals);
 /// missing without timing; all the rest is the same for every run.
 nlohmann::ordered_json statsOf(const OfflineRun& run, const RunInfo& info);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The version of the package, as in package.xml (a test compares them).
 constexpr const char* kVersion = "0.1.0";
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,9 +6,9 @@
 #include "kestrel_slam/filter/pose_filter_config.h"
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The table of the pose filter's parameters, bound to `config`, which must outlive it.
 std::vector<Parameter> parametersOf(PoseFilterConfig& config);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

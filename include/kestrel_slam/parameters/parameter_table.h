@@ -8,7 +8,7 @@
 
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam::parameter_table {
+namespace kestrel::parameter_table {
 
 // The rows of a table of parameters: name, unit, place, smallest, largest, description.
 
@@ -31,4 +31,4 @@ inline Parameter choice(const char* name, std::string* value, std::vector<std::s
   return {name, "", description, value, 0.0, 0.0, std::move(choices)};
 }
 
-}  // namespace kestrel_slam::parameter_table
+}  // namespace kestrel::parameter_table

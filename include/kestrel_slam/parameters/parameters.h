@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/pipeline/slam_config.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// One named parameter, bound to its place in a SlamConfig. Names follow hector_mapping where it
 /// has the parameter.
@@ -53,4 +53,4 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
 /// below the maximum). Throws std::invalid_argument that names them.
 void validate(const SlamConfig& config);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Sets the parameters of a flat YAML file (`name: value`), which may leave out any. Throws
 /// std::runtime_error that names the file, the line, the parameter and what is allowed.
@@ -16,4 +16,4 @@ std::string defaultParametersYaml();
 /// The same of the pose filter.
 std::string defaultFilterParametersYaml();
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

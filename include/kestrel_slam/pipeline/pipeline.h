@@ -2,76 +2,128 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstddef>
 #include <deque>
 #include <functional>
+#include <limits>
 #include <optional>
+#include <string>
 
 #include "kestrel_slam/filter/pose_filter.h"
 #include "kestrel_slam/mapping/mapper.h"
+#include "kestrel_slam/pipeline/mapping_stage.h"
+#include "kestrel_slam/pipeline/matched_pose.h"
+#include "kestrel_slam/pipeline/projection_stage.h"
 #include "kestrel_slam/pipeline/slam_config.h"
-#include "kestrel_slam/sensor/attitude_tracker.h"
-#include "kestrel_slam/sensor/height_tracker.h"
-#include "kestrel_slam/sensor/scan_projector.h"
+#include "kestrel_slam/pipeline/waiting_queue.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
-/// What the filter gives to projector and mapper, and how late its poses are.
+/// What the pose filter gives to projector and mapper, and what it gets.
 struct CouplingOptions {
-  bool attitude = true;    ///< the filter's attitude, rates and forces feed the projector
-  bool height = true;      ///< its height too
-  bool prediction = true;  ///< the filter's motion in odom feeds the mapper
-  bool barometer = true;
-  double match_s = 0.005;  ///< from the last beam's attitude to the mapper's pose, s
+  bool attitude = true;    ///< its attitude, rates and forces go to the projector
+  bool height = true;      ///< its height goes to the projector
+  bool prediction = true;  ///< its motion in odom goes to the mapper
+  bool barometer = true;   ///< it gets the barometer's heights
+  double match_s = 0.0;    ///< the mapper's pose reaches it so much later, s
 };
 
-/// Projector, mapper and pose filter as they run on a vehicle: everything is given to them in the
-/// order of arrival, scans wait for the attitude of their last beam, and the mapper's pose reaches
-/// the filter late.
-class FilteredMapping {
+/// How projector, filter and mapper work together.
+struct PipelineConfig {
+  SlamConfig slam;
+  PoseFilterConfig filter;
+  bool use_filter = true;  ///< the pose filter runs
+  CouplingOptions coupling;
+  bool level = false;              ///< the vehicle is taken to be level; the IMU is not used
+  bool level_without_imu = false;  ///< the same only while the IMU fails; else scans are dropped
+  double max_wait_s = 0.1;         ///< longest time that a scan waits for its attitude
+  std::size_t queue_size = 20;     ///< scans that may wait for their attitude
+};
+
+/// A sweep for the pipeline.
+struct PipelineScan {
+  SweepData data;
+  Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
+  std::optional<Pose2> odom_T_base;  ///< odometry at the scan's stamp
+  std::optional<double> time;        ///< on a monotone time base, where it was repaired already, s
+  std::size_t number = 0;            ///< of the caller: finds the scan again in an event
+};
+
+/// A scan that was mapped.
+struct MappedSweep {
+  const PipelineScan& input;
+  const ProjectedSweep& projected;
+  const PlanarScan& scan;  ///< as the mapper has seen it
+  const MapperResult& result;
+};
+
+/// A scan that could not be used.
+struct DroppedSweep {
+  const PipelineScan& input;
+  std::string reason;   ///< a phrase for statistics
+  std::string message;  ///< a sentence with the values
+};
+
+/// Projector, pose filter and mapper, coupled as they run on a vehicle. Everything is added in the
+/// order of arrival; scans wait for the attitude of their last beam. Knows no clock: `arrival` (s)
+/// is the time at which a message came, on the clock of the caller, and never decreases.
+/// Single-threaded and deterministic.
+class Pipeline {
  public:
-  FilteredMapping(const SlamConfig& config, const PoseFilterConfig& filter_config,
-                  const CouplingOptions& options);
+  /// Throws std::invalid_argument where the configuration is outside of its limits.
+  explicit Pipeline(const PipelineConfig& config);
+  Pipeline(const Pipeline&) = delete;
+  Pipeline& operator=(const Pipeline&) = delete;
 
   void addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu, double arrival);
-  void addRange(const HeightSample& sample);
-  void addBarometer(const HeightSample& sample);
-  void addScan(const LaserScan& scan, const Eigen::Isometry3d& base_T_laser);
+  /// A range finder's reading. `is_upright`: it is the height itself, not a slanted distance.
+  void addRange(const HeightSample& sample, double arrival, bool is_upright = false);
+  void addBarometer(const HeightSample& sample, double arrival);
+  void addScan(PipelineScan scan, double arrival);
+  /// No more messages come: scans that still wait are dropped with their reason.
+  void finish();
 
+  /// Places the vehicle in map (`initialpose`). `covariance`: of (x, y, yaw), m² and rad².
+  void setPose(const Pose2& map_T_base, const Eigen::Matrix3d& covariance);
+  /// Forgets the map; the next scan starts a new one at `map_T_base`.
+  void reset(const Pose2& map_T_base = Pose2());
+
+  const Mapper& mapper() const { return mapping_.mapper(); }
   const PoseFilter& filter() const { return filter_; }
-  Mapper& mapper() { return mapper_; }
+  const ProjectionStage& projection() const { return projection_; }
 
-  /// Hears of every state of the filter, and of every scan that was processed.
-  std::function<void(const FilterOutput&)> on_output;
-  std::function<void(const PlanarScan&, const MapperResult&)> on_scan;
+  // Events.
+  std::function<void(const MappedSweep&)> on_scan;
+  std::function<void(const DroppedSweep&)> on_drop;
+  std::function<void(const FilterOutput&)> on_filter;  ///< a new state of the filter
 
  private:
   struct WaitingScan {
-    LaserScan scan;
-    Eigen::Isometry3d base_T_laser;
+    PipelineScan scan;
+    SweepTimes times;
+    double arrival;
   };
   struct WaitingPose {
     double arrival;
-    PoseMeasurement pose;
+    MatchedPose pose;
   };
 
-  void chooseAttitude();
-  void deliverPoses(double now);
-  void processScans(double now);
-  bool process(const WaitingScan& waiting, double now);
-  const AttitudeBuffer& attitude() const;
+  void advance(double arrival);
+  void deliverPoses();
+  void updateFilter(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu);
+  void processQueue();
+  bool handle(const WaitingScan& waiting);
+  void map(const PipelineScan& scan, bool level);
+  void drop(const PipelineScan& scan, const std::string& reason, const std::string& message);
 
-  CouplingOptions options_;
+  PipelineConfig config_;
+  ProjectionStage projection_;
   PoseFilter filter_;
-  ScanProjector projector_;
-  AttitudeTracker tracker_;
-  AttitudeBuffer filtered_attitude_;
-  bool filter_gives_attitude_ = false;
-  bool integrals_jump_ = false;  ///< since the last scan
-  HeightTracker height_;
-  Mapper mapper_;
-  std::deque<WaitingScan> scans_;
-  std::deque<WaitingPose> poses_;
-  Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();  ///< in base_stabilized, m/s
+  MappingStage mapping_;
+  WaitingQueue<WaitingScan> queue_;
+  std::deque<WaitingPose> poses_;  ///< on their way to the filter
+  double now_ = -std::numeric_limits<double>::infinity();
+  bool finished_ = false;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 #include "kestrel_slam/sensor/attitude_tracker.h"
 #include "kestrel_slam/sensor/beam_filter.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Everything that a user can set, whether offline or live.
 struct SlamConfig {
@@ -14,4 +14,4 @@ struct SlamConfig {
   MapperConfig mapper;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,7 +11,7 @@
 #include "kestrel_slam/recording/recording.h"
 #include "kestrel_slam/sensor/time_base.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Reads a log of the Mines ParisTech rover in the format of BreezySLAM and CoreSLAM: numbers with
 /// spaces between them, one scan a line. Column 1 is the time in µs, columns 3 and 4 the ticks of
@@ -45,4 +45,4 @@ class BreezyLog : public Recording {
 /// Whether the first line of the file (unpacked) has the columns of such a log.
 bool looksLikeBreezyLog(const std::string& path);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/sensor/laser_scan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What one laser line of a CARMEN log says.
 struct CarmenScan {
@@ -27,4 +27,4 @@ std::string carmenMessageName(const std::string& line);
 /// std::invalid_argument that says what is wrong with the line.
 CarmenScan parseCarmenScan(const std::string& line, double no_return_m);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 #include "kestrel_slam/recording/recording.h"
 #include "kestrel_slam/sensor/time_base.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Reads a CARMEN log (FLASER lines, or ROBOTLASER1 lines where it has no other), plain, .bz2 or
 /// .gz, line by line in the order of the file, which is the true order even where stamps jump back.
@@ -56,4 +56,4 @@ class CarmenLog : public Recording {
 /// Whether the beginning of the file (unpacked) looks like a CARMEN log.
 bool looksLikeCarmenLog(const std::string& path);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

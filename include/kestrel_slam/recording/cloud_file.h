@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/sensor/point_cloud.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Reads one sweep of a 3D lidar from a file; its stamp is 0. Known are PCD (ascii or binary, with
 /// or without padding after the points), and raw float32 numbers: `.pcd.bin` has five for a point
@@ -14,4 +14,4 @@ namespace kestrel_slam {
 /// Throws std::runtime_error that names the file and what is wrong.
 PointCloud readCloudFile(const std::string& path);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

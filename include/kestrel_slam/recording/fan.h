@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/sensor/laser_scan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A laser of which a recording only says how many beams it has.
 struct Fan {
@@ -22,4 +22,4 @@ Fan fanOf(std::size_t beams);
 /// beam comes after the share of a turn that lies between two beams.
 LaserScan scanOf(const Fan& fan, std::size_t beams, double rate_hz);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 
 #include "kestrel_slam/recording/recording.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Reads a table of ranges: one scan a line, ranges in m with commas between them, neither stamps
 /// nor odometry; plain, .xz, .bz2 or .gz.
@@ -45,4 +45,4 @@ class RangeTable : public Recording {
 /// Whether the file (unpacked) begins with a line of numbers with commas between them.
 bool looksLikeRangeTable(const std::string& path);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -13,7 +13,7 @@
 #include "kestrel_slam/sensor/laser_scan.h"
 #include "kestrel_slam/sensor/point_cloud.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// One scan of a recording with everything the mapper may use of it.
 struct RecordedScan {
@@ -80,4 +80,4 @@ class Recording {
 std::unique_ptr<Recording> openRecording(const std::string& path,
                                          const RecordingOptions& options = RecordingOptions());
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

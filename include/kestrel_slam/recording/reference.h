@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/recording/trajectory.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Whether a file begins as a rosbag. Throws std::runtime_error where it cannot be read.
 bool isBag(const std::string& path);
@@ -14,4 +14,4 @@ bool isBag(const std::string& path);
 /// readBagReference()). Throws std::runtime_error that names the file and what is wrong.
 Trajectory readReference(const std::string& path, const std::string& topic);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,7 +11,7 @@
 #include "kestrel_slam/simulation/flight_plan.h"
 #include "kestrel_slam/simulation/flight_simulator.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Where the base truly is at `stamp` (s, as in the messages of a simulated flight), seen from
 /// above.
@@ -46,4 +46,4 @@ class SimulatedRecording : public Recording {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

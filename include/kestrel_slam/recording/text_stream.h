@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The first `count` bytes of a file, or fewer where it is shorter. Throws std::runtime_error that
 /// names the file where it does not exist, is a folder or cannot be read.
@@ -26,4 +26,4 @@ std::string cutOffText(std::size_t line);
 /// Reads a number that fills the whole of `text` and is finite; false otherwise.
 bool parseFinite(const std::string& text, double& value);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

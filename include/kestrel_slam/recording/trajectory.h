@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/geometry/pose2.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A pose (map_T_base) and the stamp of the scan that it belongs to, as recorded.
 struct StampedPose {
@@ -23,4 +23,4 @@ using Trajectory = std::vector<StampedPose>;
 void writeTum(const std::string& path, const Trajectory& trajectory);
 Trajectory readTum(const std::string& path);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

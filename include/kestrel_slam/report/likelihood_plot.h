@@ -8,7 +8,7 @@
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/matching/likelihood_surface.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Watches a mapper, and looks at one of its scans: how likely every pose around the found one is,
 /// in the map as it was then.
@@ -36,4 +36,4 @@ class LikelihoodWatch {
   MapperResult result_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

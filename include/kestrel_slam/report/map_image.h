@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/map/map_snapshot.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A map as a gray PNG, upper row first, with the gray values of map_server.
 struct MapImage {
@@ -22,4 +22,4 @@ MapImage renderMap(const MapSnapshot& map, int max_side_pixels = 8192);
 /// `bytes` in base64, as a data URL needs them.
 std::string base64(const std::string& bytes);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

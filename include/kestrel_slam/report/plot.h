@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// One set of data in a chart, in the units of its axes.
 struct PlotSeries {
@@ -30,4 +30,4 @@ struct PlotPanel {
 /// where it cannot be written.
 void writePlot(const std::string& path, const std::vector<PlotPanel>& panels);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

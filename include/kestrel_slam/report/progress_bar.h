@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/offline/offline_run.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Shows how far a run has come: a bar that is redrawn in place on a terminal, otherwise a line for
 /// every tenth.
@@ -33,4 +33,4 @@ class ProgressBar {
   std::size_t last_tenth_ = 0;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

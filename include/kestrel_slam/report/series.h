@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/geometry/pose2.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Indices, in order and at most `max_points` of them (from 4), that draw the same curve as all of
 /// `values`: the first, the last, and the smallest and largest of equal stretches in between.
@@ -22,4 +22,4 @@ struct Speeds {
 /// hide the motion. `times` (s) must not decrease.
 Speeds speedsOf(const std::vector<double>& times, const std::vector<Pose2>& poses);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

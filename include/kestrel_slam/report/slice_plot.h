@@ -7,7 +7,7 @@
 #include "kestrel_slam/sensor/planar_scan.h"
 #include "kestrel_slam/sensor/point_cloud.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Draws a slice over the cloud that it was cut out of, seen from above, up to `radius_m` around
 /// the vehicle. Throws std::runtime_error that names the file where it cannot be written.
@@ -15,4 +15,4 @@ void writeSlicePlot(const std::string& path, const std::string& title, const Poi
                     const Eigen::Isometry3d& base_T_lidar, const PlanarScan& slice,
                     double radius_m);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 #include <deque>
 #include <optional>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// How the vehicle was oriented at one time.
 struct Attitude {
@@ -76,4 +76,4 @@ class AttitudeBuffer {
   std::deque<Entry> entries_;  ///< ascending stamps
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

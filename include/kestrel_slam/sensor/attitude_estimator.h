@@ -8,7 +8,7 @@
 #include "kestrel_slam/sensor/attitude_tracker.h"
 #include "kestrel_slam/sensor/standstill.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The rotation by a rotation vector (exponential map), rad.
 Eigen::Quaterniond rotationBy(const Eigen::Vector3d& vector);
@@ -79,4 +79,4 @@ class AttitudeEstimator {
   int standstills_ = 0;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,7 +11,7 @@
 #include "kestrel_slam/sensor/attitude_buffer.h"
 #include "kestrel_slam/sensor/imu_sample.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// How attitudes are taken from an IMU. The defaults live here and nowhere else.
 struct AttitudeConfig {
@@ -76,4 +76,4 @@ class AttitudeTracker {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

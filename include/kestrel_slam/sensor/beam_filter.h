@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Which beams of a scan are used, and how far a beam without a return clears.
 struct BeamFilterConfig {
@@ -44,4 +44,4 @@ struct ProjectorConfig {
 /// Reads "from:to, from:to" (degrees). Throws std::invalid_argument that quotes the text.
 std::vector<AngleRange> parseAngleRanges(const std::string& text);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

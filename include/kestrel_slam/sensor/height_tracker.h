@@ -12,7 +12,7 @@
 #include "kestrel_slam/sensor/imu_sample.h"
 #include "kestrel_slam/sensor/projection.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// How heights are judged. The defaults live here and nowhere else.
 struct HeightConfig {
@@ -96,4 +96,4 @@ class HeightTracker {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <optional>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// One message of an IMU, with the meaning of sensor_msgs/Imu; what the driver does not give is
 /// absent (a covariance of -1 there).
@@ -22,4 +22,4 @@ struct HeightSample {
   double height_m = 0.0;  ///< range finder: along its beam; +inf: nothing in range
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

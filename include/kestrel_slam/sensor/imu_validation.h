@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/sensor/imu_sample.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Why a reading is not used.
 struct ImuFault {
@@ -40,4 +40,4 @@ class FrozenCheck {
   std::optional<ImuSample> first_;  ///< of those that are the same
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

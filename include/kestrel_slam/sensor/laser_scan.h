@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A raw sweep of a 2D laser, with the fields and units of sensor_msgs/LaserScan (rad, m, s).
 /// Ranges follow REP-117: NaN invalid, +inf nothing within range, -inf too close.
@@ -18,4 +18,4 @@ struct LaserScan {
   std::vector<float> ranges;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Returns at one height: where a tilted sweep meets floor or ceiling, or a wall straight across.
 struct LevelLine {
@@ -66,4 +66,4 @@ class LevelSurfaces {
 std::optional<LevelLine> outermostLine(std::vector<Eigen::Vector3f> returns,
                                        const Eigen::Quaterniond& stabilized_R_base, int sign);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

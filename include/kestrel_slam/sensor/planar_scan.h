@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/geometry/pose2.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Points in one frame, m.
 using Points = std::vector<Eigen::Vector2f>;
@@ -46,4 +46,4 @@ struct PlanarScan {
 /// The ends of all rays that hit something.
 Points hitsOf(const PlanarScan& scan);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

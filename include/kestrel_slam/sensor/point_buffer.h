@@ -8,7 +8,7 @@
 
 #include "kestrel_slam/sensor/point_cloud.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// One value of every point of a packed cloud. `type` has the numbers of sensor_msgs/PointField.
 struct PointField {
@@ -47,4 +47,4 @@ struct PointBuffer {
 /// are), types that are unsupported, no points, fewer bytes than promised.
 PointCloud unpackPoints(const PointBuffer& buffer, double stamp);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A sweep of a 3D lidar, in the frame of the sensor.
 struct PointCloud {
@@ -15,4 +15,4 @@ struct PointCloud {
   std::vector<Point> points;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

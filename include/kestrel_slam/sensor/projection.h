@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/sensor/planar_scan.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What became of the beams of one scan. Each beam is counted once.
 struct BeamCounts {
@@ -48,4 +48,4 @@ struct Projection {
   std::string message;  ///< what was wrong, with the values; empty where nothing was
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

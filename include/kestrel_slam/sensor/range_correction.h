@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What is added to the ranges of a laser whose error is known. Cheap lasers, that triangulate, may
 /// be wrong by several per cent, and by a share that changes with the distance: a vehicle that
@@ -26,4 +26,4 @@ class RangeCorrection {
   std::vector<std::pair<float, float>> knots_;  ///< (measured range, what is added), m
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

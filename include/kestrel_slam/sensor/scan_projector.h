@@ -13,7 +13,7 @@
 #include "kestrel_slam/sensor/projection.h"
 #include "kestrel_slam/sensor/range_correction.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What is known of the vehicle when a scan is projected.
 struct VehicleState {
@@ -61,4 +61,4 @@ struct SweepTimes {
 SweepTimes sweepTimes(const LaserScan& scan);
 SweepTimes sweepTimes(const PointCloud& cloud);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Tells late readings from single wrong stamps, and those from a clock that was set.
 class StampCheck {
@@ -29,4 +29,4 @@ class StampCheck {
   double jump_ = 0.0;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

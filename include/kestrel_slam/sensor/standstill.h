@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Recognizes a vehicle that stands still by a second of readings that hardly vary: what the gyro
 /// says then is its bias, about the vertical too, which gravity does not show.
@@ -29,4 +29,4 @@ class Standstill {
   double force_squares_ = 0.0;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

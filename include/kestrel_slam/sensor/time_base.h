@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <optional>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Repairs a time base: stamps in the order of the file in, strictly monotone times out.
 ///
@@ -37,4 +37,4 @@ class MonotoneTime {
   std::size_t repaired_ = 0;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

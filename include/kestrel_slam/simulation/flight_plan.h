@@ -10,7 +10,7 @@
 #include "kestrel_slam/simulation/motion.h"
 #include "kestrel_slam/simulation/world.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What a quadrotor is asked to do: a smooth path through waypoints.
 struct FlightPlan {
@@ -64,4 +64,4 @@ const Place& place(const std::string& name);
 /// A random flight that keeps its distance from everything in `place`.
 FlightPlan randomPlan(const Place& place, double duration_s, std::uint64_t seed);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -17,7 +17,7 @@
 #include "kestrel_slam/simulation/sensor_models.h"
 #include "kestrel_slam/simulation/world.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// An IMU with an attitude filter of its own (Xsens MTi class); figures of its data sheet.
 struct ImuModel {
@@ -134,4 +134,4 @@ class FlightSimulator {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,7 +3,7 @@
 
 #include <Eigen/Geometry>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Where a simulated vehicle truly is and how it moves. z of `world` points up.
 struct TrueState {
@@ -22,4 +22,4 @@ class Motion {
   virtual TrueState at(double time) const = 0;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

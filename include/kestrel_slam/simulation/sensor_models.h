@@ -12,7 +12,7 @@
 #include "kestrel_slam/simulation/motion.h"
 #include "kestrel_slam/simulation/world.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The errors of a beam, of a 2D laser and of a 3D lidar alike.
 struct BeamErrors {
@@ -63,4 +63,4 @@ const std::vector<LidarModel>& lidarModels();  ///< vlp16
 /// Finds one by its name. Throws std::invalid_argument that lists the names there are.
 const LaserModel& laserModel(const std::string& name);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What a beam does at a surface.
 enum class Material {
@@ -80,4 +80,4 @@ class World {
   std::unique_ptr<Index> index_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Walks over a serialized message without trusting any length in it.
@@ -64,4 +64,4 @@ sensor_msgs::PointCloud2 deserializeCloud(const rosbag::MessageInstance& instanc
   return cloud;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

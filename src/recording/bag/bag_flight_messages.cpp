@@ -9,7 +9,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr const char* kWorldFrame = "world";
@@ -203,4 +203,4 @@ tf2_msgs::TFMessage mountings(const VehicleModel& vehicle, const ros::Time& stam
   return message;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

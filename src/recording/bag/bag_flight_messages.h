@@ -12,7 +12,7 @@
 
 #include "kestrel_slam/simulation/flight_simulator.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The messages of a simulated flight. `vehicle` is what sends them.
 sensor_msgs::LaserScan toMessage(const LaserScan& scan, const ros::Time& stamp,
@@ -33,4 +33,4 @@ geometry_msgs::PoseArray toMessage(const TrueWalkers& walkers, const ros::Time& 
 /// The mounting of every sensor on board.
 tf2_msgs::TFMessage mountings(const VehicleModel& vehicle, const ros::Time& stamp);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

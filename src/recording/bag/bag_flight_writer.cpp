@@ -11,7 +11,7 @@
 
 #include "bag_flight_messages.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 const char* topicOf(const LaserScan&) { return "/scan"; }
@@ -82,4 +82,4 @@ FlightBagSummary writeFlightBag(const std::string& path, FlightSimulator& flight
   return summary;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

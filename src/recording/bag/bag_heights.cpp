@@ -8,7 +8,7 @@
 #include "kestrel_slam/recording/bag/bag_imu.h"
 #include "kestrel_slam/recording/bag/bag_odometry.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 const std::string kRangeType = "sensor_msgs/Range";
@@ -119,4 +119,4 @@ BagHeights readBagHeights(const rosbag::Bag& bag, const BagTopics& topics,
   return result;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/recording/bag/bag_odometry.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 const std::string kImuType = "sensor_msgs/Imu";
@@ -88,4 +88,4 @@ BagImu readBagImu(const rosbag::Bag& bag, const BagTopics& topics, const BagTran
   return result;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,9 +12,10 @@
 #include <stdexcept>
 
 #include "kestrel_slam/geometry/pose3.h"
+#include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/sensor_messages.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 const std::string kOdometryType = "nav_msgs/Odometry";
@@ -123,4 +124,4 @@ std::optional<Pose2> BagOdometrySource::at(double stamp, const ros::Time& time) 
   return child_T_base ? *odom_T_child * toPose2(*child_T_base) : *odom_T_child;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

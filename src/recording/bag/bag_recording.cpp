@@ -20,7 +20,7 @@
 #include "kestrel_slam/recording/bag/bag_transforms.h"
 #include "kestrel_slam/sensor/time_base.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 const std::string kScanType = "sensor_msgs/LaserScan";
@@ -88,7 +88,7 @@ std_msgs::Header BagRecording::State::decode(const rosbag::MessageInstance& inst
     return content.header;
   }
   const sensor_msgs::LaserScan content = deserializeScan(instance);
-  message.scan = toLaserScan(content);
+  message.scan = fromMessage(content);
   return content.header;
 }
 
@@ -245,4 +245,4 @@ std::string BagRecording::description() const {
   return text;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -13,11 +13,12 @@
 #include <vector>
 
 #include "kestrel_slam/geometry/pose3.h"
+#include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/recording/bag/bag_odometry.h"
 #include "kestrel_slam/recording/bag/bag_topics.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 const std::vector<std::string> kTypes = {
@@ -99,4 +100,4 @@ Trajectory readBagReference(const std::string& path, const std::string& topic) {
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

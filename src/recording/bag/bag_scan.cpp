@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Whether the arrays of a serialized LaserScan are no longer than the message. Otherwise the
@@ -43,4 +43,4 @@ sensor_msgs::LaserScan deserializeScan(const rosbag::MessageInstance& instance) 
   return scan;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,7 +11,7 @@
 #include <set>
 #include <stdexcept>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 // http://wiki.ros.org/Bags/Format/2.0: a record is a header and data, each with its length in
@@ -179,4 +179,4 @@ void Walker::walk() {
 
 void checkBagStructure(const std::string& path) { Walker(path).walk(); }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

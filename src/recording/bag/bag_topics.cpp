@@ -10,7 +10,7 @@
 #include "kestrel_slam/recording/bag/bag_structure.h"
 #include "kestrel_slam/recording/bag/bag_transforms.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 bool contains(const std::vector<std::string>& items, const std::string& item) {
@@ -100,4 +100,4 @@ void requireMd5(const BagTopics& topics, const std::string& name, const std::str
                            "); convert the bag with `rosbag fix`");
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

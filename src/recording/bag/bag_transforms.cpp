@@ -11,9 +11,10 @@
 #include <set>
 #include <stdexcept>
 
+#include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/sensor_messages.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 // Longer than any recording: the buffer keeps everything, so that late scans find their transform.
@@ -125,4 +126,4 @@ bool BagTransforms::connected(const std::string& a, const std::string& b) const 
   return root_a == root_b;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

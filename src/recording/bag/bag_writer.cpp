@@ -14,7 +14,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 const std::string kLaserFrame = "laser";
@@ -152,4 +152,4 @@ BagSummary writeBag(const std::string& path, Recording& recording, BagStamps sta
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

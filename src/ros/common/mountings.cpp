@@ -3,7 +3,7 @@
 
 #include "kestrel_slam/messages/conversions.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 // tf arrives on the thread of the node: nothing is looked up while another thread adds frames.
@@ -34,4 +34,4 @@ std::string Mountings::missing(const std::string& sensor, const std::string& sen
          "0 0 0 0 0 0 " + base_frame_ + " " + sensor_frame;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

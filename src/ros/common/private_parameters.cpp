@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <variant>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Of diagnostic_updater, which reads it from the same namespace.
@@ -104,4 +104,4 @@ void requireDistinct(const std::string& parameter, const std::string& frame,
                               ": another frame has this name too, one must change");
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

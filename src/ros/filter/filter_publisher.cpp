@@ -11,9 +11,9 @@
 
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/messages/conversions.h"
-#include "kestrel_slam/recording/bag/bag_transforms.h"
+#include "kestrel_slam/messages/pipeline_messages.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 200;
@@ -54,6 +54,7 @@ geometry_msgs::TransformStamped transformOf(const ros::Time& stamp, const std::s
 
 FilterPublisher::FilterPublisher(ros::NodeHandle nh, const PoseFilterNodeConfig& config)
     : config_(config) {
+  motion_publisher_ = nh.advertise<kestrel_slam::FilteredMotion>("filtered_motion", kQueue);
   odometry_publisher_ = nh.advertise<nav_msgs::Odometry>("odom/filtered", kQueue);
   height_publisher_ = nh.advertise<sensor_msgs::Range>("height/filtered", kQueue);
   bias_publisher_ = nh.advertise<sensor_msgs::Imu>("imu/bias", kQueue);
@@ -66,6 +67,7 @@ void FilterPublisher::publish(const ros::Time& stamp, const FilterOutput& output
     return;
   }
   publishOdometry(stamp, output, imu_rate_hz);  // first: a controller waits for it
+  publishMotion(stamp, output);
   publishHeight(stamp, output);
   publishTransforms(stamp, output);
   publishBias(stamp, output);
@@ -89,6 +91,12 @@ void FilterPublisher::publishOdometry(const ros::Time& stamp, const FilterOutput
   fill(twistCovariance(output, config_.filter.noise.gyro_noise * std::sqrt(rate)),
        message.twist.covariance);
   odometry_publisher_.publish(message);
+}
+
+/// For the scan projector.
+void FilterPublisher::publishMotion(const ros::Time& stamp, const FilterOutput& output) {
+  if (motion_publisher_.getNumSubscribers() == 0) return;
+  motion_publisher_.publish(toMessage(motionOf(output), stamp, config_.odom_frame));
 }
 
 /// What a range finder that always looks straight down would say, while it is known.
@@ -130,4 +138,4 @@ void FilterPublisher::publishTransforms(const ros::Time& stamp, const FilterOutp
   if (!transforms.empty()) broadcaster_.sendTransform(transforms);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

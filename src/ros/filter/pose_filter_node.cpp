@@ -3,17 +3,17 @@
 
 #include <ros/console.h>
 
+#include <cmath>
 #include <exception>
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/messages/conversions.h"
+#include "kestrel_slam/messages/pipeline_messages.h"
 #include "kestrel_slam/messages/sensor_messages.h"
-#include "kestrel_slam/recording/bag/bag_imu.h"
-#include "kestrel_slam/recording/bag/bag_transforms.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
@@ -22,6 +22,8 @@ constexpr std::uint32_t kImuQueue = 400;  // a second of a fast IMU
 constexpr std::uint32_t kQueue = 20;
 constexpr double kPeriod = 1.0;         // s
 constexpr double kComplainEvery = 5.0;  // s
+/// Poses this close to a state of our own mapper are taken to be from it, s.
+constexpr double kSameMapper = 1.0;
 
 /// What an initial pose without a covariance is worth: as that of rviz's button.
 const Eigen::Vector3d kPlacedVariance(0.25, 0.25, 0.07);  // m², rad²
@@ -67,6 +69,7 @@ PoseFilterNode::PoseFilterNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
   };
   imu_subscriber_ = nh.subscribe(config_.imu_topic, kImuQueue, &PoseFilterNode::onImu, this,
                                  ros::TransportHints().tcpNoDelay());
+  listen(config_.mapper_topic, &PoseFilterNode::onMapperState);
   listen(config_.pose_topic, &PoseFilterNode::onPose);
   listen(config_.height_topic, &PoseFilterNode::onRange);
   listen(config_.floor_height_topic, &PoseFilterNode::onRange);
@@ -115,10 +118,21 @@ void PoseFilterNode::refuse(const std::string& what, const std::string& why) {
   ROS_WARN_THROTTLE(kComplainEvery, "Refused: %s %s.", what.c_str(), why.c_str());
 }
 
+/// The mapper's own word: it also says when the pose is no measurement.
+void PoseFilterNode::onMapperState(const kestrel_slam::MapperState& message) {
+  if (!isInMap(message.header, "mapper states")) return;
+  const MatchedPose pose = fromMessage(message);
+  mapper_stamp_ = pose.stamp;
+  if (pose.state == MatchState::kLost) ++refused_["poses of a lost mapper"];
+  fuse(pose, filter_);
+}
+
+/// A pose of the mapper whose state came, too, must not be used twice.
 void PoseFilterNode::onPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
   if (!isInMap(message.header, "poses")) return;
+  if (std::abs(toSeconds(message.header.stamp) - mapper_stamp_) < kSameMapper) return;
   try {
-    filter_.addPose({message.header.stamp.toSec(), planarFromMessage(message.pose.pose),
+    filter_.addPose({toSeconds(message.header.stamp), planarFromMessage(message.pose.pose),
                      planarCovariance(message.pose)});
   } catch (const std::invalid_argument& error) {
     refuse("poses", error.what());
@@ -141,7 +155,7 @@ void PoseFilterNode::onPressure(const sensor_msgs::FluidPressure& message) {
 }
 
 void PoseFilterNode::onPressureHeight(const geometry_msgs::PointStamped& message) {
-  filter_.addBarometer({message.header.stamp.toSec(), message.point.z});
+  filter_.addBarometer({toSeconds(message.header.stamp), message.point.z});
 }
 
 void PoseFilterNode::onField(const sensor_msgs::MagneticField& message) {
@@ -215,4 +229,4 @@ void PoseFilterNode::report(diagnostic_updater::DiagnosticStatusWrapper& status)
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

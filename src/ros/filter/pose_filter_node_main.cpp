@@ -3,6 +3,5 @@
 #include "kestrel_slam/ros/filter/pose_filter_node.h"
 
 int main(int argc, char** argv) {
-  return kestrel_slam::runNode<kestrel_slam::PoseFilterNode>(argc, argv, "pose_filter",
-                                                             "pose_filter_node");
+  return kestrel::runNode<kestrel::PoseFilterNode>(argc, argv, "pose_filter", "pose_filter_node");
 }

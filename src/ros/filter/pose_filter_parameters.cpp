@@ -8,10 +8,9 @@
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/parameters/filter_parameters.h"
 #include "kestrel_slam/parameters/parameter_table.h"
-#include "kestrel_slam/recording/bag/bag_transforms.h"
 #include "kestrel_slam/ros/common/private_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using namespace parameter_table;
@@ -35,7 +34,11 @@ std::vector<Parameter> nodeParametersOf(PoseFilterNodeConfig& config) {
       text("map_frame", &config.map_frame, "the frame of the poses on pose_topic"),
       text("odom_frame", &config.odom_frame, "the smooth frame of odom/filtered"),
       text("imu_topic", &config.imu_topic, "topic of the IMU"),
-      text("pose_topic", &config.pose_topic, "topic of the mapper's poses; empty: none"),
+      text("mapper_topic", &config.mapper_topic,
+           "topic of the states of kestrel_slam's own mapper; empty: none"),
+      text("pose_topic", &config.pose_topic,
+           "topic of the poses of another mapper; they are ignored while mapper_topic gives "
+           "states; empty: none"),
       text("height_topic", &config.height_topic,
            "topic of a range finder that looks down; empty: none"),
       text("floor_height_topic", &config.floor_height_topic,
@@ -84,4 +87,4 @@ PoseFilterNodeConfig loadPoseFilterParameters(const ros::NodeHandle& private_nh)
   return config;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Lock = std::lock_guard<std::mutex>;
@@ -103,4 +103,4 @@ double quantile(const std::vector<double>& values, double share) {
   return values[std::max<std::size_t>(static_cast<std::size_t>(rank), 1) - 1];
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

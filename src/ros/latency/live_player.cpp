@@ -6,7 +6,7 @@
 
 #include <stdexcept>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 1000;
@@ -80,4 +80,4 @@ void LivePlayer::play(const std::function<void(const LiveMessage&)>& before) {
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

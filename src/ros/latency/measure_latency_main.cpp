@@ -16,7 +16,7 @@
 
 namespace {
 
-using namespace kestrel_slam;
+using namespace kestrel;
 
 constexpr char kUsage[] =
     "measure_latency BAG: plays laser, IMU and range finder of a bag as if the vehicle flew now, "

@@ -6,7 +6,7 @@
 #include <exception>
 #include <utility>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
@@ -120,4 +120,4 @@ void Diagnostics::fillMap(Status& status) const {
   status.add("memory (MB)", static_cast<double>(size.memory_bytes) / kBytesPerMegabyte);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -14,7 +14,7 @@
 #include "kestrel_slam/map/map_io.h"
 #include "kestrel_slam/messages/conversions.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kTick = 0.1;              // s; how soon a new subscriber gets the newest map
@@ -28,7 +28,7 @@ void stepBehindOtherThreads() { setpriority(PRIO_PROCESS, static_cast<id_t>(gett
 
 }  // namespace
 
-MapPublisher::MapPublisher(const ros::NodeHandle& nh, const NodeConfig& config,
+MapPublisher::MapPublisher(const ros::NodeHandle& nh, const MapperNodeConfig& config,
                            SharedMapper& mapper, TrajectoryLog& trajectory)
     : nh_(nh),
       map_frame_(config.map_frame),
@@ -123,7 +123,8 @@ bool MapPublisher::dynamicMap(nav_msgs::GetMap::Request&, nav_msgs::GetMap::Resp
   return false;
 }
 
-bool MapPublisher::saveMap(SaveMap::Request& request, SaveMap::Response& response) {
+bool MapPublisher::saveMap(kestrel_slam::SaveMap::Request& request,
+                           kestrel_slam::SaveMap::Response& response) {
   response.success = false;
   try {
     if (request.path.empty()) throw std::runtime_error("the path is empty; give one, no ending");
@@ -144,4 +145,4 @@ MapSize MapPublisher::mapSize() const {
           static_cast<double>(last_info_.resolution), mapper_.memoryBytes()};
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,8 +11,9 @@
 
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/planar_scan_message.h"
+#include "kestrel_slam/messages/sensor_messages.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kCommandQueue = 10;
@@ -102,7 +103,6 @@ void MapperNode::match(const ReadyScan& scan) {
   const auto start = std::chrono::steady_clock::now();
   std::optional<PlanarScan> planar = planarOf(scan);
   if (!planar) return;
-  planar->time = monotone_time_.repair(planar->stamp);
   const MapperResult result = mapper_.process(*planar, scan.odom_T_base, scan.stamp);
   const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
   if (!result.pose.isFinite()) throw std::runtime_error("the pose is not finite");
@@ -121,11 +121,11 @@ std::optional<PlanarScan> MapperNode::planarOf(const ReadyScan& scan) {
   return std::nullopt;
 }
 
-std::optional<PlanarScan> MapperNode::planarOf(const sensor_msgs::PointCloud2& message) {
+std::optional<PlanarScan> MapperNode::planarOf(const kestrel_slam::PlanarScan& message) {
   try {
     PlanarScan scan = fromPlanarScanMessage(message);
     if (!scan.rays.empty()) return scan;
-    drop(toString(ScanError::kNoBeams), "it has no points");
+    drop(toString(ScanError::kNoBeams), "it has no rays");
   } catch (const std::invalid_argument& error) {
     drop("bad-planar-scan", error.what());
   }
@@ -184,7 +184,8 @@ bool MapperNode::pauseMapping(std_srvs::SetBool::Request& request,
   return true;
 }
 
-bool MapperNode::restartMapping(ResetMapping::Request& request, ResetMapping::Response&) {
+bool MapperNode::restartMapping(kestrel_slam::ResetMapping::Request& request,
+                                kestrel_slam::ResetMapping::Response&) {
   try {
     restart(planarFromMessage(request.initial_pose));
     return true;
@@ -194,4 +195,4 @@ bool MapperNode::restartMapping(ResetMapping::Request& request, ResetMapping::Re
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -13,7 +13,7 @@ namespace {
 int run() {
   const ros::NodeHandle nh;
   try {
-    const kestrel_slam::MapperNode node(nh, ros::NodeHandle("~"));
+    const kestrel::MapperNode node(nh, ros::NodeHandle("~"));
     ros::spin();
     return 0;
   } catch (const std::exception& error) {

@@ -10,18 +10,22 @@
 
 #include <vector>
 
+#include "kestrel_slam/MapperState.h"
 #include "kestrel_slam/messages/conversions.h"
+#include "kestrel_slam/messages/pipeline_messages.h"
+#include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/ros/mapper/uncertainty_markers.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueueSize = 10;
 
 }  // namespace
 
-PosePublisher::PosePublisher(ros::NodeHandle nh, const NodeConfig& config) : config_(config) {
+PosePublisher::PosePublisher(ros::NodeHandle nh, const MapperNodeConfig& config) : config_(config) {
   using geometry_msgs::PoseWithCovarianceStamped;
+  state_publisher_ = nh.advertise<kestrel_slam::MapperState>("mapper_state", kQueueSize);
   pose_publisher_ = nh.advertise<geometry_msgs::PoseStamped>("slam_out_pose", kQueueSize);
   pose_update_publisher_ =
       nh.advertise<PoseWithCovarianceStamped>(config.pose_update_topic, kQueueSize);
@@ -36,6 +40,9 @@ PosePublisher::PosePublisher(ros::NodeHandle nh, const NodeConfig& config) : con
 
 void PosePublisher::publish(const ros::Time& stamp, const MapperResult& result,
                             const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {
+  // First, for a pose filter that waits for it.
+  state_publisher_.publish(
+      toMessage(matchedPoseOf(result, toSeconds(stamp)), stamp, config_.map_frame));
   if (odom_T_base) map_T_odom_ = result.pose * odom_T_base->inverse();
   publishTransforms(stamp, result.pose);
   publishPose(stamp, result);
@@ -125,4 +132,4 @@ void PosePublisher::publishMarkers(const ros::Time& stamp, const MapperResult& r
   marker_publisher_.publish(markers);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

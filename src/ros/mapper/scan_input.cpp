@@ -9,10 +9,9 @@
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/sensor_messages.h"
-#include "kestrel_slam/recording/bag/bag_transforms.h"
 #include "kestrel_slam/sensor/projection.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kWaitingScans = 50;  // that may wait for tf: more than a second of a laser
@@ -31,7 +30,7 @@ std::string publishHint(const std::string& parent, const std::string& child) {
 
 }  // namespace
 
-ScanInput::ScanInput(ros::NodeHandle nh, const NodeConfig& config, ScanStatistics& statistics,
+ScanInput::ScanInput(ros::NodeHandle nh, const MapperNodeConfig& config, ScanStatistics& statistics,
                      Callback on_ready)
     : config_(config),
       statistics_(statistics),
@@ -60,9 +59,8 @@ void ScanInput::onLaserScan(const sensor_msgs::LaserScanConstPtr& message) {
 
 /// Its frame has the position and the yaw of the base: of tf only the odometry is needed, and
 /// that is published for the base.
-void ScanInput::onPlanarScan(const sensor_msgs::PointCloud2ConstPtr& message) {
-  const std::size_t beams = static_cast<std::size_t>(message->width) * message->height;
-  receive({{nullptr, message}, config_.base_frame, message->header.stamp}, beams);
+void ScanInput::onPlanarScan(const kestrel_slam::PlanarScanConstPtr& message) {
+  receive({{nullptr, message}, config_.base_frame, message->header.stamp}, message->hit.size());
 }
 
 void ScanInput::receive(const ReceivedScan& scan, std::size_t beams) {
@@ -202,4 +200,4 @@ void ScanInput::onFailure(const ReceivedScanPtr& scan, tf2_ros::FilterFailureRea
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

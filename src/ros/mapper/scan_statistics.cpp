@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 using Lock = std::lock_guard<std::mutex>;
 
@@ -62,4 +62,4 @@ ScanReport ScanStatistics::take() {
   return report;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/messages/conversions.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 using Lock = std::lock_guard<std::mutex>;
 
@@ -51,4 +51,4 @@ void TrajectoryLog::halve() {
   entries_.resize(half);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using visualization_msgs::Marker;
@@ -71,4 +71,4 @@ visualization_msgs::MarkerArray uncertaintyMarkers(const MapperResult& result) {
   return markers;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

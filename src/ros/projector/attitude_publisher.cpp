@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 // Stamps that go back farther are those of a replay that starts again.
@@ -55,4 +55,4 @@ bool AttitudePublisher::isNew(const ros::Time& stamp) const {
   return stamp > last_ || stamp + ros::Duration(kClockJump) < last_;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,10 +6,8 @@
 #include <utility>
 
 #include "kestrel_slam/messages/sensor_messages.h"
-#include "kestrel_slam/recording/bag/bag_imu.h"
-#include "kestrel_slam/recording/bag/bag_transforms.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 200;   // half a second of a fast IMU
@@ -18,8 +16,8 @@ constexpr double kComplainEvery = 5.0;  // s
 }  // namespace
 
 ImuInput::ImuInput(ros::NodeHandle nh, const std::string& topic, const Mountings& mountings,
-                   AttitudeTracker& tracker, std::function<void(const ros::Time&)> on_attitude)
-    : mountings_(mountings), tracker_(tracker), on_attitude_(std::move(on_attitude)) {
+                   ProjectionStage& projection, std::function<void(const ros::Time&)> on_attitude)
+    : mountings_(mountings), projection_(projection), on_attitude_(std::move(on_attitude)) {
   subscriber_ =
       nh.subscribe(topic, kQueue, &ImuInput::onImu, this, ros::TransportHints().tcpNoDelay());
 }
@@ -37,11 +35,11 @@ void ImuInput::onImu(const sensor_msgs::ImuConstPtr& message) {
   const ImuSample sample = toImuSample(*message);
   last_stamp_ = sample.stamp;
   since_last_ = WaitingTime();
-  if (tracker_.add(sample, Eigen::Quaterniond(base_T_imu->linear()))) {
+  if (projection_.addImu(sample, *base_T_imu)) {
     on_attitude_(message->header.stamp);
   }
 }
 
-ImuStatus ImuInput::status() const { return tracker_.status(last_stamp_ + since_last_.seconds()); }
+ImuStatus ImuInput::status() const { return projection_.tracker().status(now()); }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -2,13 +2,12 @@
 #include "kestrel_slam/ros/projector/planar_scan_publisher.h"
 
 #include <sensor_msgs/LaserScan.h>
-#include <sensor_msgs/PointCloud2.h>
 #include <sensor_msgs/Range.h>
 
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/planar_scan_message.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 10;
@@ -19,7 +18,7 @@ PlanarScanPublisher::PlanarScanPublisher(ros::NodeHandle nh, const ProjectorNode
     : frame_(config.base_stabilized_frame),
       view_increment_rad_(config.view_increment_rad),
       range_max_m_(config.slam.projector.beams.max_range_m) {
-  scan_publisher_ = nh.advertise<sensor_msgs::PointCloud2>("planar_scan", kQueue);
+  scan_publisher_ = nh.advertise<kestrel_slam::PlanarScan>("planar_scan", kQueue);
   view_publisher_ = nh.advertise<sensor_msgs::LaserScan>("planar_scan_view", kQueue);
   if (config.hasMirror() && !config.height_topic.empty()) {
     height_publisher_ = nh.advertise<sensor_msgs::Range>(config.height_topic, kQueue);
@@ -27,15 +26,15 @@ PlanarScanPublisher::PlanarScanPublisher(ros::NodeHandle nh, const ProjectorNode
   floor_height_publisher_ = nh.advertise<sensor_msgs::Range>("floor_height", kQueue);
 }
 
-void PlanarScanPublisher::publish(const ros::Time& stamp, const Projection& projection) {
+void PlanarScanPublisher::publish(const ros::Time& stamp, const PlanarScan& scan) {
   // As a pointer to const nothing is copied on the way to a mapper in the same process.
-  const sensor_msgs::PointCloud2ConstPtr message =
-      toPlanarScanMessage(projection.scan, frame_, stamp);
+  const kestrel_slam::PlanarScanConstPtr message = toPlanarScanMessage(scan, frame_, stamp);
   scan_publisher_.publish(message);
-  if (view_publisher_.getNumSubscribers() > 0) {
-    view_publisher_.publish(
-        toLaserScanView(projection.scan, frame_, stamp, view_increment_rad_, range_max_m_));
-  }
+  if (view_publisher_.getNumSubscribers() == 0) return;
+  view_publisher_.publish(toLaserScanView(scan, frame_, stamp, view_increment_rad_, range_max_m_));
+}
+
+void PlanarScanPublisher::publishHeights(const ros::Time& stamp, const Projection& projection) {
   publishHeight(stamp, projection.mirror_height_m, height_publisher_);
   publishHeight(stamp, projection.floor_height_m, floor_height_publisher_);
 }
@@ -48,4 +47,4 @@ void PlanarScanPublisher::publishHeight(const ros::Time& stamp,
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
@@ -121,4 +121,4 @@ void ProjectorDiagnostics::fillHeight(Status& status) const {
   for (const auto& [kind, count] : report_.height_counts) status.add(kind, count);
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

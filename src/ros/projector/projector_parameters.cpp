@@ -8,10 +8,9 @@
 
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/parameters/parameter_table.h"
-#include "kestrel_slam/recording/bag/bag_transforms.h"
 #include "kestrel_slam/ros/common/private_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using namespace parameter_table;
@@ -46,11 +45,10 @@ std::vector<Parameter> nodeParametersOf(ProjectorNodeConfig& config) {
            "topic of a range finder that looks down; where mirror_angles are given, of their "
            "height; empty: none"),
       text("odom_topic", &config.odom_topic, "topic of an odometry with the velocity; empty: none"),
-      text("filter_topic", &config.filter_topic,
-           "odometry of a pose filter, odom/filtered: its attitude, velocity and motion are used "
-           "while it knows them; empty: none"),
-      text("filter_height_topic", &config.filter_height_topic,
-           "height of a pose filter over what is below, height/filtered; empty: none"),
+      text(
+          "filter_topic", &config.filter_topic,
+          "topic of the states of the pose filter, filtered_motion: its attitude, velocity, height "
+          "and motion are used while they are known well; empty: none"),
       choice(kAttitudeSource, &config.attitude_source, {"auto", "orientation", "raw", "tf", "none"},
              "the IMU's orientation, or its gyro and accelerometer (auto: what it gives); tf; or "
              "none for a laser that is always level"),
@@ -128,4 +126,4 @@ ProjectorNodeConfig loadProjectorParameters(const ros::NodeHandle& private_nh) {
   return config;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -3,6 +3,6 @@
 #include "kestrel_slam/ros/projector/scan_projector_node.h"
 
 int main(int argc, char** argv) {
-  return kestrel_slam::runNode<kestrel_slam::ScanProjectorNode>(argc, argv, "scan_projector",
-                                                                "scan_projector_node");
+  return kestrel::runNode<kestrel::ScanProjectorNode>(argc, argv, "scan_projector",
+                                                      "scan_projector_node");
 }

@@ -8,11 +8,8 @@
 
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/sensor_messages.h"
-#include "kestrel_slam/recording/bag/bag_cloud.h"
-#include "kestrel_slam/recording/bag/bag_odometry.h"
-#include "kestrel_slam/recording/bag/bag_transforms.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 5;
@@ -129,4 +126,4 @@ void SweepInput::pass(Sweep sweep, const std_msgs::Header& header, const std::st
   on_sweep_(std::move(sweep));
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/messages/conversions.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kStep = 0.005;      // s; tf itself interpolates between its own, slower ones
@@ -51,4 +51,4 @@ std::string TfAttitude::missing() const {
          "~attitude_frame to its frame, or ~attitude_source to auto for an IMU)";
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,21 +6,19 @@
 #include <cmath>
 
 #include "kestrel_slam/messages/sensor_messages.h"
-#include "kestrel_slam/recording/bag/bag_transforms.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 20;
-constexpr double kMaxAge = 0.3;         // s; older ones say nothing about a flying vehicle
 constexpr double kMaxSpeed = 100.0;     // m/s; faster ones are nonsense
 constexpr double kComplainEvery = 5.0;  // s
 
 }  // namespace
 
 VelocityInput::VelocityInput(ros::NodeHandle nh, const ProjectorNodeConfig& config,
-                             const AttitudeBuffer& attitude)
-    : base_frame_(config.base_frame), attitude_(attitude) {
+                             ProjectionStage& projection)
+    : base_frame_(config.base_frame), projection_(projection) {
   if (config.odom_topic.empty()) return;
   subscriber_ = nh.subscribe(config.odom_topic, kQueue, &VelocityInput::onOdometry, this,
                              ros::TransportHints().tcpNoDelay());
@@ -34,19 +32,14 @@ void VelocityInput::onOdometry(const nav_msgs::OdometryConstPtr& message) {
                       subscriber_.getTopic().c_str(), velocity.norm());
     return;
   }
-  stamp_ = message->header.stamp.toSec();
+  const AttitudeBuffer& attitudes = projection_.tracker().buffer();
   Attitude attitude;
   const bool is_tilted = withoutSlash(message->child_frame_id) == base_frame_;
-  const std::optional<double> latest = attitude_.latest();
-  if (is_tilted && latest && attitude_.lookup(*latest, attitude) == AttitudeError::kNone) {
+  const std::optional<double> latest = attitudes.latest();
+  if (is_tilted && latest && attitudes.lookup(*latest, attitude) == AttitudeError::kNone) {
     velocity = attitude.stabilized_R_base * velocity;
   }
-  velocity_ = velocity.head<2>();
+  projection_.addVelocity(toSeconds(message->header.stamp), velocity.head<2>());
 }
 
-Eigen::Vector2d VelocityInput::velocity(double time) const {
-  const bool is_recent = std::abs(time - stamp_) < kMaxAge;
-  return is_recent ? velocity_ : Eigen::Vector2d(Eigen::Vector2d::Zero());
-}
-
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -17,7 +17,7 @@
 #include "kestrel_slam/recording/recording.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 using Field = sensor_msgs::PointField;
@@ -326,4 +326,4 @@ TEST(RealClouds, AllFramesOfTheKittiBagAreRead) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -26,7 +26,7 @@
 #include "simulation/test_flight.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::uint64_t kSeed = 4;
@@ -249,4 +249,4 @@ TEST_F(BagFlightWriter, AFailureNamesTheFileAndLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

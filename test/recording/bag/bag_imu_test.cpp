@@ -16,7 +16,7 @@
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -254,4 +254,4 @@ TEST(RealImus, HaveTheirKnownReadings) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -21,7 +21,7 @@
 #include "kestrel_slam/recording/carmen_log.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 sensor_msgs::LaserScan scanAt(double stamp, const std::string& frame = "laser") {
@@ -266,7 +266,7 @@ TEST_F(BagRecordingTest, AConvertedLogReadsAsTheLogItself) {
   }
   const std::string log_path = folder_.write("a.clf", text);
   CarmenLog source(log_path), expected(log_path);
-  EXPECT_EQ(kestrel_slam::writeBag(path_, source, BagStamps::kRecorded).scans, 4U);
+  EXPECT_EQ(kestrel::writeBag(path_, source, BagStamps::kRecorded).scans, 4U);
   const auto bag = openRecording(path_);
   EXPECT_EQ(bag->description(),
             "rosbag, 4 scans on /scan, laser laser on base_link, odometry /odom");
@@ -289,7 +289,7 @@ TEST_F(BagRecordingTest, AConvertedLogReadsAsTheLogItself) {
 TEST_F(BagRecordingTest, AnUnwritableBagIsAnErrorThatLeavesNothing) {
   CarmenLog log(folder_.write("a.clf", "FLASER 1 1 0 0 0 0 0 0 5 h 0\n"));
   const std::string path = folder_.file("no/a.bag");
-  EXPECT_CONTAINS(messageOf([&] { kestrel_slam::writeBag(path, log, BagStamps::kMonotone); }),
+  EXPECT_CONTAINS(messageOf([&] { kestrel::writeBag(path, log, BagStamps::kMonotone); }),
                   "no/a.bag: cannot be written");
   EXPECT_FALSE(std::filesystem::exists(path + ".part"));
 }
@@ -315,4 +315,4 @@ TEST(RealBags, HaveTheirKnownScansAndMountings) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -15,7 +15,7 @@
 #include "kestrel_slam/recording/reference.h"
 #include "temporary_folder.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 geometry_msgs::Pose poseAt(double x, double yaw) {
@@ -163,4 +163,4 @@ TEST(RealReferences, AreThoseOfTheMotionCapture) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel

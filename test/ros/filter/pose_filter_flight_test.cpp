@@ -9,7 +9,7 @@
 #include <set>
 #include <thread>
 
-#include "../tools/temporary_folder.h"
+#include "temporary_folder.h"
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/messages/conversions.h"
@@ -20,7 +20,7 @@
 #include "kestrel_slam/simulation/flight_simulator.h"
 #include "node_watcher.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kFlown = 20.0;  // s of the flight
@@ -159,7 +159,7 @@ TEST_F(PoseFilterFlight, TheStateIsThatOfTheVehicle) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

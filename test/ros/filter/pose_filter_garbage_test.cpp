@@ -17,7 +17,7 @@
 #include "node_watcher.h"
 #include "tilting_flight.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -206,7 +206,7 @@ TEST_F(PoseFilterGarbage, ASilentImuIsSaidAndComesBack) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -6,7 +6,7 @@
 #include <boost/make_shared.hpp>
 #include <cmath>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kPause = 0.02;  // s
@@ -91,7 +91,7 @@ TEST(Quantile, IsTheSmallestValueThatEnoughLieBelow) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -7,7 +7,7 @@
 
 #include "mapper_client.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -151,7 +151,7 @@ TEST_F(LiveGarbage, StampsStartAgain) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

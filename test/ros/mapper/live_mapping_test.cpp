@@ -10,7 +10,7 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "mapper_client.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr std::size_t kScans = 400;  // 40 s, most of the loop
@@ -185,7 +185,7 @@ TEST_F(LiveMapping, DiagnosticsWarnOfASilentLaser) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -17,7 +17,7 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "mapper_client.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kLimit_m = 0.05;
@@ -126,7 +126,7 @@ TEST_F(LiveServices, SysCommandResets) {
 TEST_F(LiveServices, RestartBeginsAtThePose) {
   fly(0, 50);
   const Pose2 start(3.0, -2.0, 1.5);
-  ResetMapping service;
+  kestrel_slam::ResetMapping service;
   service.request.initial_pose = toMessage(start);
   ASSERT_TRUE(ros::service::call("restart_mapping_with_new_pose", service));
   EXPECT_FALSE(hasMap());
@@ -136,7 +136,7 @@ TEST_F(LiveServices, RestartBeginsAtThePose) {
 
 TEST_F(LiveServices, RestartRefusesNan) {
   fly(0, 2);
-  ResetMapping service;
+  kestrel_slam::ResetMapping service;
   service.request.initial_pose.orientation.w = 1.0;
   service.request.initial_pose.position.x = kNan;
   EXPECT_FALSE(ros::service::call("restart_mapping_with_new_pose", service));
@@ -182,7 +182,7 @@ TEST_F(LiveServices, SavedMapEqualsThePublishedOne) {
   fly(0, 100);
   char folder[] = "/tmp/kestrel_save_map_XXXXXX";
   ASSERT_NE(mkdtemp(folder), nullptr);
-  SaveMap service;
+  kestrel_slam::SaveMap service;
   service.request.path = std::string(folder) + "/room";
   ASSERT_TRUE(ros::service::call("save_map", service));
   ASSERT_TRUE(service.response.success) << service.response.message;
@@ -197,7 +197,7 @@ TEST_F(LiveServices, SavedMapEqualsThePublishedOne) {
 }
 
 TEST_F(LiveServices, SaveMapSaysWhyItFails) {
-  SaveMap service;
+  kestrel_slam::SaveMap service;
   ASSERT_TRUE(ros::service::call("save_map", service));
   EXPECT_FALSE(service.response.success);
   EXPECT_NE(service.response.message.find("path is empty"), std::string::npos);
@@ -209,7 +209,7 @@ TEST_F(LiveServices, SaveMapSaysWhyItFails) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -7,7 +7,7 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "mapper_client.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kLimit_m = 0.05;
@@ -143,7 +143,7 @@ TEST(LiveTransforms, TransformsCanBeSwitchedOff) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

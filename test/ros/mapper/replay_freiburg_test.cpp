@@ -4,13 +4,13 @@
 
 #include <string>
 
-#include "../tools/temporary_folder.h"
+#include "temporary_folder.h"
 #include "kestrel_slam/evaluation/evaluation.h"
 #include "kestrel_slam/recording/bag/bag_writer.h"
 #include "kestrel_slam/recording/recording.h"
 #include "mapper_client.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// How much of the recording is played, and how quickly.
@@ -63,7 +63,7 @@ TEST(ReplayFreiburg, Building79) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -11,7 +11,7 @@
 
 #include "mapper_client.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr char kRecording[] = "mav/handheld_urg04lx.bag";
@@ -51,7 +51,7 @@ TEST(Replay, HandheldLaser) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -10,7 +10,7 @@
 #include "kestrel_slam/sensor/attitude_buffer.h"
 #include "projector_client.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kScanPeriod = 0.025;  // s
@@ -57,7 +57,7 @@ TEST(ProjectorFlight, TiltedLaserSeesTheWallsWhereTheyAre) {
   EXPECT_EQ(report["projected"], "40");
   EXPECT_EQ(report["level"], "0") << report["message"];
 
-  const sensor_msgs::PointCloud2& message = *client.planar_scans.begin()->second;
+  const kestrel_slam::PlanarScan& message = *client.planar_scans.begin()->second;
   EXPECT_EQ(message.header.frame_id, "tilted_stabilized");
   const double turned =
       *fromPlanarScanMessage(*client.planar_scans.rbegin()->second).integrated_yaw -
@@ -323,7 +323,7 @@ TEST(ProjectorFlight, ViewForOtherPackages) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

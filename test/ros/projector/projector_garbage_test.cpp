@@ -8,7 +8,7 @@
 
 #include "projector_client.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -330,7 +330,7 @@ TEST_F(ProjectorGarbage, StampsOfAnotherClock) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

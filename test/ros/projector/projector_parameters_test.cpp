@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Each test has a private namespace of its own.
@@ -133,7 +133,7 @@ TEST(ProjectorProgram, SaysWhatDoesTheJobOfAnOldParameter) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -4,9 +4,9 @@
 #include <rosbag/message_instance.h>
 #include <sensor_msgs/PointCloud2.h>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Reads a PointCloud2 message of a bag. Throws std::exception where its bytes are damaged.
 sensor_msgs::PointCloud2 deserializeCloud(const rosbag::MessageInstance& instance);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

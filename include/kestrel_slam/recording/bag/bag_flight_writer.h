@@ -7,7 +7,7 @@
 
 #include "kestrel_slam/simulation/flight_simulator.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What a bag of a simulated flight holds.
 struct FlightBagSummary {
@@ -33,4 +33,4 @@ struct FlightBagSummary {
 FlightBagSummary writeFlightBag(const std::string& path, FlightSimulator& flight,
                                 const VehicleModel& vehicle);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -13,7 +13,7 @@
 #include "kestrel_slam/recording/bag/bag_transforms.h"
 #include "kestrel_slam/recording/recording.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What a bag has of a sensor, and what the user should know of it.
 struct BagImu {
@@ -39,4 +39,4 @@ BagHeights readBagHeights(const rosbag::Bag& bag, const BagTopics& topics,
                           const BagTransforms& transforms, const std::string& base_frame,
                           const std::string& wanted);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 #include "kestrel_slam/recording/bag/bag_topics.h"
 #include "kestrel_slam/recording/bag/bag_transforms.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The poses of a nav_msgs/Odometry topic, interpolated.
 class BagOdometry {
@@ -65,4 +65,4 @@ class BagOdometrySource {
   std::vector<std::string> warnings_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

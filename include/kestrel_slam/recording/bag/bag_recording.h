@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/recording/recording.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Reads the scans of a rosbag (LaserScan, or PointCloud2 of a 3D lidar) in the order of their
 /// recording, with the sensor's mounting from the bag's tf, the odometry from an Odometry topic or
@@ -40,4 +40,4 @@ class BagRecording : public Recording {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

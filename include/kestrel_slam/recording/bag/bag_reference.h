@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/recording/trajectory.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Reads a reference trajectory (motion capture, ground truth) from the PoseStamped,
 /// PoseWithCovarianceStamped or Odometry topic of a bag, by the stamps in the headers, ascending,
@@ -14,4 +14,4 @@ namespace kestrel_slam {
 /// Throws std::runtime_error that names the bag and lists the topics.
 Trajectory readBagReference(const std::string& path, const std::string& topic);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

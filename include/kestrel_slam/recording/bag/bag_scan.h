@@ -4,9 +4,9 @@
 #include <rosbag/message_instance.h>
 #include <sensor_msgs/LaserScan.h>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Reads a LaserScan message of a bag. Throws std::exception where its bytes are damaged.
 sensor_msgs::LaserScan deserializeScan(const rosbag::MessageInstance& instance);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

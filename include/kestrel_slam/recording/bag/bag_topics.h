@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Opens a bag for reading. Throws std::runtime_error that names it where it is damaged or has no
 /// index.
@@ -52,4 +52,4 @@ void requireVersion(const BagTopics& topics, const std::string& name) {
   requireMd5(topics, name, ros::message_traits::MD5Sum<Message>::value());
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -12,7 +12,7 @@
 
 #include "kestrel_slam/geometry/pose2.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// All transforms of a bag, static and dynamic.
 class BagTransforms {
@@ -54,4 +54,4 @@ class BagTransforms {
   std::size_t bad_ = 0;                ///< with NaN, without a frame, or to itself
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

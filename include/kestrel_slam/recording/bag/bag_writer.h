@@ -6,7 +6,7 @@
 
 #include "kestrel_slam/recording/recording.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Which time becomes the header stamp of a converted scan.
 enum class BagStamps {
@@ -29,4 +29,4 @@ struct BagSummary {
 /// The bag appears under its name only when complete. Throws std::runtime_error.
 BagSummary writeBag(const std::string& path, Recording& recording, BagStamps stamps);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Hands items from one thread to another. Where the reader is too slow, the oldest are dropped.
 template <typename T>
@@ -64,4 +64,4 @@ class BoundedQueue {
   bool closed_ = false;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <mutex>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A mutex that is taken in the order of arrival. A thread that locks it again and again, such as
 /// one that matches scans without a pause, cannot starve the others. For std::lock_guard.
@@ -32,4 +32,4 @@ class FairMutex {
   std::uint64_t serving_ = 0;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

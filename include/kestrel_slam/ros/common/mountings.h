@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Where the sensors sit on the vehicle, by tf. Never waits. `nh` must be served by one thread.
 class Mountings {
@@ -31,4 +31,4 @@ class Mountings {
   tf2_ros::TransformListener listener_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <exception>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The exit code. The last node handle to go takes the logging with it, so that a message has to be
 /// written while one is left.
@@ -35,4 +35,4 @@ int runNode(int argc, char** argv, const char* name, const char* program) {
   }
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

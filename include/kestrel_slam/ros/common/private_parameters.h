@@ -9,7 +9,7 @@
 
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Reads the private parameters of a node into the places of its table. A list for a text is joined
 /// with commas. Says so where a parameter has no effect and why (`unneeded`: reason by name), and
@@ -24,4 +24,4 @@ void requireName(const std::string& parameter, const std::string& value);
 void requireDistinct(const std::string& parameter, const std::string& frame,
                      const std::string& other);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

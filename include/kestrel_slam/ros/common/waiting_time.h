@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// How long something waits. Counts by the clock of ROS or by that of the computer, whichever says
 /// less: neither a replay that is paused or slow nor one that is fast uses up anybody's patience.
@@ -22,4 +22,4 @@ class WaitingTime {
   ros::Time ros_start_ = ros::Time::now();
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include "kestrel_slam/filter/filter_types.h"
 #include "kestrel_slam/ros/filter/pose_filter_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Publishes every state of the filter: odom/filtered, height/filtered, imu/bias and tf.
 class FilterPublisher {
@@ -19,13 +19,14 @@ class FilterPublisher {
 
  private:
   void publishOdometry(const ros::Time& stamp, const FilterOutput& output, double imu_rate_hz);
+  void publishMotion(const ros::Time& stamp, const FilterOutput& output);
   void publishHeight(const ros::Time& stamp, const FilterOutput& output);
   void publishBias(const ros::Time& stamp, const FilterOutput& output);
   void publishTransforms(const ros::Time& stamp, const FilterOutput& output);
 
   PoseFilterNodeConfig config_;
-  ros::Publisher odometry_publisher_, height_publisher_, bias_publisher_;
+  ros::Publisher odometry_publisher_, motion_publisher_, height_publisher_, bias_publisher_;
   tf2_ros::TransformBroadcaster broadcaster_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

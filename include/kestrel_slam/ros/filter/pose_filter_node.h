@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "kestrel_slam/MapperState.h"
 #include "kestrel_slam/filter/pose_filter.h"
 #include "kestrel_slam/messages/aiding_messages.h"
 #include "kestrel_slam/ros/common/mountings.h"
@@ -25,7 +26,7 @@
 #include "kestrel_slam/ros/filter/filter_publisher.h"
 #include "kestrel_slam/ros/filter/pose_filter_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The pose filter, live: IMU, poses of the mapper, heights and more in; the full state of the
 /// vehicle at the rate of the IMU out. All work is done on the thread that serves `nh`.
@@ -38,6 +39,7 @@ class PoseFilterNode {
 
  private:
   void onImu(const sensor_msgs::ImuConstPtr& message);
+  void onMapperState(const kestrel_slam::MapperState& message);
   void onPose(const geometry_msgs::PoseWithCovarianceStamped& message);
   void onRange(const sensor_msgs::Range& message);
   void onPressure(const sensor_msgs::FluidPressure& message);
@@ -59,6 +61,7 @@ class PoseFilterNode {
   LocalFixes fixes_;
   std::string waiting_for_;                     ///< a mounting that tf lacks
   std::map<std::string, std::size_t> refused_;  ///< messages by reason
+  double mapper_stamp_ = 0.0;                   ///< of the last MapperState, s
   double last_stamp_ = 0.0;                     ///< of the IMU, s
   WaitingTime since_last_;
   std::vector<ros::Subscriber> subscribers_;
@@ -68,4 +71,4 @@ class PoseFilterNode {
   ros::SteadyTimer timer_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -9,7 +9,7 @@
 #include "kestrel_slam/filter/pose_filter_config.h"
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// All parameters of the pose filter's node.
 struct PoseFilterNodeConfig {
@@ -19,7 +19,8 @@ struct PoseFilterNodeConfig {
   std::string map_frame = "map";
   std::string odom_frame = "odom";
   std::string imu_topic = "imu/data";
-  std::string pose_topic = "poseupdate";
+  std::string mapper_topic = "mapper_state";  ///< of our own mapper
+  std::string pose_topic = "poseupdate";      ///< of another mapper
   std::string height_topic = "height";
   std::string floor_height_topic = "floor_height";        ///< of the projector
   std::string pressure_topic = "imu/pressure";            ///< of a barometer: its pressure,
@@ -38,4 +39,4 @@ std::vector<Parameter> parametersOf(PoseFilterNodeConfig& config);
 /// Reads the private parameters; see readPrivateParameters. Throws std::invalid_argument.
 PoseFilterNodeConfig loadPoseFilterParameters(const ros::NodeHandle& private_nh);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -11,7 +11,7 @@
 
 #include "kestrel_slam/ros/latency/live_player.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// When scans were sent, when their last missing input was, and when their poses came. Every method
 /// may be called from any thread.
@@ -59,4 +59,4 @@ class LatencyRecord {
 /// The value below which `share` of the ascending values lie; NaN where there are none.
 double quantile(const std::vector<double>& values, double share);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -14,7 +14,7 @@
 #include <variant>
 #include <vector>
 
-namespace kestrel_slam {
+namespace kestrel {
 
 using LiveMessage =
     std::variant<sensor_msgs::LaserScanPtr, sensor_msgs::ImuPtr, sensor_msgs::RangePtr>;
@@ -56,4 +56,4 @@ class LivePlayer {
   std::size_t scan_count_ = 0, imu_count_ = 0;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

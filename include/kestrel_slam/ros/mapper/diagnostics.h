@@ -9,7 +9,7 @@
 
 #include "kestrel_slam/ros/mapper/scan_statistics.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Size of the map, for the diagnostics.
 struct MapSize {
@@ -49,4 +49,4 @@ class Diagnostics {
   ros::WallTimer timer_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

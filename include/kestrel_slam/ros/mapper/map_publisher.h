@@ -13,11 +13,11 @@
 
 #include "kestrel_slam/SaveMap.h"
 #include "kestrel_slam/ros/mapper/diagnostics.h"
-#include "kestrel_slam/ros/mapper/node_parameters.h"
+#include "kestrel_slam/ros/mapper/mapper_parameters.h"
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
 #include "kestrel_slam/ros/mapper/trajectory_log.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Publishes map and trajectory, and answers the services that read the map.
 ///
@@ -26,7 +26,7 @@ namespace kestrel_slam {
 /// is published after the clock has stopped.
 class MapPublisher {
  public:
-  MapPublisher(const ros::NodeHandle& nh, const NodeConfig& config, SharedMapper& mapper,
+  MapPublisher(const ros::NodeHandle& nh, const MapperNodeConfig& config, SharedMapper& mapper,
                TrajectoryLog& trajectory);
   ~MapPublisher();
 
@@ -42,7 +42,7 @@ class MapPublisher {
   void publishMap();
   void publishTrajectory();
   bool dynamicMap(nav_msgs::GetMap::Request& request, nav_msgs::GetMap::Response& response);
-  bool saveMap(SaveMap::Request& request, SaveMap::Response& response);
+  bool saveMap(kestrel_slam::SaveMap::Request& request, kestrel_slam::SaveMap::Response& response);
   nav_msgs::OccupancyGrid messageOf(MapCopy copy);
 
   ros::CallbackQueue queue_;
@@ -66,4 +66,4 @@ class MapPublisher {
   std::unique_ptr<ros::AsyncSpinner> spinner_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -16,15 +16,14 @@
 #include "kestrel_slam/ros/common/bounded_queue.h"
 #include "kestrel_slam/ros/mapper/diagnostics.h"
 #include "kestrel_slam/ros/mapper/map_publisher.h"
-#include "kestrel_slam/ros/mapper/node_parameters.h"
+#include "kestrel_slam/ros/mapper/mapper_parameters.h"
 #include "kestrel_slam/ros/mapper/pose_publisher.h"
 #include "kestrel_slam/ros/mapper/scan_input.h"
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
 #include "kestrel_slam/ros/mapper/trajectory_log.h"
 #include "kestrel_slam/sensor/scan_projector.h"
-#include "kestrel_slam/sensor/time_base.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The live mapper: scans of a level laser, or planar scans of the projector, in; map, pose and tf
 /// out. The interface is that of hector_mapping.
@@ -44,7 +43,7 @@ class MapperNode {
   void handle(const ReadyScan& scan);
   void match(const ReadyScan& scan);
   std::optional<PlanarScan> planarOf(const ReadyScan& scan);
-  std::optional<PlanarScan> planarOf(const sensor_msgs::PointCloud2& message);
+  std::optional<PlanarScan> planarOf(const kestrel_slam::PlanarScan& message);
   void drop(const std::string& reason, const std::string& sentence);
   void continueAfter(const ReadyScan& scan);
   void restart(const Pose2& map_T_base);
@@ -53,9 +52,10 @@ class MapperNode {
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
   bool resetMap(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool pauseMapping(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
-  bool restartMapping(ResetMapping::Request& request, ResetMapping::Response& response);
+  bool restartMapping(kestrel_slam::ResetMapping::Request& request,
+                      kestrel_slam::ResetMapping::Response& response);
 
-  const NodeConfig config_;
+  const MapperNodeConfig config_;
   SharedMapper mapper_;
   ScanStatistics statistics_;
   TrajectoryLog trajectory_;
@@ -63,7 +63,6 @@ class MapperNode {
 
   // Only the matching thread uses these.
   ScanProjector projector_;
-  MonotoneTime monotone_time_;
   PosePublisher pose_publisher_;
   std::size_t epoch_ = 0;
   bool was_paused_ = false;
@@ -76,4 +75,4 @@ class MapperNode {
   std::unique_ptr<Diagnostics> diagnostics_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -7,15 +7,15 @@
 #include <optional>
 
 #include "kestrel_slam/mapping/mapper.h"
-#include "kestrel_slam/ros/mapper/node_parameters.h"
+#include "kestrel_slam/ros/mapper/mapper_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Publishes what the matching found: pose topics, tf, the matched scan and markers
 /// of what is uncertain.
 class PosePublisher {
  public:
-  PosePublisher(ros::NodeHandle nh, const NodeConfig& config);
+  PosePublisher(ros::NodeHandle nh, const MapperNodeConfig& config);
 
   /// `odom_T_base`: the odometry at the scan's stamp; needed where the node uses odometry.
   void publish(const ros::Time& stamp, const MapperResult& result, const PlanarScan& scan,
@@ -35,12 +35,12 @@ class PosePublisher {
   geometry_msgs::TransformStamped transform(const ros::Time& stamp, const std::string& child,
                                             const Pose2& map_T_child) const;
 
-  NodeConfig config_;
-  ros::Publisher pose_publisher_, pose_update_publisher_, cloud_publisher_;
+  MapperNodeConfig config_;
+  ros::Publisher state_publisher_, pose_publisher_, pose_update_publisher_, cloud_publisher_;
   ros::Publisher slam_odometry_publisher_, odometry_publisher_, marker_publisher_;
   tf2_ros::TransformBroadcaster broadcaster_;
   std::optional<Pose2> map_T_odom_;
   ros::Time transforms_stamp_;  ///< of the last transforms
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

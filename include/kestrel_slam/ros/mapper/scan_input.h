@@ -4,7 +4,6 @@
 #include <ros/message_traits.h>
 #include <ros/node_handle.h>
 #include <sensor_msgs/LaserScan.h>
-#include <sensor_msgs/PointCloud2.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/message_filter.h>
 #include <tf2_ros/transform_listener.h>
@@ -15,17 +14,18 @@
 #include <optional>
 #include <string>
 
+#include "kestrel_slam/PlanarScan.h"
 #include "kestrel_slam/geometry/pose2.h"
-#include "kestrel_slam/ros/mapper/node_parameters.h"
+#include "kestrel_slam/ros/mapper/mapper_parameters.h"
 #include "kestrel_slam/ros/mapper/scan_statistics.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A scan as it came, never copied: of a laser, or a planar scan of the projector. One of the two
 /// is null.
 struct ScanMessage {
   sensor_msgs::LaserScanConstPtr laser_scan;
-  sensor_msgs::PointCloud2ConstPtr planar_scan;
+  kestrel_slam::PlanarScanConstPtr planar_scan;
 };
 
 /// A scan that may have to wait for its transforms.
@@ -44,23 +44,23 @@ struct ReadyScan {
   std::size_t epoch = 0;             ///< grows where the stamps jump back far
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 namespace ros::message_traits {
 
 // What tf2's message filter asks a message for.
 template <>
-struct FrameId<kestrel_slam::ReceivedScan> {
-  static std::string value(const kestrel_slam::ReceivedScan& scan) { return scan.frame; }
+struct FrameId<kestrel::ReceivedScan> {
+  static std::string value(const kestrel::ReceivedScan& scan) { return scan.frame; }
 };
 template <>
-struct TimeStamp<kestrel_slam::ReceivedScan> {
-  static ros::Time value(const kestrel_slam::ReceivedScan& scan) { return scan.stamp; }
+struct TimeStamp<kestrel::ReceivedScan> {
+  static ros::Time value(const kestrel::ReceivedScan& scan) { return scan.stamp; }
 };
 
 }  // namespace ros::message_traits
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Receives the scans of a laser, or planar scans, and waits for their transforms without ever
 /// blocking. Scans that cannot be used are counted, and the reason is said. `nh` must be served by
@@ -69,7 +69,7 @@ class ScanInput {
  public:
   using Callback = std::function<void(ReadyScan)>;
 
-  ScanInput(ros::NodeHandle nh, const NodeConfig& config, ScanStatistics& statistics,
+  ScanInput(ros::NodeHandle nh, const MapperNodeConfig& config, ScanStatistics& statistics,
             Callback on_ready);
 
   std::string topic() const { return subscriber_.getTopic(); }
@@ -79,7 +79,7 @@ class ScanInput {
   using ReceivedScanPtr = boost::shared_ptr<const ReceivedScan>;
 
   void onLaserScan(const sensor_msgs::LaserScanConstPtr& message);
-  void onPlanarScan(const sensor_msgs::PointCloud2ConstPtr& message);
+  void onPlanarScan(const kestrel_slam::PlanarScanConstPtr& message);
   void receive(const ReceivedScan& scan, std::size_t beams);
   void onReady(const ReceivedScanPtr& scan);
   void handOver(const ReceivedScan& scan);
@@ -93,7 +93,7 @@ class ScanInput {
   void warnOfOtherParent(const ros::Time& stamp) const;
   ReadyScan lookUp(const ReceivedScan& scan) const;
 
-  NodeConfig config_;
+  MapperNodeConfig config_;
   ScanStatistics& statistics_;
   Callback on_ready_;
   ros::Time last_stamp_;
@@ -106,4 +106,4 @@ class ScanInput {
   ros::Subscriber subscriber_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -10,7 +10,7 @@
 
 #include "kestrel_slam/mapping/mapper.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What happened to the scans so far, and since the last report.
 struct ScanReport {
@@ -54,4 +54,4 @@ class ScanStatistics {
   std::optional<Clock::time_point> last_received_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

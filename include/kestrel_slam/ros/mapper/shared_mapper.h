@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <optional>
 
-#include "kestrel_slam/mapping/mapper.h"
+#include "kestrel_slam/pipeline/mapping_stage.h"
 #include "kestrel_slam/ros/common/fair_mutex.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// A copy of the map, to be published at leisure.
 struct MapCopy {
@@ -23,9 +23,9 @@ struct MapCopy {
 /// The mapper behind a lock that no caller holds for longer than one match or one copy of the map.
 class SharedMapper {
  public:
-  explicit SharedMapper(const MapperConfig& config) : mapper_(config) {}
+  explicit SharedMapper(const MapperConfig& config) : mapping_(config) {}
 
-  MapperResult process(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
+  MapperResult process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                        const ros::Time& stamp);
 
   /// Forgets the map; the next scan starts a new one at `map_T_base`.
@@ -47,10 +47,10 @@ class SharedMapper {
 
  private:
   mutable FairMutex mutex_;
-  Mapper mapper_;
+  MappingStage mapping_;
   ros::Time stamp_;
   std::atomic<std::uint64_t> version_{0};
   std::atomic<std::size_t> memory_bytes_{0};
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

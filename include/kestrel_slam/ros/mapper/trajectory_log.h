@@ -11,7 +11,7 @@
 
 #include "kestrel_slam/geometry/pose2.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Where the vehicle was, thinned, and of bounded size. Every method may be called from any thread.
 class TrajectoryLog {
@@ -42,4 +42,4 @@ class TrajectoryLog {
   std::uint64_t version_ = 0;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

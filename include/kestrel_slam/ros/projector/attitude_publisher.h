@@ -10,7 +10,7 @@
 
 #include "kestrel_slam/ros/projector/projector_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Publishes tf base_footprint -> base_stabilized -> base: height, then roll and pitch.
 class AttitudePublisher {
@@ -30,4 +30,4 @@ class AttitudePublisher {
   tf2_ros::TransformBroadcaster broadcaster_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

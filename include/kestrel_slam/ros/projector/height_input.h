@@ -7,42 +7,30 @@
 #include <optional>
 #include <string>
 
+#include "kestrel_slam/pipeline/projection_stage.h"
 #include "kestrel_slam/ros/common/mountings.h"
 #include "kestrel_slam/ros/projector/projector_diagnostics.h"
 #include "kestrel_slam/ros/projector/projector_parameters.h"
-#include "kestrel_slam/sensor/attitude_buffer.h"
-#include "kestrel_slam/sensor/height_tracker.h"
-#include "kestrel_slam/sensor/projection.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
-/// The height of the vehicle over the floor: from a pose filter, from a range finder that looks
-/// down, or from what the projector sees of the floor.
+/// Receives a range finder that looks down and gives its readings to the projection.
 class HeightInput {
  public:
   HeightInput(ros::NodeHandle nh, const ProjectorNodeConfig& config, const Mountings& mountings,
-              const AttitudeBuffer& attitude);
+              ProjectionStage& projection);
 
-  /// Takes the heights that a projected sweep has measured.
-  void add(const Projection& projection);
-
-  /// Of the base over the floor at `time` (s), m; nothing where it is not known.
-  std::optional<double> height(double time) const;
-
-  /// Fills in the height's part of a report.
-  void describe(ProjectorReport& report) const;
+  /// Fills in the height's part of a report. `time` (s): of the height that is reported.
+  void describe(double time, ProjectorReport& report) const;
 
  private:
-  void onFiltered(const sensor_msgs::RangeConstPtr& message);
   void onRange(const sensor_msgs::RangeConstPtr& message);
 
   std::string stabilized_frame_, footprint_frame_;
   const Mountings& mountings_;
-  const AttitudeBuffer& attitude_;
-  HeightTracker tracker_;
-  double newest_ = 0.0;       ///< stamp of the newest reading or sweep, s
+  ProjectionStage& projection_;
   bool is_unusable_ = false;  ///< what the range finder gave last
-  ros::Subscriber subscriber_, filter_subscriber_;
+  ros::Subscriber subscriber_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

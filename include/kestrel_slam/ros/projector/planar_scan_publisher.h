@@ -10,7 +10,7 @@
 #include "kestrel_slam/ros/projector/projector_parameters.h"
 #include "kestrel_slam/sensor/projection.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Publishes what the projector makes of a sweep: planar_scan, its view as a LaserScan where
 /// somebody listens to it, and the heights that a mirror and beams on the floor measure.
@@ -18,7 +18,9 @@ class PlanarScanPublisher {
  public:
   PlanarScanPublisher(ros::NodeHandle nh, const ProjectorNodeConfig& config);
 
-  void publish(const ros::Time& stamp, const Projection& projection);
+  void publish(const ros::Time& stamp, const PlanarScan& scan);
+  /// Also of a sweep that gave no planar scan.
+  void publishHeights(const ros::Time& stamp, const Projection& projection);
 
  private:
   void publishHeight(const ros::Time& stamp, const std::optional<double>& height_m,
@@ -29,4 +31,4 @@ class PlanarScanPublisher {
   ros::Publisher scan_publisher_, view_publisher_, height_publisher_, floor_height_publisher_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -14,7 +14,7 @@
 #include "kestrel_slam/ros/projector/projector_statistics.h"
 #include "kestrel_slam/sensor/attitude_tracker.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The state of the scan projector's node, for the diagnostics.
 struct ProjectorReport {
@@ -61,4 +61,4 @@ class ProjectorDiagnostics {
   ros::SteadyTimer timer_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// All parameters of the scan projector's node.
 struct ProjectorNodeConfig {
@@ -21,7 +21,6 @@ struct ProjectorNodeConfig {
   std::string height_topic = "height";
   std::string odom_topic = "odom/slam";
   std::string filter_topic;              ///< of a pose filter; empty: none
-  std::string filter_height_topic;       ///< of the same
   std::string attitude_source = "auto";  ///< auto, orientation, raw: of the IMU; tf; none: level
   std::string attitude_frame;            ///< tf: a frame with z up; empty: base_stabilized_frame
   std::string without_imu = "drop";      ///< or level
@@ -47,4 +46,4 @@ std::vector<std::string> splitNames(const std::string& text);
 /// Reads the private parameters; see readPrivateParameters. Throws std::invalid_argument.
 ProjectorNodeConfig loadProjectorParameters(const ros::NodeHandle& private_nh);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,7 +8,7 @@
 #include "kestrel_slam/ros/common/waiting_time.h"
 #include "kestrel_slam/sensor/projection.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// What became of the sweeps of all lasers. For one thread.
 struct ProjectorStatistics {
@@ -29,4 +29,4 @@ struct ProjectorStatistics {
   }
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

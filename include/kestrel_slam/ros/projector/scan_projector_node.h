@@ -7,6 +7,8 @@
 #include <memory>
 #include <string>
 
+#include "kestrel_slam/pipeline/projection_stage.h"
+#include "kestrel_slam/pipeline/waiting_queue.h"
 #include "kestrel_slam/ros/common/mountings.h"
 #include "kestrel_slam/ros/projector/attitude_publisher.h"
 #include "kestrel_slam/ros/projector/filter_input.h"
@@ -16,14 +18,12 @@
 #include "kestrel_slam/ros/projector/projector_diagnostics.h"
 #include "kestrel_slam/ros/projector/projector_parameters.h"
 #include "kestrel_slam/ros/projector/projector_statistics.h"
+#include "kestrel_slam/ros/projector/sweep.h"
 #include "kestrel_slam/ros/projector/sweep_input.h"
-#include "kestrel_slam/ros/projector/sweep_queue.h"
 #include "kestrel_slam/ros/projector/tf_attitude.h"
 #include "kestrel_slam/ros/projector/velocity_input.h"
-#include "kestrel_slam/sensor/attitude_tracker.h"
-#include "kestrel_slam/sensor/scan_projector.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// The scan projector, live: sweeps of lasers, IMU and height in; planar scans and tf out.
 ///
@@ -37,20 +37,11 @@ class ScanProjectorNode {
   ScanProjectorNode& operator=(const ScanProjectorNode&) = delete;
 
  private:
-  /// What is to be done with a sweep now.
-  struct Verdict {
-    enum Kind { kProject, kProjectLevel, kWait, kDrop } kind;
-    std::string reason, sentence;  ///< of kDrop
-  };
-
   void enqueue(Sweep sweep);
   void processQueue();
   bool handle(const Sweep& sweep);
-  bool waitsForFilter(const Sweep& sweep) const;
-  Verdict judge(const Sweep& sweep);
-  Verdict judgeTfAttitude(const Sweep& sweep);
-  Verdict judgeImuAttitude(const Sweep& sweep) const;
-  std::string uncovered(const Sweep& sweep) const;
+  SweepDecision judge(const Sweep& sweep);
+  SweepDecision judgeTfAttitude(const Sweep& sweep);
   void project(const Sweep& sweep, const Eigen::Isometry3d& base_T_laser, bool is_level);
   void drop(const Sweep& sweep, const std::string& reason, const std::string& sentence);
   void onAttitude(const ros::Time& stamp);
@@ -59,17 +50,16 @@ class ScanProjectorNode {
   void describeAttitude(ProjectorReport& report) const;
 
   const ProjectorNodeConfig config_;
-  ScanProjector projector_;
+  ProjectionStage projection_;
   ProjectorStatistics statistics_;
-  SweepQueue queue_;
-  AttitudeTracker tracker_;
+  WaitingQueue<Sweep> queue_;
   Mountings mountings_;
   std::string waiting_for_;  ///< a mounting that tf lacks
   std::string tf_error_;     ///< an attitude that tf lacks
+  double newest_ = 0.0;      ///< stamp of the newest sweep, s
 
   TfAttitude tf_attitude_;
   FilterInput filter_;
-  const AttitudeBuffer* last_attitude_ = nullptr;  ///< of the sweep before, if any
   HeightInput height_;
   VelocityInput velocity_;
   PlanarScanPublisher scan_publisher_;
@@ -80,4 +70,4 @@ class ScanProjectorNode {
   ros::SteadyTimer timer_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -13,9 +13,9 @@
 
 #include "kestrel_slam/ros/projector/projector_parameters.h"
 #include "kestrel_slam/ros/projector/projector_statistics.h"
-#include "kestrel_slam/ros/projector/sweep_queue.h"
+#include "kestrel_slam/ros/projector/sweep.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Receives the sweeps of all lasers. Those that cannot be used are counted, and the reason is
 /// said.
@@ -44,4 +44,4 @@ class SweepInput {
   std::vector<ros::Subscriber> subscribers_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

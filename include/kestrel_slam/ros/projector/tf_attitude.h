@@ -10,7 +10,7 @@
 #include "kestrel_slam/sensor/attitude_tracker.h"
 #include "kestrel_slam/sensor/scan_projector.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// Takes the attitude of the vehicle from tf, where somebody else publishes it.
 class TfAttitude {
@@ -33,4 +33,4 @@ class TfAttitude {
   AttitudeTracker& tracker_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

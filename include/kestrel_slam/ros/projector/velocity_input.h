@@ -7,29 +7,23 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "kestrel_slam/pipeline/projection_stage.h"
 #include "kestrel_slam/ros/projector/projector_parameters.h"
-#include "kestrel_slam/sensor/attitude_buffer.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
-/// The velocity of the vehicle from an odometry, to undo the motion during a sweep.
+/// Receives an odometry and gives its velocity to the projection, which undoes the motion during a
+/// sweep.
 class VelocityInput {
  public:
-  /// `attitude`: turns the velocity of a tilted base; it must outlive this.
-  VelocityInput(ros::NodeHandle nh, const ProjectorNodeConfig& config,
-                const AttitudeBuffer& attitude);
-
-  /// In base_stabilized at `time` (s), m/s; zero where nothing recent is known.
-  Eigen::Vector2d velocity(double time) const;
+  VelocityInput(ros::NodeHandle nh, const ProjectorNodeConfig& config, ProjectionStage& projection);
 
  private:
   void onOdometry(const nav_msgs::OdometryConstPtr& message);
 
   std::string base_frame_;
-  const AttitudeBuffer& attitude_;
-  double stamp_ = 0.0;  ///< s
-  Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
+  ProjectionStage& projection_;
   ros::Subscriber subscriber_;
 };
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -8,10 +8,10 @@
 
 #include "kestrel_slam/parameters/parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 
 /// All parameters of the mapper node. Names and meanings are those of hector_mapping.
-struct NodeConfig {
+struct MapperNodeConfig {
   std::string base_frame = "base_link";
   std::string map_frame = "map";
   std::string odom_frame;      ///< empty, or the base frame: no odometry, tf is map -> base
@@ -38,11 +38,11 @@ struct NodeConfig {
 };
 
 /// The table of the node's parameters and those of the SLAM, bound to `config`.
-std::vector<Parameter> parametersOf(NodeConfig& config);
+std::vector<Parameter> parametersOf(MapperNodeConfig& config);
 
 /// Reads the private parameters. Says so where one of hector_mapping has no effect here and why,
 /// and where one is unknown, with the nearest valid name. Throws std::invalid_argument that names
 /// a parameter out of range, its value and what is allowed.
-NodeConfig loadParameters(const ros::NodeHandle& private_nh);
+MapperNodeConfig loadParameters(const ros::NodeHandle& private_nh);
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "kestrel_slam/ros/mapper/node_parameters.h"
+#include "kestrel_slam/ros/mapper/mapper_parameters.h"
 
 #include <gtest/gtest.h>
 #include <ros/console.h>
@@ -11,16 +11,16 @@
 #include <stdexcept>
 #include <string>
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Each test has a private namespace of its own.
-class NodeParameters : public testing::Test {
+class MapperParameters : public testing::Test {
  protected:
-  NodeParameters()
+  MapperParameters()
       : private_nh_(std::string("~") +
                     testing::UnitTest::GetInstance()->current_test_info()->name()) {}
-  ~NodeParameters() override { private_nh_.deleteParam(""); }
+  ~MapperParameters() override { private_nh_.deleteParam(""); }
 
   std::string errorOfLoading() const {
     try {
@@ -53,8 +53,8 @@ Outcome runNode(const std::string& argument, int seconds) {
   return outcome;
 }
 
-TEST_F(NodeParameters, DefaultsNeedNothing) {
-  const NodeConfig config = loadParameters(private_nh_);
+TEST_F(MapperParameters, DefaultsNeedNothing) {
+  const MapperNodeConfig config = loadParameters(private_nh_);
   EXPECT_EQ(config.base_frame, "base_link");
   EXPECT_EQ(config.map_frame, "map");
   EXPECT_EQ(config.scan_topic, "scan");
@@ -63,13 +63,13 @@ TEST_F(NodeParameters, DefaultsNeedNothing) {
   EXPECT_EQ(config.map_pub_period, 2.0);
 }
 
-TEST_F(NodeParameters, AreReadWithTheirTypes) {
+TEST_F(MapperParameters, AreReadWithTheirTypes) {
   private_nh_.setParam("map_resolution", 0.025);
   private_nh_.setParam("laser_max_dist", 12);  // a whole number for a real one
   private_nh_.setParam("scan_subscriber_queue_size", 7.0);
   private_nh_.setParam("pub_odometry", true);
   private_nh_.setParam("odom_frame", "/odom");  // as tf1 wrote it
-  const NodeConfig config = loadParameters(private_nh_);
+  const MapperNodeConfig config = loadParameters(private_nh_);
   EXPECT_EQ(config.slam.mapper.grid.resolution_m, 0.025);
   EXPECT_EQ(config.slam.projector.beams.max_range_m, 12.0);
   EXPECT_EQ(config.scan_subscriber_queue_size, 7);
@@ -78,7 +78,7 @@ TEST_F(NodeParameters, AreReadWithTheirTypes) {
   EXPECT_TRUE(config.usesOdometry());
 }
 
-TEST_F(NodeParameters, OfHectorMappingAreAllAccepted) {
+TEST_F(MapperParameters, OfHectorMappingAreAllAccepted) {
   const char* names[] = {"map_size",
                          "map_start_x",
                          "map_start_y",
@@ -95,7 +95,7 @@ TEST_F(NodeParameters, OfHectorMappingAreAllAccepted) {
   EXPECT_EQ(errorOfLoading(), "");
 }
 
-TEST_F(NodeParameters, InputChoosesTheTopic) {
+TEST_F(MapperParameters, InputChoosesTheTopic) {
   private_nh_.setParam("scan_topic", "front");
   private_nh_.setParam("planar_scan_topic", "slice");
   EXPECT_EQ(loadParameters(private_nh_).inputTopic(), "front");
@@ -107,21 +107,21 @@ TEST_F(NodeParameters, InputChoosesTheTopic) {
   EXPECT_NE(errorOfLoading().find("input = cloud"), std::string::npos);
 }
 
-TEST_F(NodeParameters, OutOfRangeNamesValueAndRange) {
+TEST_F(MapperParameters, OutOfRangeNamesValueAndRange) {
   private_nh_.setParam("map_pub_period", -2.0);
   const std::string error = errorOfLoading();
   EXPECT_NE(error.find("map_pub_period = -2"), std::string::npos) << error;
   EXPECT_NE(error.find("between 0.1 and 3600 s"), std::string::npos) << error;
 }
 
-TEST_F(NodeParameters, OfTheWrongTypeAreRefused) {
+TEST_F(MapperParameters, OfTheWrongTypeAreRefused) {
   private_nh_.setParam("map_resolution", "fine");
   EXPECT_NE(errorOfLoading().find("map_resolution = fine"), std::string::npos);
   private_nh_.setParam("map_resolution", std::vector<double>{0.1, 0.2});
   EXPECT_NE(errorOfLoading().find("map_resolution: must be a single value"), std::string::npos);
 }
 
-TEST_F(NodeParameters, FramesMustDiffer) {
+TEST_F(MapperParameters, FramesMustDiffer) {
   private_nh_.setParam("map_frame", "base_link");
   EXPECT_NE(errorOfLoading().find("map_frame = base_link"), std::string::npos);
   private_nh_.setParam("map_frame", "world");
@@ -131,7 +131,7 @@ TEST_F(NodeParameters, FramesMustDiffer) {
   EXPECT_EQ(errorOfLoading(), "");
 }
 
-TEST(NodeProgram, EndsWithOneLineOnABadParameter) {
+TEST(MapperProgram, EndsWithOneLineOnABadParameter) {
   const Outcome outcome = runNode("_map_resolution:=-1", 10);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.output.find("FATAL"), std::string::npos) << outcome.output;
@@ -141,7 +141,7 @@ TEST(NodeProgram, EndsWithOneLineOnABadParameter) {
   ros::param::del("/parameters");
 }
 
-TEST(NodeProgram, NamesTheNearestOfAMisspeltParameter) {
+TEST(MapperProgram, NamesTheNearestOfAMisspeltParameter) {
   const Outcome outcome = runNode("_map_resolutoin:=0.1", 4);
   EXPECT_NE(outcome.output.find("Unknown parameter ~map_resolutoin; did you mean ~map_resolution?"),
             std::string::npos)
@@ -149,7 +149,7 @@ TEST(NodeProgram, NamesTheNearestOfAMisspeltParameter) {
   ros::param::del("/parameters");
 }
 
-TEST(NodeProgram, SaysWhyAParameterIsNotNeeded) {
+TEST(MapperProgram, SaysWhyAParameterIsNotNeeded) {
   const Outcome outcome = runNode("_map_size:=2048", 4);
   EXPECT_NE(outcome.output.find("~map_size has no effect: the map has no fixed size"),
             std::string::npos)
@@ -158,11 +158,11 @@ TEST(NodeProgram, SaysWhyAParameterIsNotNeeded) {
 }
 
 }  // namespace
-}  // namespace kestrel_slam
+}  // namespace kestrel
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "node_parameters_test");
+  ros::init(argc, argv, "mapper_parameters_test");
   ros::NodeHandle keeps_the_node_alive;
   return RUN_ALL_TESTS();
 }

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "kestrel_slam/ros/mapper/node_parameters.h"
+#include "kestrel_slam/ros/mapper/mapper_parameters.h"
 
 #include <map>
 
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/parameters/parameter_table.h"
-#include "kestrel_slam/recording/bag/bag_transforms.h"
 #include "kestrel_slam/ros/common/private_parameters.h"
 
-namespace kestrel_slam {
+namespace kestrel {
 namespace {
 
 /// Parameters of hector_mapping, and of libraries, that the node knows and does not need.
@@ -31,14 +30,14 @@ const std::map<std::string, std::string>& unneededParameters() {
 }
 
 /// tf2 knows no leading slashes, which launch files written for tf1 still have.
-void tidyFrames(NodeConfig& config) {
+void tidyFrames(MapperNodeConfig& config) {
   for (std::string* frame : {&config.base_frame, &config.map_frame, &config.odom_frame,
                              &config.tf_map_scanmatch_transform_frame_name}) {
     *frame = withoutSlash(*frame);
   }
 }
 
-void validate(const NodeConfig& config) {
+void validate(const MapperNodeConfig& config) {
   requireName("base_frame", config.base_frame);
   requireName("map_frame", config.map_frame);
   requireName(config.usesPlanarScans() ? "planar_scan_topic" : "scan_topic", config.inputTopic());
@@ -58,7 +57,7 @@ void validate(const NodeConfig& config) {
 
 }  // namespace
 
-std::vector<Parameter> parametersOf(NodeConfig& config) {
+std::vector<Parameter> parametersOf(MapperNodeConfig& config) {
   using namespace parameter_table;
   constexpr double kMaxQueue = 10000, kMinPeriod = 0.1, kMaxPeriod = 3600.0, kMaxTolerance = 60.0;
   std::vector<Parameter> parameters = {
@@ -90,12 +89,12 @@ std::vector<Parameter> parametersOf(NodeConfig& config) {
   return parameters;
 }
 
-NodeConfig loadParameters(const ros::NodeHandle& private_nh) {
-  NodeConfig config;
+MapperNodeConfig loadParameters(const ros::NodeHandle& private_nh) {
+  MapperNodeConfig config;
   readPrivateParameters(private_nh, parametersOf(config), unneededParameters());
   tidyFrames(config);
   validate(config);
   return config;
 }
 
-}  // namespace kestrel_slam
+}  // namespace kestrel

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "kestrel_slam/filter/pose_filter.h"
+#include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/mapping/mapper.h"
+
+namespace kestrel {
+
+/// What the mapper tells the pose filter and the projector of one scan.
+struct MatchedPose {
+  double stamp = 0.0;                                    ///< of the scan, s
+  Pose2 pose;                                            ///< map_T_base
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw) in map, m² and rad²
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();    ///< in base_stabilized, m/s
+  MatchState state = MatchState::kLost;
+};
+
+MatchedPose matchedPoseOf(const MapperResult& result, double stamp);
+
+/// Gives the pose to the filter, except while the mapper is lost. False where it is not used.
+bool fuse(const MatchedPose& pose, PoseFilter& filter);
+
+}  // namespace kestrel

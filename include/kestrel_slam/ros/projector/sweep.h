@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/time.h>
+
+#include <string>
+
+#include "kestrel_slam/pipeline/projection_stage.h"
+#include "kestrel_slam/ros/common/waiting_time.h"
+
+namespace kestrel {
+
+/// One sweep of a laser, on its way through the projector's node.
+struct Sweep {
+  std::string topic;
+  std::string frame;  ///< of the laser, without a leading slash
+  ros::Time stamp;
+  SweepData data;
+  SweepTimes times;  ///< what the attitude has to cover
+  WaitingTime waiting;
+};
+
+}  // namespace kestrel

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/pipeline/filtered_motion.h"
+
+#include <algorithm>
+
+namespace kestrel {
+namespace {
+
+/// A filter that has given no state for this long is not running, s.
+constexpr double kSilent = 0.2;
+
+}  // namespace
+
+FilteredMotion motionOf(const FilterOutput& output) {
+  FilteredMotion motion;
+  motion.stamp = output.stamp;
+  motion.odom_R_base = Eigen::Quaterniond(output.odom_T_base.linear());
+  motion.angular_velocity = output.angular_velocity;
+  motion.specific_force = output.specific_force;
+  motion.odom_T_base = output.odomPose();
+  motion.velocity = Eigen::Rotation2Dd(-output.yaw()) * output.velocity.head<2>();
+  if (output.givesHeight()) motion.height_m = output.height();
+  motion.gives_attitude = output.givesAttitude();
+  motion.gives_prediction = output.givesPrediction();
+  return motion;
+}
+
+FilteredMotionBuffer::FilteredMotionBuffer(const AttitudeBufferConfig& config)
+    : history_s_(config.history_s), attitude_(config) {}
+
+bool FilteredMotionBuffer::add(const FilteredMotion& motion) {
+  if (!states_.empty() && motion.stamp < states_.back().stamp - history_s_) {
+    states_.clear();
+    attitude_.clear();
+  }
+  if (!motion.gives_attitude) return false;
+  if (!attitude_.add(motion.stamp, motion.odom_R_base, motion.angular_velocity,
+                     motion.specific_force)) {
+    return false;
+  }
+  const bool is_newest = states_.empty() || motion.stamp > states_.back().stamp;
+  if (is_newest) {
+    states_.push_back({motion.stamp, motion.odom_T_base,
+                       motion.gives_prediction && motion.odom_T_base.isFinite()});
+  }
+  while (states_.front().stamp < states_.back().stamp - history_s_) states_.pop_front();
+  return true;
+}
+
+bool FilteredMotionBuffer::runs(double time) const {
+  const std::optional<double> latest = attitude_.latest();
+  return latest && *latest > time - kSilent;
+}
+
+std::optional<Pose2> FilteredMotionBuffer::odomPose(double time) const {
+  const auto after = std::lower_bound(states_.begin(), states_.end(), time,
+                                      [](const State& state, double t) { return state.stamp < t; });
+  if (after == states_.end() || !after->gives_prediction) return std::nullopt;
+  if (after->stamp == time) return after->odom_T_base;
+  if (after == states_.begin() || !(after - 1)->gives_prediction) return std::nullopt;
+  const State &a = *(after - 1), &b = *after;
+  const double span = b.stamp - a.stamp;
+  if (span > kSilent) return std::nullopt;
+  const double share = (time - a.stamp) / span;
+  const Pose2 &from = a.odom_T_base, &to = b.odom_T_base;
+  return Pose2(from.x + share * (to.x - from.x), from.y + share * (to.y - from.y),
+               from.yaw + share * normalizeAngle(to.yaw - from.yaw));
+}
+
+}  // namespace kestrel

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/pipeline/matched_pose.h"
+
+namespace kestrel {
+
+MatchedPose matchedPoseOf(const MapperResult& result, double stamp) {
+  return {stamp, result.pose, result.covariance, result.velocity, result.state};
+}
+
+bool fuse(const MatchedPose& pose, PoseFilter& filter) {
+  if (pose.state == MatchState::kLost) return false;
+  return filter.addPose({pose.stamp, pose.pose, pose.covariance});
+}
+
+}  // namespace kestrel

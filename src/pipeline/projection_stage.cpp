@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/pipeline/projection_stage.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace kestrel {
+namespace {
+
+constexpr double kMaxVelocityAge = 0.3;  // s; an older velocity says nothing of a flying vehicle
+constexpr double kOtherClock = 1.0;      // s; stamps that differ by more are of two clocks
+
+HeightConfig heightConfigOf(const ProjectorConfig& projector) {
+  HeightConfig config;
+  config.fixed_m = projector.height_m;
+  return config;
+}
+
+bool isGone(ImuHealth health) {
+  return health == ImuHealth::kNoData || health == ImuHealth::kSilent;
+}
+
+/// Whether the IMU gives nothing that can be used.
+bool hasFailed(ImuHealth health) {
+  return isGone(health) || health == ImuHealth::kFrozen || health == ImuHealth::kInvalid;
+}
+
+std::string reasonOf(ImuHealth health, AttitudeError error) {
+  switch (health) {
+    case ImuHealth::kNoData:
+      return "no-imu";
+    case ImuHealth::kSilent:
+      return "imu-silent";
+    case ImuHealth::kFrozen:
+      return "imu-frozen";
+    case ImuHealth::kInvalid:
+      return "imu-invalid";
+    default:
+      return toString(error);
+  }
+}
+
+/// Heights travel as sensor_msgs/Range, which has single precision; the same number is used where
+/// no message is in between.
+void roundHeights(Projection& projection) {
+  for (std::optional<double>* height : {&projection.mirror_height_m, &projection.floor_height_m}) {
+    if (*height) *height = static_cast<double>(static_cast<float>(**height));
+  }
+}
+
+}  // namespace
+
+double stampOf(const SweepData& data) {
+  return std::visit([](const auto& sweep) { return sweep.stamp; }, data);
+}
+
+SweepTimes sweepTimes(const SweepData& data) {
+  return std::visit([](const auto& sweep) { return sweepTimes(sweep); }, data);
+}
+
+ProjectionStage::ProjectionStage(const ProjectionStageConfig& config)
+    : config_(config),
+      projector_(config.projector),
+      tracker_(config.attitude),
+      motions_(config.attitude.buffer),
+      heights_(heightConfigOf(config.projector)) {}
+
+bool ProjectionStage::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
+  return tracker_.add(sample, Eigen::Quaterniond(base_T_imu.linear()));
+}
+
+bool ProjectionStage::addMotion(const FilteredMotion& motion) {
+  if (motion.height_m) heights_.addFiltered({motion.stamp, *motion.height_m});
+  if (motion.gives_prediction) addVelocity(motion.stamp, motion.velocity);
+  return motions_.add(motion);
+}
+
+bool ProjectionStage::addRange(const HeightSample& sample, bool is_upright) {
+  return heights_.addRange(sample, is_upright ? nullptr : &tracker_.buffer());
+}
+
+void ProjectionStage::addVelocity(double stamp, const Eigen::Vector2d& velocity) {
+  const bool is_older = stamp < velocity_stamp_ && velocity_stamp_ - stamp < kMaxVelocityAge;
+  if (is_older || !velocity.allFinite()) return;
+  velocity_stamp_ = stamp;
+  velocity_ = velocity;
+}
+
+Eigen::Vector2d ProjectionStage::velocityAt(double time) const {
+  if (std::abs(time - velocity_stamp_) < kMaxVelocityAge) return velocity_;
+  return Eigen::Vector2d::Zero();
+}
+
+SweepDecision ProjectionStage::judge(const SweepTimes& times, double waited_s, double now) const {
+  if (config_.level) return {SweepDecision::kProjectLevel, "", ""};
+  const AttitudeError error = tracker_.buffer().covers(times.first, times.last);
+  if (error == AttitudeError::kNone) {
+    return {waitsForFilter(times, waited_s) ? SweepDecision::kWait : SweepDecision::kProject, "",
+            ""};
+  }
+  const ImuStatus imu = tracker_.status(now);
+  const bool may_come = error == AttitudeError::kEmpty || error == AttitudeError::kNotYet;
+  const bool is_hopeless = config_.level_without_imu && isGone(imu.health);
+  if (may_come && waited_s < config_.max_wait_s && !is_hopeless) {
+    return {SweepDecision::kWait, "", ""};
+  }
+  if (config_.level_without_imu && hasFailed(imu.health)) {
+    return {SweepDecision::kProjectLevel, "", ""};
+  }
+  return {SweepDecision::kDrop, reasonOf(imu.health, error),
+          hasFailed(imu.health) ? imu.message : uncovered(times)};
+}
+
+/// The state of a running filter comes shortly after the IMU's reading.
+bool ProjectionStage::waitsForFilter(const SweepTimes& times, double waited_s) const {
+  return motions_.runs(times.last) &&
+         motions_.attitude().covers(times.first, times.last) == AttitudeError::kNotYet &&
+         waited_s < config_.max_wait_s;
+}
+
+/// How the time of a sweep lies relative to the attitudes.
+std::string ProjectionStage::uncovered(const SweepTimes& times) const {
+  const std::optional<double> latest = tracker_.buffer().latest();
+  if (!latest) return "no attitude has come yet";
+  const double ahead = times.last - *latest;
+  char text[200];
+  std::snprintf(text, sizeof text, "its last beam is %.3f s %s than the newest attitude%s",
+                std::abs(ahead), ahead > 0.0 ? "newer" : "older",
+                std::abs(ahead) > kOtherClock
+                    ? "; do the stamps of laser and IMU come from the same clock?"
+                    : "");
+  return text;
+}
+
+ProjectedSweep ProjectionStage::project(const SweepData& data,
+                                        const Eigen::Isometry3d& base_T_laser, bool level) {
+  const double stamp = stampOf(data);
+  const SweepTimes times = sweepTimes(data);
+  ProjectedSweep result;
+  result.level = level;
+  result.filtered =
+      !level && motions_.attitude().covers(times.first, times.last) == AttitudeError::kNone;
+  const AttitudeBuffer* attitude = level             ? nullptr
+                                   : result.filtered ? &motions_.attitude()
+                                                     : &tracker_.buffer();
+  const VehicleState vehicle{attitude, heights_.height(stamp), velocityAt(stamp)};
+  Projection& projection = result.projection;
+  projection = std::visit(
+      [&](const auto& sweep) { return projector_.project(sweep, base_T_laser, vehicle); }, data);
+  roundHeights(projection);
+  heights_.addProjection(stamp, projection);
+  if (projection.error != ScanError::kNone) return result;
+  if (last_attitude_ != nullptr && attitude != nullptr && attitude != last_attitude_) {
+    // The integrals of two buffers have nothing in common.
+    projection.scan.integrated_yaw.reset();
+    projection.scan.integrated_acceleration.reset();
+  }
+  if (attitude != nullptr) last_attitude_ = attitude;
+  if (result.filtered) projection.scan.predicted = motions_.odomPose(stamp);
+  return result;
+}
+
+}  // namespace kestrel
