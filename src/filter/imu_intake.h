@@ -28,7 +28,7 @@ class ImuIntake {
 
   /// Adds a sample. kStep: step() is new. kMerged: the sample is part of the next step. kRejected:
   /// see fault(). kClockSetBack: the clock was set back; step() is the first of the new time.
-  Result add(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu);
+  Result add(const CheckedImu& reading);
 
   const ImuStep& step() const { return step_; }
   const ImuFault& fault() const { return fault_; }  ///< of the last rejected sample
@@ -37,13 +37,11 @@ class ImuIntake {
   double rate() const;                              ///< rate of the samples, smoothed, Hz
 
  private:
-  bool isUsable(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu);
+  std::optional<ImuFault> faultIn(const CheckedImu& reading) const;
   ImuInput inBase(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) const;
   Result accumulate(double stamp, const ImuInput& reading);
 
   PoseFilterConfig config_;
-  FrozenCheck frozen_;
-  StampCheck stamps_;
   ImuFault fault_;
   bool bad_ = false;
   ImuStep step_;

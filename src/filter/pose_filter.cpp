@@ -25,8 +25,10 @@ PoseFilter::PoseFilter(PoseFilter&&) noexcept = default;
 PoseFilter& PoseFilter::operator=(PoseFilter&&) noexcept = default;
 
 bool PoseFilter::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
-  return state_->addImu(sample, base_T_imu);
+  return state_->addImu(state_->imu_check.check(sample, base_T_imu));
 }
+
+bool PoseFilter::addImu(const CheckedImu& reading) { return state_->addImu(reading); }
 
 bool PoseFilter::addPose(const PoseMeasurement& measurement) {
   Measurement m;

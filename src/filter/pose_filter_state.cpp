@@ -49,9 +49,9 @@ PoseFilter::State::State(const PoseFilterConfig& c)
       initializer(c),
       timeline(c, [this](const auto& m, const auto& v) { judge(m, v); }) {}
 
-bool PoseFilter::State::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
+bool PoseFilter::State::addImu(const CheckedImu& checked) {
   ++status.imu.received;
-  const ImuIntake::Result result = imu.add(sample, base_T_imu);
+  const ImuIntake::Result result = imu.add(checked);
   if (result == ImuIntake::Result::kRejected) {
     ++status.imu.rejected[imu.fault().reason];
     return false;

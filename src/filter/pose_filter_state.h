@@ -18,7 +18,7 @@ namespace kestrel {
 struct PoseFilter::State {
   explicit State(const PoseFilterConfig& c);
 
-  bool addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu);
+  bool addImu(const CheckedImu& checked);
   bool begin(const ImuStep& step);
   void setInitialPose(FilterState& state);
   void advance(const ImuStep& step);
@@ -35,6 +35,7 @@ struct PoseFilter::State {
   SensorCounts& countsOf(FilterSensor s) { return status.sensors[static_cast<std::size_t>(s)]; }
 
   PoseFilterConfig config;
+  ImuCheck imu_check;  ///< of readings that nobody else has validated
   ImuIntake imu;
   Initializer initializer;
   Timeline timeline;

@@ -89,4 +89,35 @@ bool FrozenCheck::add(const ImuSample& sample) {
   return duration_s_ >= frozen_s_;
 }
 
+namespace {
+
+std::optional<ImuFault> faultOfMounting(const Eigen::Isometry3d& base_T_imu) {
+  const Eigen::Quaterniond rotation(base_T_imu.linear());
+  if (auto fault = faultOf(rotation, "the mounting of the IMU (tf)")) return fault;
+  if (base_T_imu.translation().allFinite()) return std::nullopt;
+  return ImuFault{"not finite",
+                  "the mounting of the IMU (tf) has a translation that is not finite"};
+}
+
+}  // namespace
+
+CheckedImu ImuCheck::check(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
+  CheckedImu checked;
+  checked.sample = sample;
+  checked.base_T_imu = base_T_imu;
+  ImuSample orientation, raw = sample;
+  orientation.world_R_imu = sample.world_R_imu;
+  raw.world_R_imu.reset();
+  checked.orientation_fault = faultOf(orientation);
+  checked.fault = faultOfStamp(sample.stamp);
+  if (!checked.fault) checked.fault = faultOf(raw);
+  if (!checked.fault) checked.fault = faultOfMounting(base_T_imu);
+  if (checked.fault) return checked;
+  checked.order = stamps_.check(sample.stamp);
+  checked.jump_s = stamps_.jump();
+  if (checked.order != StampCheck::Verdict::kLate) frozen_.add(sample);
+  checked.frozen_s = frozen_.duration();
+  return checked;
+}
+
 }  // namespace kestrel

@@ -8,6 +8,7 @@
 #include "kestrel_slam/filter/filter_types.h"
 #include "kestrel_slam/filter/pose_filter_config.h"
 #include "kestrel_slam/sensor/imu_sample.h"
+#include "kestrel_slam/sensor/imu_validation.h"
 
 namespace kestrel {
 
@@ -37,6 +38,8 @@ class PoseFilter {
   /// has a new stamp.
   bool addImu(const ImuSample& sample,
               const Eigen::Isometry3d& base_T_imu = Eigen::Isometry3d::Identity());
+  /// The same for a reading that was validated already.
+  bool addImu(const CheckedImu& reading);
 
   /// Add a measurement. Return false if it is rejected at once (status() counts the reasons). A
   /// measurement newer than the newest IMU sample waits for the IMU, and may then be rejected by

@@ -10,6 +10,7 @@
 
 #include "kestrel_slam/sensor/attitude_buffer.h"
 #include "kestrel_slam/sensor/imu_sample.h"
+#include "kestrel_slam/sensor/imu_validation.h"
 
 namespace kestrel {
 
@@ -61,6 +62,8 @@ class AttitudeTracker {
 
   /// Returns false if the reading is rejected. `base_R_imu`: mounting of the IMU.
   bool add(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu);
+  /// The same for a reading that was validated already.
+  bool add(const CheckedImu& reading);
 
   /// Adds an attitude from another source (tf) instead of IMU readings. Returns false if it is
   /// rejected.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "kestrel_slam/sensor/imu_sample.h"
+#include "kestrel_slam/sensor/stamp_check.h"
 
 namespace kestrel {
 
@@ -38,6 +39,30 @@ class FrozenCheck {
   double frozen_s_;
   double duration_s_ = 0.0;
   std::optional<ImuSample> first_;  ///< of the identical readings
+};
+
+/// A reading that was validated, for everybody who uses it.
+struct CheckedImu {
+  ImuSample sample;
+  Eigen::Isometry3d base_T_imu = Eigen::Isometry3d::Identity();
+  std::optional<ImuFault> fault;              ///< of stamp, gyro, accelerometer or mounting
+  std::optional<ImuFault> orientation_fault;  ///< of the orientation
+  StampCheck::Verdict order = StampCheck::Verdict::kNext;  ///< meaningful without a fault
+  double jump_s = 0.0;                                     ///< of the stamp, where `order` is kJump
+  double frozen_s = 0.0;  ///< how long the readings have been identical
+};
+
+/// Validates the readings of one IMU.
+class ImuCheck {
+ public:
+  /// `base_T_imu`: mounting of the IMU.
+  CheckedImu check(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu);
+
+  void restart() { *this = ImuCheck(); }
+
+ private:
+  StampCheck stamps_;
+  FrozenCheck frozen_{0.0};
 };
 
 }  // namespace kestrel
