@@ -78,9 +78,8 @@ int main(int argc, char** argv) {
   }
   constexpr int kBase = 10;
   try {
-    kestrel::run(argv[1],
-                      argc > 2 ? std::max(1UL, std::strtoul(argv[2], nullptr, kBase)) : 500,
-                      argc > 3 ? std::strtoul(argv[3], nullptr, kBase) : 50);
+    kestrel::run(argv[1], argc > 2 ? std::max(1UL, std::strtoul(argv[2], nullptr, kBase)) : 500,
+                 argc > 3 ? std::strtoul(argv[3], nullptr, kBase) : 50);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "search_benchmark: %s\n", error.what());
     return EXIT_FAILURE;

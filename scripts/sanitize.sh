@@ -27,12 +27,13 @@ build_tsan() {
     -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="$SANITIZED -fsanitize=thread" && build tsan
 }
 
-# Every process with a finding leaves a file; how many findings there are.
-no_tsan_report() {
-  local reports=("$1".*)
-  [ -e "${reports[0]}" ] || return 0
-  cat "${reports[@]}"
-  printf '%d findings\n' "$(grep -c 'WARNING: ThreadSanitizer' "${reports[@]}" | wc -l)"
+# Every process with a finding leaves a file PREFIX.<process>.
+no_findings() {
+  local files
+  files=$(compgen -G "$1.*" || true)
+  [ -n "$files" ] || return 0
+  cat "$1".*
+  printf '%d findings\n' "$(cat "$1".* | grep -c 'WARNING: ThreadSanitizer')"
   return 1
 }
 
@@ -43,5 +44,5 @@ test_tsan() {
   rm -f "$reports".*
   export TSAN_OPTIONS="suppressions=$ROOT/test/ros/tsan.supp log_path=$reports exitcode=0"
   suites tsan tsan -R rostest_test_ros
-  step "tsan: no findings" no_tsan_report "$reports" || true
+  step "tsan: no findings" no_findings "$reports" || true
 }

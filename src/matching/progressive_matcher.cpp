@@ -43,8 +43,9 @@ ProgressiveMatcher::Candidate ProgressiveMatcher::refine(const Submap& map,
                                                          const MatchRequest& request,
                                                          const Pose2& initial_guess) const {
   Candidate result;
-  result.refinement = refiner_.refine(map.grid(), request.points, initial_guess,
-                                      motionSpread(request.last, initial_guess, config_.progressive));
+  result.refinement =
+      refiner_.refine(map.grid(), request.points, initial_guess,
+                      motionSpread(request.last, initial_guess, config_.progressive));
   result.pose = result.refinement.poses.back();
   result.fit = fitOf(map, request.points, result.pose, config_.score_scale_m);
   return result;
