@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kRelationFields = 8;
 
-/// The poses of a trajectory, found by their stamp.
+/// Finds poses of a trajectory by their stamps.
 class PoseIndex {
  public:
   explicit PoseIndex(const Trajectory& trajectory) : poses_(trajectory) {
@@ -38,7 +38,7 @@ class PoseIndex {
     return best->pose;
   }
 
-  /// The pose at `stamp`, or between its neighbors.
+  /// The pose at `stamp`, interpolated if necessary.
   std::optional<Pose2> interpolated(double stamp) const {
     if (const std::optional<Pose2> exact = at(stamp)) return exact;
     const auto after = lowerBound(stamp);
@@ -65,7 +65,7 @@ PoseError errorOf(double stamp, const Pose2& expected, const Pose2& found) {
   return {stamp, error.distance(), radToDeg(std::abs(error.yaw))};
 }
 
-/// Closed form of Umeyama in the plane, without scale.
+/// Best rigid alignment in the plane (closed form by Umeyama, without scale).
 Pose2 align(const Trajectory& from, const Trajectory& to) {
   Eigen::Vector2d mean_from = Eigen::Vector2d::Zero(), mean_to = Eigen::Vector2d::Zero();
   for (std::size_t i = 0; i < from.size(); ++i) {
@@ -87,8 +87,8 @@ Pose2 align(const Trajectory& from, const Trajectory& to) {
   return {shift.x(), shift.y(), rotation.yaw};
 }
 
-/// Differences of the relative motions from every pose i to the first pose j that is `step` on in
-/// `progress` (path length or stamp).
+/// Errors of the motions from every pose i to the first pose j with progress[j] - progress[i] >=
+/// step. `progress` is the path length or the stamp.
 PoseErrorStatistics relativeErrors(const ReferenceEvaluation& matched,
                                    const std::vector<double>& progress, double step) {
   std::vector<PoseError> errors;
@@ -199,8 +199,8 @@ std::vector<Relation> readRelations(const std::string& path) {
   }
   if (relations.empty()) {
     throw std::runtime_error(path +
-                             ": has no relations; give a file with a line "
-                             "`t1 t2 x y z roll pitch yaw` for each");
+                             ": has no relations; use a file with a line "
+                             "`t1 t2 x y z roll pitch yaw` for each relation");
   }
   return relations;
 }

@@ -9,27 +9,28 @@
 
 namespace kestrel {
 
-/// The claimed uncertainty of the pose of one scan.
-struct Claim {
-  double stamp = 0.0;
+/// The estimated pose of one scan with its covariance.
+struct ScanCovariance {
+  double stamp = 0.0;  ///< s
   UncertainPose pose;
 };
 
-/// One line for each: the stamp, x, y, yaw of the pose (m, rad), and of the shared and of the own
-/// covariance the elements xx xy xt yy yt tt (UncertainPose). Both throw std::runtime_error that
-/// names the file (and the line) and what is wrong.
-void writeClaims(const std::string& path, const std::vector<Claim>& claims);
-std::vector<Claim> readClaims(const std::string& path);
+/// Write and read covariances.txt, which has one line per scan: stamp (s), x, y (m) and yaw (rad)
+/// of the pose, then the elements xx xy xt yy yt tt (t: yaw) of the map covariance and of the match
+/// covariance (see UncertainPose). Both throw std::runtime_error with the name of the file, the
+/// line and the error.
+void writeCovariances(const std::string& path, const std::vector<ScanCovariance>& covariances);
+std::vector<ScanCovariance> readCovariances(const std::string& path);
 
-/// Errors of relations in units of what was claimed for them (relativeCovariance).
-struct ClaimEvaluation {
-  ErrorStatistics translation;  ///< error over the standard deviation of the translation
-  ErrorStatistics rotation;     ///< error over the standard deviation of the rotation
-  ErrorStatistics nees;         ///< 3 is right in the mean
+/// Errors of relations, compared with their covariances (see relativeCovariance()).
+struct CovarianceEvaluation {
+  ErrorStatistics translation;  ///< error divided by its standard deviation
+  ErrorStatistics rotation;     ///< error divided by its standard deviation
+  ErrorStatistics nees;         ///< the mean is 3 if the covariances are correct
 };
 
-/// Relations with an end that has no claim are left out.
-ClaimEvaluation evaluateClaims(const std::vector<Claim>& claims,
-                               const std::vector<Relation>& relations);
+/// Relations between scans without covariance are omitted.
+CovarianceEvaluation evaluateCovariances(const std::vector<ScanCovariance>& covariances,
+                                         const std::vector<Relation>& relations);
 
 }  // namespace kestrel
