@@ -9,7 +9,7 @@
 #include <string>
 
 #include "kestrel_slam/commands/run_tool.h"
-#include "kestrel_slam/evaluation/claims.h"
+#include "kestrel_slam/evaluation/covariance_file.h"
 #include "kestrel_slam/evaluation/evaluation.h"
 #include "kestrel_slam/recording/reference.h"
 #include "kestrel_slam/recording/trajectory.h"

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "kestrel_slam/evaluation/claims.h"
+#include "kestrel_slam/evaluation/covariance_file.h"
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/map/map_io.h"

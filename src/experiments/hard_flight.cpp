@@ -45,7 +45,7 @@ class CellJudge {
   bool isGhost(const Eigen::Vector2d& point) const {
     if (distanceToUprightSurface(gone_, point) < kGhostReach) return true;
     for (const Walker& walker : walkers_) {
-      if (walker.distanceToWay(point) < kGhostReach) return true;
+      if (walker.distanceToPath(point) < kGhostReach) return true;
     }
     return std::any_of(flown_.begin(), flown_.end(), [&](const auto& flown) {
       return (flown.pose.translation() - point).norm() < kGhostReach;

@@ -93,7 +93,7 @@ namespace {
 
 std::optional<ImuFault> faultOfMounting(const Eigen::Isometry3d& base_T_imu) {
   const Eigen::Quaterniond rotation(base_T_imu.linear());
-  if (auto fault = faultOf(rotation, "the mounting of the IMU (tf)")) return fault;
+  if (auto fault = kestrel::faultOf(rotation, "the mounting of the IMU (tf)")) return fault;
   if (base_T_imu.translation().allFinite()) return std::nullopt;
   return ImuFault{"not finite",
                   "the mounting of the IMU (tf) has a translation that is not finite"};

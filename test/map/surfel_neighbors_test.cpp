@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tests the nearest surfel of every cell after thousands of single cells were added and removed.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tests on the real recordings, laser only and with odometry, against the limits in the
 // documentation.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Feeds invalid and extreme numbers to the mapper: it must not crash, hang or return NaN.
 
 #include <gtest/gtest.h>

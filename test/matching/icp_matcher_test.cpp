@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tests of the ICP matcher and its submap options. matcher_test.cpp tests all matchers.
 
 #include <gtest/gtest.h>

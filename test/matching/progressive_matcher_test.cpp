@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tests of the progressive matcher [Xie 2010] as a whole. progressive_test.cpp tests its parts.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tests of the exhaustive search at the borders of its window and with unusual input.
 
 #include <gtest/gtest.h>

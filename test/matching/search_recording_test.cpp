@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The exhaustive search finds the same pose as brute force in the map of a real building.
 
 #include <gtest/gtest.h>
