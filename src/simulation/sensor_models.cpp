@@ -124,8 +124,7 @@ class BeamCaster {
   }
 
   /// The range that the border of the beam sees if a neighbor in the sweep sees another surface;
-  /// +inf
-  /// if the whole beam hits one surface.
+  /// +inf if the whole beam hits one surface.
   double edgeRange(std::size_t step, std::size_t ring) const {
     if (errors_.divergence_rad <= 0.0 || !std::isfinite(seen_[index(step, ring)])) {
       return kInfinity;

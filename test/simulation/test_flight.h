@@ -9,8 +9,8 @@
 
 namespace kestrel {
 
-/// A motion in closed form: x = 2 sin t, y = 0, z = 1 + 0.1 sin t, with a constant yaw rate of
-/// 0.5 rad/s.
+/// A motion in closed form: x = 2 sin t, y = 0, z = 1 + 0.1 sin t, with a constant yaw rate of 0.5
+/// rad/s.
 class KnownMotion : public Motion {
  public:
   explicit KnownMotion(double duration) : duration_(duration) {}

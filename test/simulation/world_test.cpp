@@ -71,10 +71,10 @@ double oracle(const Cylinder& cylinder, const Eigen::Vector3d& origin,
   consider((cylinder.top - origin.z()) / direction.z());
   consider((cylinder.bottom - origin.z()) / direction.z());
   const double level_share = direction.head<2>().norm();
-  const Eigen::Vector2d heading = direction.head<2>() / level_share;
+  const Eigen::Vector2d direction_xy = direction.head<2>() / level_share;
   const Eigen::Vector2d to_axis = cylinder.center - origin.head<2>();
-  const double foot = heading.dot(to_axis);
-  const double miss = (to_axis - foot * heading).norm();
+  const double foot = direction_xy.dot(to_axis);
+  const double miss = (to_axis - foot * direction_xy).norm();
   if (miss < cylinder.radius) {
     const double half_chord = std::sqrt(cylinder.radius * cylinder.radius - miss * miss);
     consider((foot - half_chord) / level_share);

@@ -52,8 +52,8 @@ struct BarometerModel {
   double latency_s = 0.02;
 };
 
-/// An obstacle close to the laser that covers a part of its view for some time. Applies to every
-/// 2D laser of the vehicle.
+/// An obstacle close to the laser that covers a part of its view for some time. Applies to every 2D
+/// laser of the vehicle.
 struct BlockedView {
   double from_s = 0.0, until_s = 0.0;       ///< since the start of the flight
   double first_rad = -kPi, last_rad = kPi;  ///< bearings of the covered beams, in the laser frame
