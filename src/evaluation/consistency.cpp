@@ -6,16 +6,12 @@
 #include <cmath>
 #include <numeric>
 
-#include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/pose2.h"
 
 namespace kestrel {
 namespace {
 
 constexpr double kInterval = 1.0;  ///< s
-
-Eigen::Vector3d differenceOf(const Pose2& found, const Pose2& expected) {
-  return {found.x - expected.x, found.y - expected.y, normalizeAngle(found.yaw - expected.yaw)};
-}
 
 void addAxisErrors(const EvaluatedPose& pose, Consistency& result) {
   const Eigen::Vector2d error = pose.estimate.pose.translation() - pose.truth.translation();
@@ -54,9 +50,9 @@ Consistency consistencyOf(const std::vector<EvaluatedPose>& poses) {
     if (&pose != &poses.front()) addAxisErrors(pose, result);
     if (pose.stamp - last->stamp < kInterval) continue;
     result.absolute.push_back(
-        neesOf(differenceOf(pose.estimate.pose, pose.truth), pose.estimate.covariance()));
-    const Eigen::Vector3d error = differenceOf(last->estimate.pose.inverse() * pose.estimate.pose,
-                                               last->truth.inverse() * pose.truth);
+        neesOf(offsetBetween(pose.truth, pose.estimate.pose), pose.estimate.covariance()));
+    const Eigen::Vector3d error =
+        offsetBetween(last->truth.between(pose.truth), last->estimate.pose.between(pose.estimate.pose));
     result.relative.push_back(neesOf(error, relativeCovariance(last->estimate, pose.estimate)));
     last = &pose;
   }

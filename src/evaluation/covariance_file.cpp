@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "kestrel_slam/evaluation/consistency.h"
-#include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/recording/text_stream.h"
 
@@ -93,9 +93,7 @@ CovarianceEvaluation evaluateCovariances(const std::vector<ScanCovariance>& cova
     const ScanCovariance* a = covarianceAt(sorted, relation.stamp1);
     const ScanCovariance* b = covarianceAt(sorted, relation.stamp2);
     if (a == nullptr || b == nullptr) continue;
-    const Pose2 found = a->pose.pose.inverse() * b->pose.pose;
-    const Eigen::Vector3d error(found.x - relation.pose.x, found.y - relation.pose.y,
-                                normalizeAngle(found.yaw - relation.pose.yaw));
+    const Eigen::Vector3d error = offsetBetween(relation.pose, a->pose.pose.between(b->pose.pose));
     const Eigen::Matrix3d covariance = relativeCovariance(a->pose, b->pose);
     const double variance = covariance.topLeftCorner<2, 2>().trace();
     if (!(variance > 0.0) || !(covariance(2, 2) > 0.0)) continue;

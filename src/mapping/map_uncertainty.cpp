@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "kestrel_slam/geometry/pose_covariance.h"
 #include "kestrel_slam/matching/covariance.h"
 
 namespace kestrel {

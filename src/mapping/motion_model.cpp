@@ -36,9 +36,7 @@ constexpr double kVelocityTime = 0.15;
 /// Positions farther from the origin are invalid and not used.
 constexpr double kMaxPositionM = 1e6;
 
-Pose2 halfway(const Pose2& a, const Pose2& b) {
-  return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y), a.yaw + 0.5 * normalizeAngle(b.yaw - a.yaw)};
-}
+Pose2 halfway(const Pose2& a, const Pose2& b) { return interpolate(a, b, 0.5); }
 
 }  // namespace
 

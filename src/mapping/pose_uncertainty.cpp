@@ -2,10 +2,10 @@
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "kestrel_slam/geometry/pose_covariance.h"
 #include "kestrel_slam/matching/covariance.h"
 
 namespace kestrel {
@@ -48,9 +48,7 @@ Eigen::Matrix3d relativeCovariance(const UncertainPose& a, const UncertainPose& 
   const Eigen::Matrix3d in_map =
       absolute(b.map_covariance - transported(a.map_covariance, a_to_b)) + b.match_covariance +
       transported(a.match_covariance, a_to_b);
-  Eigen::Matrix3d a_R_map = Eigen::Matrix3d::Identity();
-  a_R_map.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(-a.pose.yaw).toRotationMatrix();
-  return a_R_map * in_map * a_R_map.transpose();
+  return rotated(in_map, -a.pose.yaw);
 }
 
 void PoseUncertainty::begin(const Pose2& pose) {

@@ -33,10 +33,7 @@ Eigen::Matrix3d sampledCovariance(const std::function<double(const Pose2&)>& cos
   const Eigen::Matrix3d root = spread.llt().matrixL();
   const double at_result = cost(result);
   const auto costAt = [&](const Eigen::Vector3d& whitened) {
-    const Eigen::Vector3d offset = root * whitened;
-    return (cost(Pose2(result.x + offset.x(), result.y + offset.y(), result.yaw + offset.z())) -
-            at_result) /
-           variance;
+    return (cost(addOffset(result, root * whitened)) - at_result) / variance;
   };
   // The mean of both sides, because the result may not be exactly at the minimum.
   const auto rise = [&](const Eigen::Vector3d& step) {
@@ -65,13 +62,6 @@ Eigen::Matrix3d stretched(const Eigen::Matrix3d& covariance, const Eigen::Vector
   Eigen::Matrix3d stretch = Eigen::Matrix3d::Identity();
   stretch.topLeftCorner<2, 2>() += (factor - 1.0) * direction * direction.transpose();
   return stretch * covariance * stretch;
-}
-
-Eigen::Matrix3d transported(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& from_to) {
-  Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
-  jacobian(0, 2) = -from_to.y();
-  jacobian(1, 2) = from_to.x();
-  return jacobian * covariance * jacobian.transpose();
 }
 
 }  // namespace kestrel

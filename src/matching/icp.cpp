@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kestrel_slam/geometry/rigid_alignment.h"
+
 namespace kestrel {
 namespace {
 
-/// Below this the rotation of the centered points is only rounding noise, m² per pair.
-constexpr double kMinSpread = 1e-9;
 /// Maximum number of steps to align fixed pairs; two or three are usually enough.
 constexpr int kLineSteps = 10;
 constexpr double kLineTolerance = 1e-9;
@@ -51,23 +51,14 @@ LineEquations linearize(const std::vector<IcpPair>& pairs, const Pose2& pose) {
 
 Pose2 alignPointToPoint(const std::vector<IcpPair>& pairs, const Pose2& initial_guess) {
   if (pairs.empty()) return initial_guess;
-  const auto n = static_cast<double>(pairs.size());
-  Eigen::Vector2d p_mean = Eigen::Vector2d::Zero(), q_mean = Eigen::Vector2d::Zero();
+  std::vector<Eigen::Vector2d> points, partners;
+  points.reserve(pairs.size());
+  partners.reserve(pairs.size());
   for (const IcpPair& pair : pairs) {
-    p_mean += pair.point.cast<double>() / n;
-    q_mean += pair.partner.cast<double>() / n;
+    points.push_back(pair.point.cast<double>());
+    partners.push_back(pair.partner.cast<double>());
   }
-  double cosine = 0.0, sine = 0.0;  // both have the same positive factor
-  for (const IcpPair& pair : pairs) {
-    const Eigen::Vector2d p = pair.point.cast<double>() - p_mean;
-    const Eigen::Vector2d q = pair.partner.cast<double>() - q_mean;
-    cosine += p.dot(q) / n;
-    sine += (p.x() * q.y() - p.y() * q.x()) / n;
-  }
-  const bool turned = std::hypot(cosine, sine) > kMinSpread;
-  const double yaw = turned ? std::atan2(sine, cosine) : initial_guess.yaw;
-  const Eigen::Vector2d shift = q_mean - Eigen::Rotation2Dd(yaw) * p_mean;
-  return {shift.x(), shift.y(), yaw};
+  return alignPoints(points, partners, initial_guess.yaw);
 }
 
 Pose2 alignPointToLine(const std::vector<IcpPair>& pairs, const Pose2& initial_guess) {
@@ -78,7 +69,7 @@ Pose2 alignPointToLine(const std::vector<IcpPair>& pairs, const Pose2& initial_g
     equations.hessian.diagonal().array() += damping;
     const Eigen::Vector3d step = equations.hessian.ldlt().solve(equations.gradient);
     if (!step.allFinite()) break;
-    pose = Pose2(pose.x + step.x(), pose.y + step.y(), pose.yaw + step.z());
+    pose = addOffset(pose, step);
     if (step.cwiseAbs().maxCoeff() < kLineTolerance) break;
   }
   return pose;

@@ -113,10 +113,8 @@ PoseMoments momentsOf(const LikelihoodSurface& surface) {
   second.topRightCorner<1, 2>() = second.bottomLeftCorner<2, 1>().transpose();
   first /= total;
   const Eigen::DiagonalMatrix<double, 3> unit(surface.step_m, surface.step_m, surface.step_rad);
-  const Eigen::Vector3d d = unit * first;
   PoseMoments moments;
-  moments.mean =
-      Pose2(surface.center.x + d.x(), surface.center.y + d.y(), surface.center.yaw + d.z());
+  moments.mean = addOffset(surface.center, unit * first);
   moments.covariance = unit * (second / total - first * first.transpose()) * unit;
   moments.linear_border = linear_border / total;
   moments.angular_border = angular_border / total;

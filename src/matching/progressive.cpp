@@ -83,10 +83,6 @@ double meanRange(const Points& points) {
   return points.empty() ? 0.0 : sum / static_cast<double>(points.size());
 }
 
-Pose2 moved(const Pose2& center, const Eigen::Vector3d& offset) {
-  return {center.x + offset.x(), center.y + offset.y(), center.yaw + offset.z()};
-}
-
 }  // namespace
 
 StandardCandidates standardCandidates(int count, int seed) {
@@ -126,7 +122,7 @@ LevelEstimate bestCandidate(const OccupancyGrid& grid, int level, const Points& 
   double most_votes = 0.0, best = -std::numeric_limits<double>::infinity();
   LevelEstimate result;
   for (const Eigen::Vector3f& candidate : candidates) {
-    const Pose2 pose = moved(center, sigma.cwiseProduct(candidate.cast<double>()));
+    const Pose2 pose = addOffset(center, sigma.cwiseProduct(candidate.cast<double>()));
     votes.push_back(counter.vote(pose, most_votes - kNegligible / beams));
     most_votes = std::max(most_votes, votes.back());
     const double log_posterior =
@@ -149,7 +145,7 @@ LevelEstimate bestCandidate(const OccupancyGrid& grid, int level, const Points& 
     second += weight * offset * offset.transpose();
   }
   first /= total;
-  result.mean = most_votes > 0.0 ? moved(center, first) : center;
+  result.mean = most_votes > 0.0 ? addOffset(center, first) : center;
   result.covariance = second / total - first * first.transpose();
   return result;
 }

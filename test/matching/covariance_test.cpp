@@ -83,14 +83,6 @@ TEST(Covariance, StretchedAlongOneDirectionOnly) {
   EXPECT_TRUE(result.isApprox(expected, 1e-12)) << result;
 }
 
-TEST(Covariance, TransportTurnsAYawErrorIntoAPositionError) {
-  const Eigen::Matrix3d yaw = Eigen::Vector3d(0.0, 0.0, 1e-4).asDiagonal();
-  const Eigen::Matrix3d result = transported(yaw, {10.0, 0.0});
-  EXPECT_NEAR(result(0, 0), 0.0, 1e-12);
-  EXPECT_NEAR(result(1, 1), 1e-2, 1e-12);
-  EXPECT_NEAR(result(1, 2), 1e-3, 1e-12);
-}
-
 /// Matches scans of one place with independent noise of every beam. Computes the mean predicted
 /// covariance and the covariance of the matched poses.
 void matchNoisyScans(const std::string& method, Eigen::Matrix3d& predicted,

@@ -28,8 +28,4 @@ Eigen::Matrix3d sampledCovariance(const std::function<double(const Pose2&)>& cos
 Eigen::Matrix3d stretched(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& direction,
                           double factor);
 
-/// Transports a covariance along a rigid body, by the vector `from_to` (m). An error of the yaw at
-/// the first point is a position error at the second. All in the map frame.
-Eigen::Matrix3d transported(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& from_to);
-
 }  // namespace kestrel

@@ -62,9 +62,7 @@ std::optional<Pose2> BagOdometry::at(double stamp) const {
   const Entry &a = *std::prev(after), &b = *after;
   const double gap = b.stamp - a.stamp;
   if (gap > kMaxGap) return std::nullopt;
-  const double f = (stamp - a.stamp) / gap;
-  return Pose2(a.pose.x + f * (b.pose.x - a.pose.x), a.pose.y + f * (b.pose.y - a.pose.y),
-               a.pose.yaw + f * normalizeAngle(b.pose.yaw - a.pose.yaw));
+  return interpolate(a.pose, b.pose, (stamp - a.stamp) / gap);
 }
 
 BagOdometrySource::BagOdometrySource(const rosbag::Bag& bag, const BagTopics& topics,
