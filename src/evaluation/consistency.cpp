@@ -51,8 +51,8 @@ Consistency consistencyOf(const std::vector<EvaluatedPose>& poses) {
     if (pose.stamp - last->stamp < kInterval) continue;
     result.absolute.push_back(
         neesOf(offsetBetween(pose.truth, pose.estimate.pose), pose.estimate.covariance()));
-    const Eigen::Vector3d error =
-        offsetBetween(last->truth.between(pose.truth), last->estimate.pose.between(pose.estimate.pose));
+    const Eigen::Vector3d error = offsetBetween(last->truth.between(pose.truth),
+                                                last->estimate.pose.between(pose.estimate.pose));
     result.relative.push_back(neesOf(error, relativeCovariance(last->estimate, pose.estimate)));
     last = &pose;
   }

@@ -17,7 +17,6 @@ constexpr double kHalfLength = 4.0;  // m, of the room along x
 constexpr double kHalfWidth = 3.0;   // m, along y
 constexpr double kFieldOfView = 1.5 * kPi;
 constexpr double kStep = kFieldOfView / (TiltingFlight::kBeams - 1);
-constexpr double kGravity = 9.81;
 
 /// How far a wall is along a direction.
 double toWalls(const Vector3d& from, const Vector3d& direction) {
