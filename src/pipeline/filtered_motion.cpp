@@ -61,10 +61,7 @@ std::optional<Pose2> FilteredMotionBuffer::odomPose(double time) const {
   const State &a = *(after - 1), &b = *after;
   const double span = b.stamp - a.stamp;
   if (span > kSilent) return std::nullopt;
-  const double share = (time - a.stamp) / span;
-  const Pose2 &from = a.odom_T_base, &to = b.odom_T_base;
-  return Pose2(from.x + share * (to.x - from.x), from.y + share * (to.y - from.y),
-               from.yaw + share * normalizeAngle(to.yaw - from.yaw));
+  return interpolate(a.odom_T_base, b.odom_T_base, (time - a.stamp) / span);
 }
 
 }  // namespace kestrel

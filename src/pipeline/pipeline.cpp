@@ -38,7 +38,9 @@ void Pipeline::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_i
   if (config_.level) return;
   const CheckedImu reading = imu_check_.check(sample, base_T_imu);
   projection_.addImu(reading);
-  if (config_.use_filter) updateFilter(reading);
+  processQueue();  // as a node would, before the filter's state comes
+  if (!config_.use_filter) return;
+  updateFilter(reading);
   processQueue();
 }
 

@@ -69,8 +69,9 @@ bool ProjectionStage::addImu(const CheckedImu& reading) { return tracker_.add(re
 
 bool ProjectionStage::addMotion(const FilteredMotion& motion) {
   if (motion.height_m) heights_.addFiltered({motion.stamp, *motion.height_m});
+  if (!motions_.add(motion)) return false;
   if (motion.gives_prediction) addVelocity(motion.stamp, motion.velocity);
-  return motions_.add(motion);
+  return true;
 }
 
 bool ProjectionStage::addRange(const HeightSample& sample, bool is_upright) {

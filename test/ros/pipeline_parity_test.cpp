@@ -15,8 +15,10 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <vector>
 
 #include "kestrel_slam/MapperState.h"
+#include "kestrel_slam/messages/pipeline_messages.h"
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/offline/arrival_order.h"
 #include "kestrel_slam/offline/offline_run.h"
@@ -79,10 +81,13 @@ class PipelineParity : public ::testing::Test {
     writeFlightBag(path_, flight, vehicle);
   }
 
-  OfflineRun runRecorded() const {
+  OfflineRun runRecorded(std::vector<FilteredMotion>& motions) const {
     const auto recording = openRecording(path_);
     RunOptions options;
     options.use_filter = true;
+    options.filter_observer = [&](const FilterOutput& output) {
+      motions.push_back(motionOf(output));
+    };
     return runOffline(*recording, SlamConfig(), options);
   }
 
@@ -138,24 +143,37 @@ class PipelineParity : public ::testing::Test {
               {toSeconds(state.header.stamp), Pose2(state.x, state.y, state.yaw)});
         };
     state_subscriber_ = nh_.subscribe<kestrel_slam::MapperState>("mapper_state", kQueue, on_state);
+    const boost::function<void(const kestrel_slam::FilteredMotion&)> on_motion =
+        [this](const kestrel_slam::FilteredMotion& motion) {
+          motions_.push_back(fromMessage(motion));
+        };
+    motion_subscriber_ =
+        nh_.subscribe<kestrel_slam::FilteredMotion>("filtered_motion", kQueue, on_motion);
+    const boost::function<void(const kestrel_slam::PlanarScanConstPtr&)> on_scan =
+        [this](const kestrel_slam::PlanarScanConstPtr&) { ++planar_scans_; };
+    const boost::function<void(const nav_msgs::OdometryConstPtr&)> on_odometry =
+        [this](const nav_msgs::OdometryConstPtr&) { ++matched_; };
+    odometry_subscriber_ = nh_.subscribe<nav_msgs::Odometry>("odom/slam", kQueue, on_odometry);
+    scan_subscriber_ = nh_.subscribe<kestrel_slam::PlanarScan>("planar_scan", kQueue, on_scan);
     ASSERT_TRUE(spinUntil([&] {
-      return scan_publisher_.getNumSubscribers() > 0 && imu_publisher_.getNumSubscribers() > 1 &&
-             height_publisher_.getNumSubscribers() > 1 && state_subscriber_.getNumPublishers() > 0;
+      return scan_publisher_.getNumSubscribers() > 0 && imu_publisher_.getNumSubscribers() > 0 &&
+             height_publisher_.getNumSubscribers() > 0 && state_subscriber_.getNumPublishers() > 0;
     }));
-    settle();
-    settle();
+    const ros::WallTime mounted = ros::WallTime::now() + ros::WallDuration(0.5);
+    spinUntil([&] { return ros::WallTime::now() > mounted; });  // tf reaches the nodes
   }
 
-  /// Until nothing has happened for a while: the mapper matches on a thread of its own.
+  /// Until the message before has had all its effects. The mapper matches on a thread of its own:
+  /// every planar scan has to give its odometry, the last message of the mapper.
   void settle() {
-    constexpr int kQuiet = 12;
-    const double kStep = 5e-4;  // s
-    std::size_t poses = trajectory_.size();
-    for (int quiet = 0; quiet < kQuiet; ++quiet) {
+    constexpr int kRounds = 4;  // planar scan -> mapper -> filter -> projector
+    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
+    for (int round = 0; round < kRounds; ++round) {
       ros::spinOnce();
-      if (trajectory_.size() != poses) quiet = 0;
-      poses = trajectory_.size();
-      ros::WallDuration(kStep).sleep();
+      if (planar_scans_ == matched_) continue;
+      round = 0;
+      ASSERT_LT(ros::WallTime::now(), end) << "a planar scan was not matched";
+      ros::WallDuration(1e-4).sleep();
     }
   }
 
@@ -163,17 +181,29 @@ class PipelineParity : public ::testing::Test {
   std::string path_ = folder_.file("flight.bag");
   ros::NodeHandle nh_;
   ros::Publisher scan_publisher_, imu_publisher_, height_publisher_, tf_publisher_;
-  ros::Subscriber state_subscriber_;
+  ros::Subscriber state_subscriber_, motion_subscriber_, scan_subscriber_, odometry_subscriber_;
+  std::size_t planar_scans_ = 0, matched_ = 0;
   std::unique_ptr<Nodes> nodes_;
   Trajectory trajectory_;
+  std::vector<FilteredMotion> motions_;
 };
 
 TEST_F(PipelineParity, NodesAndOfflineRunGiveTheSameTrajectory) {
-  const OfflineRun offline = runRecorded();
+  std::vector<FilteredMotion> motions;
+  const OfflineRun offline = runRecorded(motions);
   ASSERT_GT(offline.trajectory.size(), 60U);
   ASSERT_TRUE(offline.filter);
   EXPECT_GT(offline.filter->of(FilterSensor::kPose).accepted, 40U) << "the filter takes part";
   const Trajectory live = runLive();
+  ASSERT_FALSE(motions_.empty());
+  EXPECT_EQ(motions_.front().stamp, motions.front().stamp);
+  EXPECT_EQ(motions_.back().stamp, motions.back().stamp);
+  ASSERT_EQ(motions_.size(), motions.size());
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    ASSERT_EQ(motions_[i].stamp, motions[i].stamp) << i;
+    ASSERT_EQ(motions_[i].odom_T_base, motions[i].odom_T_base)
+        << "state " << i << " at " << motions[i].stamp;
+  }
   ASSERT_EQ(live.size(), offline.trajectory.size());
   for (std::size_t i = 0; i < live.size(); ++i) {
     EXPECT_EQ(live[i].stamp, offline.trajectory[i].stamp) << i;

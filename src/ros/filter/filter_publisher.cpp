@@ -6,6 +6,7 @@
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/Range.h>
 
+#include <boost/make_shared.hpp>
 #include <cmath>
 #include <vector>
 
@@ -96,7 +97,9 @@ void FilterPublisher::publishOdometry(const ros::Time& stamp, const FilterOutput
 /// For the scan projector.
 void FilterPublisher::publishMotion(const ros::Time& stamp, const FilterOutput& output) {
   if (motion_publisher_.getNumSubscribers() == 0) return;
-  motion_publisher_.publish(toMessage(motionOf(output), stamp, config_.odom_frame));
+  // As a pointer it reaches a projector in the same process at once, and is not copied.
+  motion_publisher_.publish(boost::make_shared<const kestrel_slam::FilteredMotion>(
+      toMessage(motionOf(output), stamp, config_.odom_frame)));
 }
 
 /// What a range finder that always looks straight down would say, while it is known.

@@ -8,6 +8,7 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <boost/make_shared.hpp>
 #include <vector>
 
 #include "kestrel_slam/MapperState.h"
@@ -41,8 +42,8 @@ PosePublisher::PosePublisher(ros::NodeHandle nh, const MapperNodeConfig& config)
 void PosePublisher::publish(const ros::Time& stamp, const MapperResult& result,
                             const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {
   // First, for a pose filter that waits for it.
-  state_publisher_.publish(
-      toMessage(matchedPoseOf(result, toSeconds(stamp)), stamp, config_.map_frame));
+  state_publisher_.publish(boost::make_shared<const kestrel_slam::MapperState>(
+      toMessage(matchedPoseOf(result, toSeconds(stamp)), stamp, config_.map_frame)));
   if (odom_T_base) map_T_odom_ = result.pose * odom_T_base->inverse();
   publishTransforms(stamp, result.pose);
   publishPose(stamp, result);
@@ -109,7 +110,7 @@ void PosePublisher::publishPose(const ros::Time& stamp, const MapperResult& resu
   odometry.pose = update.pose;
   odometry.twist.twist.linear.x = result.velocity.x();
   odometry.twist.twist.linear.y = result.velocity.y();
-  slam_odometry_publisher_.publish(odometry);
+  slam_odometry_publisher_.publish(boost::make_shared<const nav_msgs::Odometry>(odometry));
   if (config_.pub_odometry) odometry_publisher_.publish(odometry);
 }
 

@@ -4,6 +4,8 @@
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/Range.h>
 
+#include <boost/make_shared.hpp>
+
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/planar_scan_message.h"
 
@@ -43,7 +45,8 @@ void PlanarScanPublisher::publishHeight(const ros::Time& stamp,
                                         const std::optional<double>& height_m,
                                         ros::Publisher& publisher) {
   if (height_m && publisher) {
-    publisher.publish(toRangeMessage(stamp, frame_, *height_m, range_max_m_));
+    publisher.publish(boost::make_shared<const sensor_msgs::Range>(
+        toRangeMessage(stamp, frame_, *height_m, range_max_m_)));
   }
 }
 
