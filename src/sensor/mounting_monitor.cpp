@@ -66,14 +66,14 @@ void MountingMonitor::add(double dt, const Eigen::Quaterniond& world_R_base,
   force_s_ += step;
 }
 
-MountingMonitor::Judgement MountingMonitor::judge() const {
-  Judgement judgement = judgeTilt();
-  if (judgement.message.empty()) judgement = judgeDirection();
-  if (judgement.message.empty()) judgement = judgeSize();
-  return judgement;
+MountingMonitor::Judgment MountingMonitor::judge() const {
+  Judgment judgment = judgeTilt();
+  if (judgment.message.empty()) judgment = judgeDirection();
+  if (judgment.message.empty()) judgment = judgeSize();
+  return judgment;
 }
 
-MountingMonitor::Judgement MountingMonitor::judgeTilt() const {
+MountingMonitor::Judgment MountingMonitor::judgeTilt() const {
   const bool is_upside_down = tipped_s_ > kTipped_s;
   if (!is_upside_down && lying_s_ <= kLying_s) return {};
   std::string message = "according to the IMU the vehicle is " +
@@ -85,7 +85,7 @@ MountingMonitor::Judgement MountingMonitor::judgeTilt() const {
   return {is_upside_down ? ImuHealth::kUpsideDown : ImuHealth::kContradiction, message};
 }
 
-MountingMonitor::Judgement MountingMonitor::judgeDirection() const {
+MountingMonitor::Judgment MountingMonitor::judgeDirection() const {
   if (estimated_ || force_s_ < kMinMean_s) return {};
   if (!isNear(mean_size_, kGravity) && !isNear(mean_size_, 1.0)) return {};
   if (mean_force_.norm() < kMinShare * mean_size_) return {};
@@ -101,7 +101,7 @@ MountingMonitor::Judgement MountingMonitor::judgeDirection() const {
   return {ImuHealth::kContradiction, message};
 }
 
-MountingMonitor::Judgement MountingMonitor::judgeSize() const {
+MountingMonitor::Judgment MountingMonitor::judgeSize() const {
   if (force_s_ < kMinMean_s) return {};
   const double size = estimated_ ? mean_force_.norm() : mean_size_;
   // The driver's own filter handles its accelerometer. A wrong unit is the only size error that is

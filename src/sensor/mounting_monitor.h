@@ -29,15 +29,15 @@ class MountingMonitor {
   void restart() { *this = MountingMonitor(gravity_gate_); }
 
  private:
-  struct Judgement {
+  struct Judgment {
     ImuHealth health = ImuHealth::kOk;
     std::string message;
   };
 
-  Judgement judge() const;
-  Judgement judgeTilt() const;
-  Judgement judgeDirection() const;
-  Judgement judgeSize() const;
+  Judgment judge() const;
+  Judgment judgeTilt() const;
+  Judgment judgeDirection() const;
+  Judgment judgeSize() const;
 
   double gravity_gate_;
   bool estimated_ = false;
