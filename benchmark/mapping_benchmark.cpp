@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Times of the single operations in a simulated laboratory: 1081 beams, 5 cm cells.
+// Times of single operations in a simulated laboratory: 1081 beams, 5 cm cells.
 
 #include <benchmark/benchmark.h>
 
@@ -18,13 +18,13 @@ namespace {
 constexpr std::uint64_t kSeed = 1;
 constexpr std::size_t kMapScans = 100;
 
-/// A map of the start of a flight, and one more scan to match with it.
+/// A map from the beginning of a flight, and the next scan, which is matched with the map.
 struct Scene {
   Scene() : map(OccupancyGridConfig()) {
     Place laboratory = place("laboratory");
-    laboratory.quadrotor.level = true;  // the benchmark is not about the attitude
+    laboratory.quadrotor.level = true;  // the attitude is not part of this benchmark
     VehicleModel vehicle = quadrotorWith("utm30lx");
-    vehicle.laser->time_increment = 0.0;  // a sweep at once: no motion in it
+    vehicle.laser->time_increment = 0.0;  // all beams at the same time, without motion
     ScanProjector projector{ProjectorConfig()};
     SimulatedRecording flight(laboratory, vehicle, kSeed);
     RecordedScan recorded;

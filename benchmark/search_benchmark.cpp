@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Times of the exhaustive search in the map of a recording: every scan that is searched starts
-// from its own pose, moved at random within the window.
+// Times of the exhaustive search in the map of a recording. The initial guess of each scan is its
+// pose plus a random displacement within the window.
 
 #include <time.h>
 
@@ -17,19 +17,19 @@
 namespace kestrel {
 namespace {
 
-constexpr double kResolution_m = 0.03;  // as in Olson's experiments
+constexpr double kResolution_m = 0.03;  // as in the experiments of [Olson 2009]
 constexpr double kMillisecondsPerSecond = 1e3;
 constexpr double kP99 = 0.99;
 constexpr std::uint64_t kSeed = 1;
 
-/// Processor time of this thread: other processes do not count.
+/// Processor time of this thread, without the time of other processes, ms.
 double processorTime_s() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// The time of one search of `scan` from a random place of the window, ms.
+/// The time of one search of `scan` from a random displacement within the window, ms.
 double timeOf(const MappedLog& log, const MappedScan& scan, const SearchWindow& window,
               std::mt19937_64& random) {
   std::uniform_real_distribution<double> shift(-window.linear_m, window.linear_m);
@@ -78,9 +78,8 @@ int main(int argc, char** argv) {
   }
   constexpr int kBase = 10;
   try {
-    kestrel::run(argv[1],
-                      argc > 2 ? std::max(1UL, std::strtoul(argv[2], nullptr, kBase)) : 500,
-                      argc > 3 ? std::strtoul(argv[3], nullptr, kBase) : 50);
+    kestrel::run(argv[1], argc > 2 ? std::max(1UL, std::strtoul(argv[2], nullptr, kBase)) : 500,
+                 argc > 3 ? std::strtoul(argv[3], nullptr, kBase) : 50);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "search_benchmark: %s\n", error.what());
     return EXIT_FAILURE;

@@ -1,14 +1,34 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Programs, libraries, headers, and an export that other CMake projects find.
+# Programs, libraries, headers, and an export for other CMake projects: find_package(kestrel_slam)
+# gives the targets kestrel_slam::<folder> (cmake/kestrel_slam-extras.cmake).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
-set(export_folder ${CMAKE_INSTALL_DATADIR}/${PROJECT_NAME}/cmake)
+set(EXPORT_FOLDER share/${PROJECT_NAME}/cmake)
 
 if(KESTREL_WITH_ROS)
   install(TARGETS ${KESTREL_PROGRAMS} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
   install(TARGETS kestrel_nodelets LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
   install(DIRECTORY launch config rviz DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+  install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION include/${PROJECT_NAME})
+  set(LIBRARY_FOLDER ${CATKIN_PACKAGE_LIB_DESTINATION})
 else()
   install(TARGETS ${KESTREL_PROGRAMS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION include/${PROJECT_NAME}
+    PATTERN ros EXCLUDE PATTERN messages EXCLUDE PATTERN bag EXCLUDE)
+  set(LIBRARY_FOLDER ${CMAKE_INSTALL_LIBDIR})
+  install(FILES cmake/kestrel_slam-extras.cmake DESTINATION ${EXPORT_FOLDER}
+    RENAME ${PROJECT_NAME}Config.cmake)
+  write_basic_package_version_file(${PROJECT_NAME}ConfigVersion.cmake
+    COMPATIBILITY SameMinorVersion)
+  install(FILES ${PROJECT_BINARY_DIR}/${PROJECT_NAME}ConfigVersion.cmake
+    DESTINATION ${EXPORT_FOLDER})
 endif()
-install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION include/${PROJECT_NAME})
+
+install(TARGETS ${KESTREL_LIBRARIES} EXPORT ${PROJECT_NAME}Targets
+  ARCHIVE DESTINATION ${LIBRARY_FOLDER})
+install(EXPORT ${PROJECT_NAME}Targets NAMESPACE ${PROJECT_NAME}:: DESTINATION ${EXPORT_FOLDER})
+if(KESTREL_WITH_ROS)
+  # For packages that are built against catkin's devel space.
+  export(EXPORT ${PROJECT_NAME}Targets NAMESPACE ${PROJECT_NAME}::
+    FILE ${CATKIN_DEVEL_PREFIX}/${EXPORT_FOLDER}/${PROJECT_NAME}Targets.cmake)
+endif()

@@ -13,7 +13,9 @@ function(kestrel_library folder)
   list(FILTER sources EXCLUDE REGEX "_main\\.cpp$|/nodelets\\.cpp$")
   string(REPLACE "/" "_" name kestrel_${folder})
   add_library(${name} STATIC ${sources})
-  target_link_libraries(${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:kestrel_warnings>)
+  target_link_libraries(${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE})
+  # As options, not as a link: kestrel_warnings is not exported.
+  target_compile_options(${name} PRIVATE $<TARGET_PROPERTY:kestrel_warnings,INTERFACE_COMPILE_OPTIONS>)
   string(REPLACE "/" "_" export_name ${folder})
   set_target_properties(${name} PROPERTIES EXPORT_NAME ${export_name})
   add_library(kestrel_slam::${export_name} ALIAS ${name})
@@ -30,7 +32,7 @@ kestrel_library(matching LINKS kestrel_map PRIVATE $<BUILD_INTERFACE:nanoflann::
 kestrel_library(mapping LINKS kestrel_matching)
 kestrel_library(filter LINKS kestrel_sensor)
 kestrel_library(pipeline LINKS kestrel_mapping kestrel_filter)
-kestrel_library(parameters LINKS kestrel_pipeline PRIVATE $<BUILD_INTERFACE:yaml-cpp>)
+kestrel_library(parameters LINKS kestrel_pipeline PRIVATE yaml-cpp)
 
 # ---- messages: ROS message <-> core type
 if(KESTREL_WITH_ROS)

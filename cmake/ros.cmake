@@ -15,7 +15,8 @@ catkin_package(
   INCLUDE_DIRS include
   CATKIN_DEPENDS geometry_msgs message_runtime nav_msgs nodelet roscpp sensor_msgs std_msgs std_srvs
     tf2_ros visualization_msgs
-  DEPENDS EIGEN3)
+  DEPENDS EIGEN3
+  CFG_EXTRAS kestrel_slam-extras.cmake)
 
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_LIB_DESTINATION})

@@ -8,8 +8,8 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 
 RECORDINGS = ["intel", "fr079", "mit-csail"]
-# One lucky run is no result: the same recording, ten times a little different. What is varied is
-# the default distance of 0.25 m by 10 and 20 %, where the recording begins, and what is missing.
+# A single run is not representative, so each recording is also mapped with ten small variations:
+# the insertion distance (default 0.25 m) by 10 and 20 %, the first scan, missing scans or beams.
 PERTURBATIONS = {
     "insert after 0.2 m": ["--set", "map_update_distance_thresh=0.2"],
     "insert after 0.225 m": ["--set", "map_update_distance_thresh=0.225"],
@@ -20,9 +20,9 @@ PERTURBATIONS = {
     "first 100 scans skipped": ["--skip-scans", "100"],
     "every 7th scan dropped": ["--drop-every", "7"],
     "10 % of the beams dropped": ["--drop-beams", "0.1"],
-    "10 % of the beams dropped, others": ["--drop-beams", "0.1", "--drop-beams-seed", "2"],
+    "10 % of the beams dropped, other seed": ["--drop-beams", "0.1", "--drop-beams-seed", "2"],
 }
-# A trajectory that is somewhere this wrong is broken, whatever the mapper says of its scans.
+# A trajectory with a larger error counts as lost, even if the mapper reports no lost scan.
 BROKEN_M = 1.0
 MATCHER_SCANS = 1000
 
@@ -47,7 +47,7 @@ def evaluate(build, output, *options):
 
 
 def relations(build, data, name, output):
-    """The errors of the relations whose scans were mapped; None where there is no reference."""
+    """The errors of the relations whose scans were mapped; None if there is no relations file."""
     path = f"{data}/{name}.relations"
     if not os.path.exists(path):
         return None
@@ -68,7 +68,7 @@ def header(cells):
 
 
 def perturbed(build, data, output, name, odometry, nominal):
-    """The ten runs of one recording: for each the mean error, and whether it got lost.
+    """The ten runs of one recording: the mean error of each, and whether it got lost.
 
     Without relations the error is the distance from the unperturbed trajectory `nominal`.
     """
@@ -113,9 +113,9 @@ def perturbation_table(columns):
 
 
 def accuracy_table(build, data, output, quick):
-    print("\n== accuracy: every scan, one set of parameters, no loop closing", flush=True)
+    print("\n== accuracy: all scans, default parameters, no loop closure", flush=True)
     header(["recording", "prediction", "scans lost", "error, m (mean ± std, max)", "error, deg",
-            "worst of 10 runs, m", "lost of 10 runs", "ms a scan, mean / p99",
+            "worst of 10 runs, m", "lost of 10 runs", "ms per scan, mean / p99",
             "median ms, first / last quarter", "peak MB"])
     columns = {}
     for name in RECORDINGS:

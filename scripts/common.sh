@@ -43,16 +43,62 @@ job_count() {
   echo $((cores < by_memory ? cores : by_memory))
 }
 
-# build_workspace on|off TARGET...: configures the catkin workspace with or without tests and
-# builds the targets (none: everything).
+# Compilers run behind ccache where that is installed: the core is compiled once, though both builds
+# need it. That works because the build folders are equally deep: paths in them are relative.
+use_ccache() {
+  command -v ccache >/dev/null || return 0
+  export CMAKE_CXX_COMPILER_LAUNCHER=ccache
+  export CCACHE_DIR=${CCACHE_DIR:-$BUILD/ccache} CCACHE_BASEDIR=$ROOT CCACHE_NOHASHDIR=1
+}
+
+# configure FOLDER OPTION...: sets up a build in a folder of .build
+configure() {
+  local folder=$BUILD/$1
+  shift
+  use_ccache
+  cmake -S "$ROOT" -B "$folder" -DPYTHON_EXECUTABLE=/usr/bin/python3 "$@"
+}
+
+# build FOLDER TARGET...: builds the targets, all where none is named
+build() {
+  local folder=$BUILD/$1
+  shift
+  cmake --build "$folder" -j "$(job_count)" ${1:+--target "$@"}
+}
+
+# build_workspace on|off TARGET...: builds the package for ROS as catkin does, with or without the
+# tests that need ROS, and installs it into .build/ws/install where a target is `install`.
 build_workspace() {
   local tests=$1
   shift
-  mkdir -p "$WORKSPACE/src"
-  ln -sfn "$ROOT" "$WORKSPACE/src/kestrel_slam"
-  (cd "$WORKSPACE" && catkin_make -j"$(job_count)" -DCMAKE_BUILD_TYPE=Release \
-    -DPYTHON_EXECUTABLE=/usr/bin/python3 -DKESTREL_WERROR=ON -DKESTREL_BUILD_BENCHMARKS=OFF \
-    -DKESTREL_BUILD_TESTS="$tests" -DCATKIN_ENABLE_TESTING="$tests" "$@")
+  configure ros -DCMAKE_BUILD_TYPE=Release -DKESTREL_WITH_ROS=ON -DKESTREL_WERROR=ON \
+    -DKESTREL_BUILD_BENCHMARKS=OFF -DKESTREL_BUILD_TESTS="$tests" -DKESTREL_ONLY_ROS_TESTS=ON \
+    -DCATKIN_ENABLE_TESTING="$tests" -DCATKIN_DEVEL_PREFIX="$WORKSPACE/devel" \
+    -DCMAKE_INSTALL_PREFIX="$WORKSPACE/install" && build ros "$@"
+}
+
+# Reads the output of make or ctest, and prints how far it is whenever 10 s have passed:
+# `   45% kestrel_map (2:10 min)`.
+progress() {
+  local line state="" begin=$SECONDS last=$SECONDS
+  local make_line='^\[ *([0-9]+%)\] .*(CMakeFiles/|Built target )([A-Za-z0-9_]+)'
+  local ctest_line='^ *([0-9]+/[0-9]+) Test +#[0-9]+: ([^ ]+)'
+  while true; do
+    if IFS= read -r -t 5 line; then
+      if [[ $line =~ $make_line ]]; then
+        state="${BASH_REMATCH[1]} ${BASH_REMATCH[3]}"
+      elif [[ $line =~ $ctest_line ]]; then
+        state="${BASH_REMATCH[1]} ${BASH_REMATCH[2]}"
+      fi
+    elif [ $? -le 128 ]; then
+      return 0 # the end; above 128 it was only the time limit of read
+    fi
+    if ((SECONDS - last >= 10)); then
+      last=$SECONDS
+      printf '   %s (%d:%02d min)\n' "${state:-working}" $(((last - begin) / 60)) \
+        $(((last - begin) % 60))
+    fi
+  done
 }
 
 # Enters the environment of the installed package, with its tools as commands. Not that of `devel`:

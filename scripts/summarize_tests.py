@@ -3,9 +3,9 @@
 """summarize_tests.py LABEL RESULTS BUILD: counts the test cases of one run of ctest.
 
 RESULTS holds ctest.junit and the XML files of GoogleTest, BUILD/test_results those of rostest.
-Prints one line for each suite, `LABEL: NAME  N passed, N failed, N skipped`, after the output of
-what failed and before the reasons of what was skipped. A suite that ctest calls failed counts at least one failure, also where it crashed
-before it wrote its results.
+Prints one line for each suite, `LABEL: NAME  N passed, N failed, N skipped`. The output of failed
+tests comes before this line, the reasons of skipped tests after it. A suite that failed in ctest
+counts at least one failure, even if it crashed before it wrote its results.
 """
 
 import pathlib
@@ -14,11 +14,11 @@ import sys
 import xml.etree.ElementTree as ElementTree
 
 CATKIN_PREFIX = "_ctest_kestrel_slam_"
-LONGEST_OUTPUT = 6000  # characters of a failed suite's output that are shown
+LONGEST_OUTPUT = 6000  # number of characters that are shown of the output of a failed suite
 
 
 def count_cases(path, reasons):
-    """Returns [passed, failed, skipped] of a result file; adds why cases were skipped."""
+    """Returns [passed, failed, skipped] of a result file; adds skip reasons to `reasons`."""
     counts = [0, 0, 0]
     for case in ElementTree.parse(path).getroot().iter("testcase"):
         tags = {child.tag for child in case}
@@ -35,27 +35,27 @@ def count_cases(path, reasons):
 
 
 def result_files(name, results, build):
-    """The result files of the ctest test `name`: one program of GoogleTest, or one rostest."""
+    """The result files of the ctest test `name`, which is a GoogleTest program or a rostest."""
     if not name.startswith(CATKIN_PREFIX):
         return list(results.glob(f"test_{name}.xml"))
     stem = name[len(CATKIN_PREFIX):].replace("rostest_", "rostest-", 1)
     stem = stem[:-len(".test")] if stem.endswith(".test") else stem
     outer = list((build / "test_results" / "kestrel_slam").glob(f"{stem}.xml"))
-    # A rostest only says where the programs that it started wrote their cases.
+    # The file of a rostest only gives the paths of the result files of its programs.
     inner = [pathlib.Path(path) for file in outer
              for path in re.findall(r"results are in \[(.*?)\]", file.read_text())]
     return [path for path in inner if path.exists()] or outer
 
 
 def count_suite(case, results, build, reasons):
-    """Returns [passed, failed, skipped] of one test of ctest."""
+    """Returns [passed, failed, skipped] of one ctest test."""
     failed = case.get("status") == "fail"
     totals = [0, 0, 0]
     for path in result_files(case.get("name"), results, build):
         try:
             totals = [a + b for a, b in zip(totals, count_cases(path, reasons))]
         except ElementTree.ParseError:
-            failed = True  # cut short by a crash
+            failed = True  # the file is incomplete after a crash
     if failed and totals[1] == 0:
         totals[1] = 1
     if sum(totals) == 0:

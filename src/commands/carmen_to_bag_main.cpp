@@ -20,9 +20,9 @@ struct Options {
 
 void run(const Options& options) {
   if (!looksLikeCarmenLog(options.log)) {
-    throw std::runtime_error(options.log +
-                             ": is no CARMEN log (plain, .bz2 or .gz); give one that has FLASER "
-                             "or ROBOTLASER1 lines");
+    throw std::runtime_error(
+        options.log +
+        ": is not a CARMEN log (plain, .bz2 or .gz) with FLASER or ROBOTLASER1 lines");
   }
   CarmenLog log(options.log);
   const BagSummary summary = writeBag(options.bag, log, options.stamps);
@@ -33,7 +33,7 @@ void run(const Options& options) {
     std::fprintf(stderr, "warning: %zu scans skipped: %s\n", count, reason.c_str());
   }
   if (summary.unwritable > 0) {
-    std::fprintf(stderr, "warning: %zu scans skipped: ROS cannot express their stamp\n",
+    std::fprintf(stderr, "warning: %zu scans skipped: ROS cannot represent their stamp\n",
                  summary.unwritable);
   }
   std::printf("%s: %zu scans from %s\n", options.bag.c_str(), summary.scans,
@@ -51,11 +51,11 @@ int main(int argc, char** argv) {
   Options options;
   const std::map<std::string, BagStamps> choices = {{"recorded", BagStamps::kRecorded},
                                                     {"monotone", BagStamps::kMonotone}};
-  app.add_option("log", options.log, "CARMEN log, plain, .bz2 or .gz")->required();
+  app.add_option("log", options.log, "CARMEN log (plain, .bz2 or .gz)")->required();
   app.add_option("bag", options.bag, "bag to write")->required();
   app.add_option("--stamps", options.stamps,
                  "header stamps: recorded (as in the log, may jump back; default) or monotone "
-                 "(repaired; for nodes that refuse late stamps)")
+                 "(corrected; for nodes that reject stamps that jump back)")
       ->transform(CLI::CheckedTransformer(choices, CLI::ignore_case));
   return runTool("carmen_to_bag", app, argc, argv, [&] { run(options); });
 }

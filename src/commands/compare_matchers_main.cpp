@@ -28,26 +28,30 @@ struct Arguments {
   std::string relations;
   std::vector<std::string> matchers = matcherNames();
   bool evaluation = false;
-  std::size_t surface = 0;  ///< a scan; 0: none
+  std::size_t surface = 0;  ///< number of a scan; 0: none
   bool version = false;
 };
 
 void declareOptions(CLI::App& app, Arguments& arguments) {
-  app.add_option("--output", arguments.output,
-                 "folder for table, picture, and the map and trajectory of every matcher");
-  app.add_option("--relations", arguments.relations,
-                 "file of lines `t1 t2 x y z roll pitch yaw`; without: distances from the default");
-  app.add_option("--matchers", arguments.matchers, "names with commas between them (default: all)")
+  app.add_option(
+      "--output", arguments.output,
+      "output folder for the table, the plot, and the map and trajectory of each matcher");
+  app.add_option(
+      "--relations", arguments.relations,
+      "file with lines `t1 t2 x y z roll pitch yaw`; if not given, the trajectories are compared "
+      "with that of the default matcher");
+  app.add_option("--matchers", arguments.matchers, "comma-separated names (default: all)")
       ->delimiter(',')
       ->check(CLI::IsMember(matcherNames()));
-  app.add_flag("--evaluation", arguments.evaluation,
-               "instead: how well the evaluation function tells good from bad matches, which each "
-               "matcher makes from displaced starts");
+  app.add_flag(
+      "--evaluation", arguments.evaluation,
+      "instead, measure how well the evaluation function separates good and bad matches; the "
+      "matches start from displaced initial guesses");
   app.add_option("--surface", arguments.surface,
-                 "N: instead, a picture of the likelihood of the poses around the N-th scan's")
+                 "N: instead, plot the likelihood of poses around the pose of the N-th scan")
       ->check(CLI::PositiveNumber);
   addMappingOptions(app, arguments.mapping);
-  app.add_flag("--version", arguments.version, "print the version, and stop");
+  app.add_flag("--version", arguments.version, "print the version and exit");
 }
 
 std::vector<MethodRun> mapWithEach(const Arguments& arguments, SlamConfig config) {
@@ -60,7 +64,7 @@ std::vector<MethodRun> mapWithEach(const Arguments& arguments, SlamConfig config
     const RunInfo info = runInfoOf(arguments.mapping, config, *recording);
     const fs::path folder = fs::path(arguments.output) / method;
     prepareOutput(folder);
-    runs.push_back({method, mapVisibly(*recording, config, arguments.mapping)});
+    runs.push_back({method, mapWithProgress(*recording, config, arguments.mapping)});
     writeOutputs(folder, runs.back().run, info);
     printWarnings("warning: " + method + ": ", runs.back().run);
   }
@@ -72,7 +76,7 @@ void finish(const Arguments& arguments, const std::string& name, const std::stri
   writeFileAtomically(path + ".md", table);
   std::fputs(table.c_str(), stdout);
   if (arguments.mapping.quiet) return;
-  std::printf("\ntable       %s.md\npicture     %s.png\n", path.c_str(), path.c_str());
+  std::printf("\ntable       %s.md\nplot        %s.png\n", path.c_str(), path.c_str());
 }
 
 void compare(const Arguments& arguments, const SlamConfig& config) {
@@ -85,14 +89,14 @@ void compare(const Arguments& arguments, const SlamConfig& config) {
     comparison = compareRuns(runs, relations, SlamConfig().mapper.matcher.method);
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(arguments.relations + ": " + error.what() +
-                             "; check that they belong to " + arguments.mapping.recording);
+                             "; check that the relations belong to " + arguments.mapping.recording);
   }
   plotComparison((fs::path(arguments.output) / "comparison.png").string(), runs, comparison);
   finish(arguments, "comparison", comparisonTable(runs, comparison, !arguments.mapping.no_timing));
 }
 
-/// The recording is mapped once, as usual, with all experiments watching.
-void judgeEvaluation(Arguments arguments, const SlamConfig& config) {
+/// Maps the recording once and runs the experiments of all matchers on its scans.
+void measureEvaluation(Arguments arguments, const SlamConfig& config) {
   prepareOutput(arguments.output);
   std::vector<EvaluationExperiment> experiments;
   for (const std::string& method : arguments.matchers) {
@@ -104,7 +108,7 @@ void judgeEvaluation(Arguments arguments, const SlamConfig& config) {
     for (EvaluationExperiment& experiment : experiments) experiment.add(scan, result);
   };
   const auto recording = openFor(arguments.mapping);
-  printWarnings("warning: ", mapVisibly(*recording, config, arguments.mapping));
+  printWarnings("warning: ", mapWithProgress(*recording, config, arguments.mapping));
   std::vector<MethodTrials> methods;
   for (std::size_t i = 0; i < experiments.size(); ++i) {
     methods.push_back({arguments.matchers[i], experiments[i].trials()});
@@ -115,20 +119,20 @@ void judgeEvaluation(Arguments arguments, const SlamConfig& config) {
   finish(arguments, "evaluation", evaluationTable(methods, threshold));
 }
 
-/// Maps up to the scan, and draws what it could have been taken for.
+/// Maps up to the scan and plots the likelihood of the poses around its pose.
 void drawLikelihood(Arguments arguments, const SlamConfig& config) {
   prepareOutput(arguments.output);
-  LikelihoodWatch watch(config.mapper, arguments.surface);
+  LikelihoodRecorder recorder(config.mapper, arguments.surface);
   arguments.mapping.run.max_scans =
       std::min(arguments.mapping.run.max_scans, arguments.surface + 1);
   arguments.mapping.run.observer = [&](const PlanarScan& scan, const MapperResult& result) {
-    watch.add(scan, result);
+    recorder.add(scan, result);
   };
   const auto recording = openFor(arguments.mapping);
-  printWarnings("warning: ", mapVisibly(*recording, config, arguments.mapping));
+  printWarnings("warning: ", mapWithProgress(*recording, config, arguments.mapping));
   const std::string path = (fs::path(arguments.output) / "surface.png").string();
-  watch.write(path);
-  if (!arguments.mapping.quiet) std::printf("picture     %s\n", path.c_str());
+  recorder.write(path);
+  if (!arguments.mapping.quiet) std::printf("plot        %s\n", path.c_str());
 }
 
 void run(const Arguments& arguments) {
@@ -137,12 +141,12 @@ void run(const Arguments& arguments) {
     return;
   }
   const SlamConfig config = configOf(arguments.mapping);
-  openFor(arguments.mapping);  // what is wrong with it is said before anything is written
+  openFor(arguments.mapping);  // reports errors before anything is written
   stopOnSignals();
   if (arguments.surface > 0) {
     drawLikelihood(arguments, config);
   } else if (arguments.evaluation) {
-    judgeEvaluation(arguments, config);
+    measureEvaluation(arguments, config);
   } else {
     compare(arguments, config);
   }
@@ -159,7 +163,8 @@ void check(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   using namespace kestrel;
-  CLI::App app("Maps a recording with every matcher and compares them in a table and a picture.");
+  CLI::App app(
+      "Maps a recording with each matcher and compares the results in a table and a plot.");
   Arguments arguments;
   declareOptions(app, arguments);
   return runTool(

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "kestrel_slam/commands/run_tool.h"
-#include "kestrel_slam/evaluation/claims.h"
+#include "kestrel_slam/evaluation/covariance_file.h"
 #include "kestrel_slam/evaluation/evaluation.h"
 #include "kestrel_slam/recording/reference.h"
 #include "kestrel_slam/recording/trajectory.h"
@@ -25,7 +25,7 @@ struct Options {
 struct Results {
   Trajectory trajectory;
   std::optional<RelationEvaluation> relations;
-  std::optional<ClaimEvaluation> claims;
+  std::optional<CovarianceEvaluation> covariances;
   std::optional<ReferenceEvaluation> reference;
 };
 
@@ -49,10 +49,10 @@ void printTable(const Results& results) {
     printRows("relations", results.relations->all);
     printRows("relations > 60 s", results.relations->distant);
   }
-  if (results.claims) {
-    printRow("error / claim, translation", results.claims->translation, "sigma");
-    printRow("error / claim, rotation", results.claims->rotation, "sigma");
-    printRow("NEES of the relations", results.claims->nees, "(3 is right)");
+  if (results.covariances) {
+    printRow("error / sigma, translation", results.covariances->translation, "");
+    printRow("error / sigma, rotation", results.covariances->rotation, "");
+    printRow("NEES of the relations", results.covariances->nees, "(expected mean: 3)");
   }
   if (results.reference) {
     printRows("ATE", results.reference->ate_statistics);
@@ -64,13 +64,14 @@ void printTable(const Results& results) {
 void printUnmatched(const Results& results) {
   if (results.relations && !results.relations->unmatched.empty()) {
     std::fprintf(stderr,
-                 "warning: %zu relations left out: %zu of their stamps are not in the trajectory, "
-                 "the first is %.6f\n",
+                 "warning: %zu relations omitted: %zu of their stamps are not in the trajectory, "
+                 "the first one is %.6f\n",
                  results.relations->skipped_relations, results.relations->unmatched.size(),
                  results.relations->unmatched.front());
   }
   if (results.reference && results.reference->unmatched > 0) {
-    std::fprintf(stderr, "warning: %zu poses left out: the reference has none near their stamps\n",
+    std::fprintf(stderr,
+                 "warning: %zu poses omitted: the reference has no pose near their stamps\n",
                  results.reference->unmatched);
   }
 }
@@ -93,10 +94,10 @@ void writeJson(const std::string& path, const Results& results) {
                          {"left_out", results.relations->skipped_relations},
                          {"unmatched_stamps", results.relations->unmatched}};
   }
-  if (results.claims) {
-    json["claims"] = {{"translation_sigmas", toJson(results.claims->translation)},
-                      {"rotation_sigmas", toJson(results.claims->rotation)},
-                      {"nees", toJson(results.claims->nees)}};
+  if (results.covariances) {
+    json["claims"] = {{"translation_sigmas", toJson(results.covariances->translation)},
+                      {"rotation_sigmas", toJson(results.covariances->rotation)},
+                      {"nees", toJson(results.covariances->nees)}};
   }
   if (results.reference) {
     json["reference"] = {{"ate", toJson(results.reference->ate_statistics)},
@@ -107,7 +108,9 @@ void writeJson(const std::string& path, const Results& results) {
   std::ofstream file(path);
   file << json.dump(2) << '\n';
   file.close();
-  if (!file) throw std::runtime_error(path + ": cannot be written; check folder and permissions");
+  if (!file)
+    throw std::runtime_error(path +
+                             ": cannot be written; check that the folder exists and is writable");
 }
 
 Results evaluate(const Options& options) {
@@ -116,13 +119,14 @@ Results evaluate(const Options& options) {
   if (!options.relations.empty()) {
     results.relations = evaluateRelations(results.trajectory, readRelations(options.relations));
     if (results.relations->errors.empty()) {
-      throw std::runtime_error(options.relations + ": no relation has both of its stamps in " +
-                               options.trajectory + "; check that they belong to one recording");
+      throw std::runtime_error(options.relations + ": no relation has both stamps in " +
+                               options.trajectory +
+                               "; check that both files belong to the same recording");
     }
   }
   if (!options.covariances.empty()) {
-    results.claims =
-        evaluateClaims(readClaims(options.covariances), readRelations(options.relations));
+    results.covariances =
+        evaluateCovariances(readCovariances(options.covariances), readRelations(options.relations));
   }
   if (!options.reference.empty()) {
     try {
@@ -155,15 +159,17 @@ int main(int argc, char** argv) {
       "Compares a trajectory with relations (Freiburg benchmark) or a reference trajectory.\n"
       "Exit code 0: done; 1: bad input; 2: wrong usage.");
   Options options;
-  app.add_option("trajectory", options.trajectory, "trajectory to judge, TUM format")->required();
-  app.add_option("--relations", options.relations, "file of lines `t1 t2 x y z roll pitch yaw`");
+  app.add_option("trajectory", options.trajectory, "trajectory to evaluate, TUM format")
+      ->required();
+  app.add_option("--relations", options.relations, "file with lines `t1 t2 x y z roll pitch yaw`");
   app.add_option("--covariances", options.covariances,
-                 "covariances.txt of map_recording: errors of the relations in claimed sigmas")
+                 "covariances.txt of map_recording; compares the errors of the relations with "
+                 "their covariances")
       ->needs("--relations");
   app.add_option("--reference", options.reference, "reference trajectory, TUM format or rosbag");
   app.add_option("--reference-topic", options.reference_topic,
-                 "which topic of a rosbag: PoseStamped, PoseWithCovarianceStamped or Odometry");
+                 "topic in a rosbag: PoseStamped, PoseWithCovarianceStamped or Odometry");
   app.add_option("--json", options.json, "write all statistics to this file");
-  app.add_option("--plot", options.plot, "write a picture (PNG) of trajectory and errors");
+  app.add_option("--plot", options.plot, "write a plot (PNG) of trajectory and errors");
   return runTool("evaluate_trajectory", app, argc, argv, [&] { run(options); });
 }

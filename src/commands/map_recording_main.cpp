@@ -23,12 +23,13 @@ struct Arguments {
 };
 
 void declareOptions(CLI::App& app, Arguments& arguments) {
-  app.add_option("--output", arguments.output,
-                 "folder for map, trajectory, statistics and report (default: ./<name>_map)");
+  app.add_option(
+      "--output", arguments.output,
+      "output folder for map, trajectory, statistics and report (default: ./<name>_map)");
   addMappingOptions(app, arguments.mapping);
   app.add_flag("--list-parameters", arguments.list_parameters,
-               "print all parameters with their defaults as YAML, and stop");
-  app.add_flag("--version", arguments.version, "print the version, and stop");
+               "print all parameters with their defaults as YAML and exit");
+  app.add_flag("--version", arguments.version, "print the version and exit");
 }
 
 void printSummary(const fs::path& folder, const OfflineRun& run) {
@@ -37,7 +38,7 @@ void printSummary(const fs::path& folder, const OfflineRun& run) {
   std::printf("%-12s%zu processed, %zu dropped, %zu lost\n", "scans", scans, run.droppedCount(),
               match.lost);
   std::printf("%-12s%.1f m in %.0f s\n", "distance", run.distance_m, run.duration_s);
-  std::printf("%-12s%.3f ms a scan, %.0f x real time, %.0f MB\n", "time", scanTimes(run).mean,
+  std::printf("%-12s%.3f ms per scan, %.0f x real time, %.0f MB\n", "time", scanTimes(run).mean,
               run.speedFactor(), run.peak_memory_mb);
   for (const auto& [what, file] : {std::pair{"map", "map.yaml"},
                                    {"trajectory", "trajectory.tum"},
@@ -57,7 +58,7 @@ void mapRecording(const Arguments& arguments) {
       arguments.output.empty() ? nameOf(mapping.recording) + "_map" : arguments.output;
   stopOnSignals();
   prepareOutput(folder);
-  const OfflineRun run = mapVisibly(*recording, config, mapping);
+  const OfflineRun run = mapWithProgress(*recording, config, mapping);
   writeOutputs(folder, run, info);
   printWarnings("warning: ", run);
   if (!mapping.quiet) printSummary(folder, run);

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "kestrel_slam/evaluation/claims.h"
+#include "kestrel_slam/evaluation/covariance_file.h"
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/map/map_io.h"
@@ -30,37 +30,37 @@ volatile std::sig_atomic_t stop_requested = 0;
 void requestStop(int /*signal*/) { stop_requested = 1; }
 
 void addTopicOptions(CLI::App& app, RecordingOptions& topics) {
-  app.add_option("--scan-topic", topics.scan_topic, "bags: which laser, or clouds of a 3D lidar");
-  app.add_option("--odom-topic", topics.odom_topic, "bags: which odometry");
-  app.add_option("--imu-topic", topics.imu_topic, "bags: which IMU");
+  app.add_option("--scan-topic", topics.scan_topic,
+                 "bags: topic of the laser scans, or of the clouds of a 3D lidar");
+  app.add_option("--odom-topic", topics.odom_topic, "bags: topic of the odometry");
+  app.add_option("--imu-topic", topics.imu_topic, "bags: topic of the IMU");
   app.add_option("--height-topic", topics.height_topic,
-                 "bags: which range finder measures the height");
-  app.add_option("--base-frame", topics.base_frame, "bags: the frame of the vehicle");
-  app.add_option("--rate", topics.rate_hz, "tables of ranges: scans a second")
+                 "bags: topic of the range finder that measures the height");
+  app.add_option("--base-frame", topics.base_frame, "bags: frame of the vehicle");
+  app.add_option("--rate", topics.rate_hz, "tables of ranges: scans per second")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
 }
 
 void addRunOptions(CLI::App& app, RunOptions& run) {
   Perturbation& perturbation = run.perturbation;
-  app.add_option("--scans", run.max_scans, "only the first so many scans")
+  app.add_option("--scans", run.max_scans, "N: use only the first N scans")
       ->check(CLI::PositiveNumber);
-  app.add_option("--skip-scans", perturbation.skip_scans, "leave out so many scans at the start");
-  app.add_option("--drop-every", perturbation.drop_every, "N: leave out every N-th scan")
+  app.add_option("--skip-scans", perturbation.skip_scans, "N: skip the first N scans");
+  app.add_option("--drop-every", perturbation.drop_every, "N: skip every N-th scan")
       ->check(CLI::PositiveNumber);
   app.add_option("--drop-beams", perturbation.drop_beams_share,
-                 "leave out this share of the beams, at random but always the same")
+                 "fraction of the beams to ignore; they are chosen at random with a fixed seed")
       ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--drop-beams-seed", perturbation.beams_seed, "which beams are left out")
+  app.add_option("--drop-beams-seed", perturbation.beams_seed, "seed of --drop-beams")
       ->capture_default_str();
 }
 
 }  // namespace
 
 void addLaserPoseOption(CLI::App& app, std::vector<double>& x_y_yaw) {
-  app.add_option(
-         "--laser-pose", x_y_yaw,
-         "x,y,yaw in m and degrees: where the laser sits, in place of what the recording says")
+  app.add_option("--laser-pose", x_y_yaw,
+                 "x,y,yaw in m and degrees: mounting of the laser; replaces that of the recording")
       ->delimiter(',')
       ->expected(kPoseNumbers);
 }
@@ -75,23 +75,28 @@ std::optional<Eigen::Isometry3d> laserPoseOf(const std::vector<double>& x_y_yaw)
 void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
   app.add_option(
       "RECORDING", arguments.recording,
-      "rosbag, CARMEN log, BreezySLAM log or table of ranges (logs plain, .bz2, .gz or .xz)");
+      "rosbag, CARMEN log, BreezySLAM log or table of ranges (text files may be .bz2, .gz or .xz)");
   app.add_option("--config", arguments.config, "YAML file with parameters");
   app.add_option("--odometry", arguments.odometry,
-                 "none: laser only (default); use: predict from the recording's odometry")
+                 "none: laser only (default); use: predict the motion from the recorded odometry")
       ->check(CLI::IsMember({"none", "use"}));
   app.add_option("--imu", arguments.imu,
-                 "use: roll, pitch and turn rate from the recording's IMU (default); none: level")
+                 "use: roll, pitch and yaw rate from the recorded IMU (default); none: the vehicle "
+                 "is level")
       ->check(CLI::IsMember({"none", "use"}));
-  app.add_option("--set", arguments.settings, "name=value: a parameter, after those of --config")
+  app.add_option("--filter", arguments.filter,
+                 "use: the pose filter runs as in mav.launch, where the IMU has gyro and "
+                 "accelerometer and no odometry is used (default); none: without")
+      ->check(CLI::IsMember({"none", "use"}));
+  app.add_option("--set", arguments.settings, "name=value: sets a parameter; overrides --config")
       ->expected(1)
       ->take_all();
   addLaserPoseOption(app, arguments.laser_pose);
   addTopicOptions(app, arguments.topics);
   addRunOptions(app, arguments.run);
   app.add_flag("--no-timing", arguments.no_timing,
-               "leave measured times and memory out of the files: two runs give the same bytes");
-  app.add_flag("--quiet", arguments.quiet, "only warnings and errors");
+               "omit times and memory from the files, so that two runs give identical files");
+  app.add_flag("--quiet", arguments.quiet, "print only warnings and errors");
 }
 
 SlamConfig configOf(const MappingArguments& arguments) {
@@ -136,7 +141,7 @@ void prepareOutput(const fs::path& folder) {
   }
   fs::create_directories(folder, error);
   if (error) {
-    throw std::runtime_error("cannot make the output folder " + folder.string() + ": " +
+    throw std::runtime_error("cannot create the output folder " + folder.string() + ": " +
                              error.message() + "; choose another --output");
   }
   const fs::path probe = folder / ".kestrel_slam_probe";
@@ -151,11 +156,12 @@ void stopOnSignals() {
 
 bool stopRequested() { return stop_requested != 0; }
 
-OfflineRun mapVisibly(Recording& recording, const SlamConfig& config,
-                      const MappingArguments& arguments) {
+OfflineRun mapWithProgress(Recording& recording, const SlamConfig& config,
+                           const MappingArguments& arguments) {
   RunOptions options = arguments.run;
   options.use_odometry = arguments.odometry == "use";
   options.use_imu = arguments.imu == "use";
+  options.use_filter = arguments.filter == "use" && !options.use_odometry;
   options.base_T_laser = laserPoseOf(arguments.laser_pose);
   ProgressBar bar(stderr, ::isatty(STDERR_FILENO) == 1);
   OfflineRun run = runOffline(recording, config, options, [&](const OfflineProgress& progress) {
@@ -164,7 +170,7 @@ OfflineRun mapVisibly(Recording& recording, const SlamConfig& config,
   });
   if (!arguments.quiet) bar.finish();
   if (!run.scans.empty()) return run;
-  // A run without a single pose has nothing to write; its warnings say why.
+  // Without a pose there is nothing to write. The warnings give the reason.
   const std::string why = run.warnings.empty() ? "it has no scans" : run.warnings.front();
   throw std::runtime_error(arguments.recording + ": no scan could be used: " + why);
 }
@@ -178,12 +184,12 @@ void printWarnings(const std::string& prefix, const OfflineRun& run) {
 void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& info) {
   writeMap((folder / "map").string(), run.map);
   writeTum((folder / "trajectory.tum").string(), run.trajectory);
-  std::vector<Claim> claims;
-  claims.reserve(run.scans.size());
+  std::vector<ScanCovariance> covariances;
+  covariances.reserve(run.scans.size());
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
-    claims.push_back({run.trajectory[i].stamp, run.scans[i].uncertain});
+    covariances.push_back({run.trajectory[i].stamp, run.scans[i].uncertain});
   }
-  writeClaims((folder / "covariances.txt").string(), claims);
+  writeCovariances((folder / "covariances.txt").string(), covariances);
   writeFileAtomically(
       (folder / "stats.json").string(),
       statsOf(run, info).dump(kJsonIndent, ' ', false, nlohmann::json::error_handler_t::replace) +

@@ -23,7 +23,7 @@ namespace {
 constexpr double kPercent = 100.0;
 
 struct Options {
-  int hard_flights = 8;  ///< of each kind
+  int hard_flights = 8;  ///< flights of each kind
   int random_flights = 50;
   int first_seed = 1;
   double random_s = 30.0;
@@ -32,9 +32,9 @@ struct Options {
   bool counts = false;
   std::vector<std::string> bags;
   std::string reference_topic;
-  std::vector<std::string> settings;  ///< name=value, of projector and mapper
+  std::vector<std::string> settings;  ///< name=value, for projector and mapper
   std::vector<std::string> filter_settings;
-  PoseFilterConfig filter;  ///< with them
+  PoseFilterConfig filter;  ///< configuration with `filter_settings`
   bool list_parameters = false;
   std::vector<double> laser_pose;  ///< see laserPoseOf
 };
@@ -74,14 +74,14 @@ FilterTrial dropouts() {
   return trial;
 }
 
-FilterTrial blind() {
+FilterTrial scansMissing() {
   FilterTrial trial = trialIn("no scan for 2 s", "laboratory");
   trial.blind_from_s = 20.0;
   trial.blind_until_s = 22.0;
   return trial;
 }
 
-FilterTrial allOfThem() {
+FilterTrial allDisturbances() {
   FilterTrial trial = standard("spin at 2 rad/s");
   trial.flight.name = "gusts, 2 rad/s and dropouts";
   trial.flight.place.quadrotor.gust_m_s2 = 1.5;
@@ -106,7 +106,7 @@ void printCounts(const FilterStatus& status) {
 void printFilterHeader() {
   std::printf(
       "| flight | xy rmse, max | z rmse | velocity rmse | roll, pitch rmse | yaw rmse | odom: "
-      "largest step, of the true one | NEES (15) | error when scans return |\n"
+      "largest step, ratio to true motion | NEES (15 states) | error after scans were missing |\n"
       "|---|---|---|---|---|---|---|---|---|\n");
 }
 
@@ -123,15 +123,15 @@ void printFilterRow(const FilterTrial& trial, const FilterMeasurement& m, const 
 
 void flyWithTruth(const Options& options) {
   printFilterHeader();
-  for (const FilterTrial& trial :
-       {trialIn("laboratory loop", "laboratory"), blind(), gusts(), standard("spin at 2 rad/s"),
-        standard("tilt up to 20 deg"), standard("straight corridor")}) {
+  for (const FilterTrial& trial : {trialIn("laboratory loop", "laboratory"), scansMissing(),
+                                   gusts(), standard("spin at 2 rad/s"),
+                                   standard("tilt up to 20 deg"), standard("straight corridor")}) {
     if (!isWanted(options, trial.flight.name)) continue;
     printFilterRow(trial, measure(trial, options), options);
   }
 }
 
-/// One lucky flight is no result: the same with several seeds.
+/// Repeats a flight with several seeds, because a single flight is not representative.
 void printMapperRow(FilterTrial trial, const char* how, const Options& options) {
   std::vector<double> lost, searched, fallbacks, iterations, mapper, filter;
   for (int i = 0; i < options.hard_flights; ++i) {
@@ -151,15 +151,15 @@ void printMapperRow(FilterTrial trial, const char* how, const Options& options) 
   std::fflush(stdout);
 }
 
-/// The mapper with and without what the filter can tell it.
+/// Compares the mapper with and without data from the filter.
 void compareCoupling(const Options& options) {
   std::printf(
-      "\nMeans of %d flights each; of the errors median and worst.\n"
+      "\nMeans of %d flights each; errors: median and maximum.\n"
       "| hard flight | filter gives | lost | searched | fallbacks | iterations | mapper rmse | "
       "filter rmse |\n|---|---|---|---|---|---|---|---|\n",
       options.hard_flights);
   for (FilterTrial trial :
-       {gusts(), standard("spin at 2 rad/s"), dropouts(), allOfThem(), blind()}) {
+       {gusts(), standard("spin at 2 rad/s"), dropouts(), allDisturbances(), scansMissing()}) {
     if (!isWanted(options, trial.flight.name)) continue;
     trial.coupling.attitude = trial.coupling.height = trial.coupling.prediction = false;
     printMapperRow(trial, "nothing", options);
@@ -170,7 +170,7 @@ void compareCoupling(const Options& options) {
   }
 }
 
-/// Flights are independent of each other, the seconds of one flight are not.
+/// Prints how well the covariances of the filter fit its errors; see measure_flights.
 void printConsistency(const std::vector<FilterMeasurement>& flights) {
   constexpr std::pair<double, double> kBand = {6.2621, 27.4884};  // chi-square, 15 degrees
   std::vector<double> all, means;
@@ -193,10 +193,10 @@ void printConsistency(const std::vector<FilterMeasurement>& flights) {
   }
   const auto band = meanNeesBand(flights.size(), kFilterDim);
   std::printf(
-      "NEES of the 15 states: mean %.2f (15 is right), %.0f %% of the seconds within %.1f to %.1f, "
-      "%.0f %% below its upper end; the mean over the flights is within %.2f to %.2f in %.0f %% of "
-      "the seconds\n  of orientation %.2f, position %.2f, velocity %.2f, gyro bias %.2f, "
-      "accelerometer bias %.2f (3 is right)\n",
+      "NEES of the 15 states: mean %.2f (expected 15); %.0f %% of the values are within the 95 %% "
+      "band of %.1f to %.1f, %.0f %% below its upper limit; the mean over the flights is within "
+      "its 95 %% band of %.2f to %.2f in %.0f %% of the seconds\n  NEES of orientation %.2f, "
+      "position %.2f, velocity %.2f, gyro bias %.2f, accelerometer bias %.2f (expected 3)\n",
       meanOf(all), kPercent * shareWithin(all, kBand), kBand.first, kBand.second,
       kPercent * shareWithin(all, {0.0, kBand.second}), band.first, band.second,
       kPercent * shareWithin(means, band), blocks[0] / static_cast<double>(count),
@@ -241,7 +241,7 @@ void printErrors(const std::string& name, const char* who, const char* coupling,
   std::fflush(stdout);
 }
 
-/// Recordings with motion capture: the mapper alone, and the filter.
+/// Compares mapper and filter with motion capture, on recordings.
 void compareWithMotionCapture(const Options& options) {
   SlamConfig config;
   applySettings(options.settings, config);
@@ -280,7 +280,7 @@ void run(Options options) {
   if (options.hard_flights > 0) compareCoupling(options);
   if (options.random_flights > 0) flyAtRandom(options);
   if (options.cost_s > 0.0) {
-    std::printf("\ncost of an IMU sample at 400 Hz, with a late pose of 40 Hz: %.1f us\n",
+    std::printf("\nprocessor time per IMU sample at 400 Hz, with delayed poses at 40 Hz: %.1f us\n",
                 measureImuCost(options.cost_s));
   }
 }
@@ -292,31 +292,37 @@ int main(int argc, char** argv) {
   using namespace kestrel;
   Options options;
   CLI::App app(
-      "Runs the pose filter with projector and mapper on simulated flights and prints its errors "
-      "against the truth.");
+      "Runs the pose filter with projector and mapper on simulated flights and prints the errors "
+      "with respect to the true states.");
   app.add_option("--hard", options.hard_flights, "number of hard flights of each kind")
       ->capture_default_str();
   app.add_option("--random", options.random_flights, "number of random flights")
       ->capture_default_str();
-  app.add_option("--seed", options.first_seed, "of the first hard and random flight")
+  app.add_option("--seed", options.first_seed,
+                 "seed of the first hard flight and of the first random flight")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--random-duration", options.random_s, "of each, s")->capture_default_str();
-  app.add_option("--cost-duration", options.cost_s, "simulated time for the cost, s; 0: none")
+  app.add_option("--random-duration", options.random_s, "duration of each random flight, s")
       ->capture_default_str();
-  app.add_option("--only", options.only, "only the flights whose name contains this text");
-  app.add_flag("--counts", options.counts, "what became of every sensor's measurements");
+  app.add_option("--cost-duration", options.cost_s,
+                 "simulated time for the measurement of the processor time, s; 0: none")
+      ->capture_default_str();
+  app.add_option("--only", options.only, "run only flights whose name contains this text");
+  app.add_flag("--counts", options.counts,
+               "also print accepted and rejected measurements of each sensor");
   app.add_option("--recording", options.bags,
-                 "instead of flying: recordings with IMU and motion capture");
-  app.add_option("--reference-topic", options.reference_topic, "of the motion capture");
-  app.add_option("--set", options.settings, "recordings: name=value, see map_recording")
+                 "instead of simulating, use these recordings with IMU and motion capture");
+  app.add_option("--reference-topic", options.reference_topic, "topic of the motion capture");
+  app.add_option("--set", options.settings,
+                 "with --recording: name=value, sets a parameter, see map_recording")
       ->expected(1)
       ->take_all();
-  app.add_option("--filter", options.filter_settings, "name=value, see --list-parameters")
+  app.add_option("--filter", options.filter_settings,
+                 "name=value: sets a filter parameter, see --list-parameters")
       ->expected(1)
       ->take_all();
   app.add_flag("--list-parameters", options.list_parameters,
-               "print all parameters of the filter as a YAML file, and stop");
+               "print all parameters of the filter as YAML and exit");
   addLaserPoseOption(app, options.laser_pose);
   return runTool("measure_filter", app, argc, argv, [&] { run(options); });
 }

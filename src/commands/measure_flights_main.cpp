@@ -19,7 +19,7 @@ constexpr double kMillimeter = 1e-3, kPercent = 100.0;
 
 struct Options {
   int random_flights = 100;
-  int first_seed = 1;  ///< of the random flights
+  int first_seed = 1;  ///< seed of the first random flight
   double random_s = 30.0;
   std::string only;
   std::vector<std::string> settings;  ///< name=value
@@ -29,7 +29,8 @@ struct Options {
 void printHeader() {
   std::printf(
       "| flight | scans | lost | ATE rmse | ATE max | yaw rmse | yaw max | tilt max | "
-      "false cells | NEES pose | NEES 1 s | long axis | short axis |\n"
+      "false cells | NEES pose, in band | NEES 1 s, in band | max error, long axis | max error, "
+      "short axis |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
 }
 
@@ -50,7 +51,8 @@ void printRow(const std::string& name, const FlightMeasurement& m) {
   std::fflush(stdout);
 }
 
-/// Keeps map, estimated and true trajectory of a flight, under its name with hyphens.
+/// Writes map, estimated and true trajectory of a flight. File names are the flight's name with
+/// hyphens.
 void writeFiles(const std::string& folder, const std::string& name, const FlightMeasurement& m) {
   std::string path = name;
   std::replace_if(
@@ -62,8 +64,9 @@ void writeFiles(const std::string& folder, const std::string& name, const Flight
   writeTum(path + "_truth.tum", m.error.reference);
 }
 
-/// Flights are independent of each other, the seconds of one flight are not: so the mean over the
-/// flights is taken for each second, and compared with the band of so many independent values.
+/// Prints how well the covariances fit the errors. Flights are independent, but the seconds of one
+/// flight are correlated. So the mean over all flights is computed for each second and compared
+/// with the band for that number of independent values.
 void printConsistency(const char* what, const std::vector<std::vector<double>>& flights) {
   std::vector<double> all, means;
   std::size_t seconds = 0;
@@ -82,15 +85,17 @@ void printConsistency(const char* what, const std::vector<std::vector<double>>& 
                    all.end());
   const double median = all[all.size() / 2];
   std::printf(
-      "NEES of the %s: mean %.2f (3 is right), median %.2f (2.37), %.0f %% of the seconds within "
-      "%.2f to %.2f, %.0f %% below its upper end; the mean over the flights is within %.2f to %.2f "
-      "in %.0f %% of the seconds\n",
+      "NEES of the %s: mean %.2f (expected 3), median %.2f (expected 2.37); %.0f %% of the values "
+      "are "
+      "within the 95 %% band of %.2f to %.2f, %.0f %% below its upper limit; the mean over the "
+      "flights is within its 95 %% band of %.2f to %.2f in %.0f %% of the seconds\n",
       what, meanOf(all), median, kPercent * shareWithin(all, kNeesBand), kNeesBand.first,
       kNeesBand.second, kPercent * shareWithin(all, {0.0, kNeesBand.second}), band.first,
       band.second, kPercent * shareWithin(means, band));
 }
 
-/// Random flights in every place but the two where the laser cannot see enough.
+/// Random flights in all indoor places except hall and corridor, in which the laser does not
+/// constrain every direction.
 void flyAtRandom(const Options& options) {
   std::vector<std::string> names;
   for (const Place& candidate : places()) {
@@ -99,7 +104,7 @@ void flyAtRandom(const Options& options) {
   }
   std::size_t lost_flights = 0, scans = 0;
   double worst = 0.0;
-  std::vector<std::vector<double>> absolute, relative;  // of every flight
+  std::vector<std::vector<double>> absolute, relative;  // for each flight
   for (int i = 0; i < options.random_flights; ++i) {
     const auto number = static_cast<std::size_t>(i);
     FlightTrial trial = flightIn("random", names[number % names.size()]);
@@ -108,7 +113,8 @@ void flyAtRandom(const Options& options) {
     trial.place.plan = randomPlan(trial.place, options.random_s, trial.seed);
     const FlightMeasurement m = measureFlight(trial);
     const double error = m.error.ate_statistics.translation_m.max;
-    constexpr double kLostError = 0.5;  // m; a pose this wrong is lost, whatever the mapper says
+    constexpr double kLostError =
+        0.5;  // m; larger errors count as lost, even if the mapper does not report it
     if (m.lost > 0 || error > kLostError) {
       ++lost_flights;
       printRow("random flight " + std::to_string(i) + " in " + trial.place.name, m);
@@ -119,7 +125,7 @@ void flyAtRandom(const Options& options) {
     relative.push_back(m.consistency.relative);
   }
   std::printf(
-      "\n%d random flights of %.0f s, %zu scans: %zu lost; largest error of a pose %.0f mm\n",
+      "\n%d random flights of %.0f s, %zu scans: %zu lost; largest position error %.0f mm\n",
       options.random_flights, options.random_s, scans, lost_flights, worst / kMillimeter);
   printConsistency("pose", absolute);
   printConsistency("motion over 1 s", relative);
@@ -128,7 +134,7 @@ void flyAtRandom(const Options& options) {
 void flyInHardSituations(const Options& options) {
   std::printf(
       "\n| hard situation | scans | lost | false alarms | missed | ATE rmse | largest jump | "
-      "found again after | ghost cells | double walls | limits |\n"
+      "recovery time | ghost cells | double walls | limits |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (HardFlight hard : hardFlights()) {
     if (hard.trial.name.find(options.only) == std::string::npos) continue;
@@ -150,12 +156,12 @@ void drive(FlightTrial trial, const Options& options) {
   const DriveMeasurement m = measureDrive(trial);
   const FlightMeasurement& flight = m.flight;
   std::printf(
-      "\n%s with two lasers of 200 m, %.0f cm cells: %zu scans, %zu lost, ATE %.3f m, at the end "
-      "%.3f m and %.2f°; %.0f m² mapped\n",
+      "\n%s with two lasers of 200 m range, %.0f cm cells: %zu scans, %zu lost, ATE %.3f m, final "
+      "error %.3f m and %.2f°; %.0f m² mapped\n",
       trial.name.c_str(), 100.0 * trial.config.mapper.grid.resolution_m, flight.run.scans.size(),
       flight.lost, flight.error.ate_statistics.translation_m.rmse, m.end_error_m, m.end_error_deg,
       m.area_m2);
-  std::printf("| quarter of the drive | ms a scan (median) | map |\n|---|---|---|\n");
+  std::printf("| quarter of the drive | ms per scan (median) | map |\n|---|---|---|\n");
   for (std::size_t i = 0; i < m.quarters.size(); ++i) {
     std::printf("| %zu | %.2f | %.0f MB |\n", i + 1, m.quarters[i].median_ms, m.quarters[i].map_mb);
   }
@@ -183,15 +189,16 @@ void run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace kestrel;
   Options options;
-  CLI::App app("Maps simulated flights and prints their errors against the truth.");
+  CLI::App app("Maps simulated flights and prints the errors with respect to the true poses.");
   app.add_option("--random", options.random_flights, "number of random flights")
       ->capture_default_str();
-  app.add_option("--seed", options.first_seed, "of the first random flight")
+  app.add_option("--seed", options.first_seed, "seed of the first random flight")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--random-duration", options.random_s, "of each, s")->capture_default_str();
-  app.add_option("--only", options.only, "only the flights whose name contains this text");
-  app.add_option("--set", options.settings, "name=value: a parameter, see map_recording");
-  app.add_option("--output", options.output, "folder for maps and trajectories");
+  app.add_option("--random-duration", options.random_s, "duration of each random flight, s")
+      ->capture_default_str();
+  app.add_option("--only", options.only, "run only flights whose name contains this text");
+  app.add_option("--set", options.settings, "name=value: sets a parameter, see map_recording");
+  app.add_option("--output", options.output, "output folder for maps and trajectories");
   return runTool("measure_flights", app, argc, argv, [&] { run(options); });
 }

@@ -21,8 +21,8 @@ struct Options {
   std::string sensor = "utm30lx";
   std::string lidar;
   std::uint64_t seed = 1;
-  double rate_hz = 0.0;   // 0: the sensor's own
-  double random_s = 0.0;  // 0: the world's own flight
+  double rate_hz = 0.0;   // 0: the rate of the sensor model
+  double random_s = 0.0;  // 0: the standard flight of the world
   double jitter_s = 0.0;
   double loss = 0.0;
   bool level = false;
@@ -35,33 +35,34 @@ struct Options {
 void declareSensors(CLI::App& app, Options& options) {
   constexpr double kMinRate = 0.1, kMaxRate = 1000.0;  // Hz
   constexpr double kMaxJitter = 10.0;                  // s
-  app.add_option("--sensor", options.sensor, "the laser or lidar, see --list")
-      ->capture_default_str();
-  app.add_option("--lidar", options.lidar, "a 3D lidar besides the laser, see --list");
-  app.add_option("--rate", options.rate_hz, "scans per second instead of the sensor's own rate")
+  app.add_option("--sensor", options.sensor, "laser or lidar, see --list")->capture_default_str();
+  app.add_option("--lidar", options.lidar, "additional 3D lidar, see --list");
+  app.add_option("--rate", options.rate_hz, "scans per second (default: as the sensor)")
       ->check(CLI::Range(kMinRate, kMaxRate));
-  app.add_flag("--raw-imu", options.raw_imu, "the IMU gives no orientation");
-  app.add_option("--jitter", options.jitter_s, "standard deviation of the stamps' error, s")
+  app.add_flag("--raw-imu", options.raw_imu, "simulate an IMU without orientation");
+  app.add_option("--jitter", options.jitter_s, "standard deviation of the error of the stamps, s")
       ->check(CLI::Range(0.0, kMaxJitter));
-  app.add_option("--loss", options.loss, "probability of a message to be lost")
+  app.add_option("--loss", options.loss, "probability that a message is lost")
       ->check(CLI::Range(0.0, 1.0));
 }
 
 void declareOptions(CLI::App& app, Options& options) {
   constexpr double kMinDuration = 1.0, kMaxDuration = 3600.0;  // s
-  app.add_option("--world", options.world, "where to fly, see --list")->capture_default_str();
-  declareSensors(app, options);
-  app.add_option("--random", options.random_s,
-                 "a random flight of about so many seconds instead of the world's own")
-      ->check(CLI::Range(kMinDuration, kMaxDuration));
-  app.add_flag("--level", options.level, "the same path without roll and pitch");
-  app.add_option("--seed", options.seed,
-                 "of wind, noise and random flight; the same seed gives the same recording")
+  app.add_option("--world", options.world, "world of the flight, see --list")
       ->capture_default_str();
-  auto* output = app.add_option("--output", options.output, "the bag to write");
+  declareSensors(app, options);
+  app.add_option(
+         "--random", options.random_s,
+         "fly a random path for about this time instead of the standard path of the world, s")
+      ->check(CLI::Range(kMinDuration, kMaxDuration));
+  app.add_flag("--level", options.level, "same path with zero roll and pitch");
+  app.add_option("--seed", options.seed,
+                 "seed of wind, noise and random path; the same seed gives the same recording")
+      ->capture_default_str();
+  auto* output = app.add_option("--output", options.output, "bag to write");
   app.add_option("--truth", options.truth,
-                 "also write the true pose at the stamp of every scan in TUM format");
-  app.add_flag("--list", options.list, "show worlds and sensors, and stop")->excludes(output);
+                 "also write the true poses at the stamps of the scans to this file (TUM format)");
+  app.add_flag("--list", options.list, "print worlds and sensors and exit")->excludes(output);
 }
 
 template <typename T>
@@ -76,7 +77,8 @@ VehicleModel vehicleOf(const Options& options) {
   if (!options.lidar.empty()) {
     const VehicleModel other = quadrotorWith(options.lidar);
     if (!other.lidar) {
-      throw std::invalid_argument("'" + options.lidar + "' is no lidar; give it as --sensor");
+      throw std::invalid_argument("'" + options.lidar +
+                                  "' is not a lidar; select it with --sensor");
     }
     vehicle.lidar = other.lidar;
   }
@@ -134,7 +136,7 @@ void run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace kestrel;
   Options options;
-  CLI::App app("Simulates the flight of a quadrotor with all its sensors and writes a rosbag.");
+  CLI::App app("Simulates a flight of a quadrotor and writes the data of its sensors to a rosbag.");
   declareOptions(app, options);
   return runTool(
       "simulate_flight", app, argc, argv, [&] { run(options); }, [&] { check(options); });

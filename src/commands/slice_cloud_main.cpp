@@ -33,16 +33,17 @@ struct Options {
 void declareOptions(CLI::App& app, Options& options) {
   app.add_option("FILE", options.files, "rosbags with PointCloud2, .pcd, .pcd.bin or .bin files")
       ->required();
-  app.add_option("--output", options.output, "folder for the pictures")->required();
+  app.add_option("--output", options.output, "output folder for the plots")->required();
   app.add_option("--set", options.settings,
-                 "name=value: a parameter of the projector, such as height (m) of the sensor over "
-                 "the floor, laser_z_min_value and laser_z_max_value of the slice")
+                 "name=value: a parameter of the projector, such as height (of the base above the "
+                 "floor, m), "
+                 "laser_z_min_value and laser_z_max_value (limits of the slice, m)")
       ->expected(1)
       ->take_all();
-  app.add_option("--pictures", options.pictures, "draw this many frames of each file")
+  app.add_option("--pictures", options.pictures, "N: plot the first N frames of each file")
       ->capture_default_str();
-  app.add_option("--scan-topic", options.topics.scan_topic, "bags: which clouds");
-  app.add_option("--base-frame", options.topics.base_frame, "bags: the frame of the vehicle");
+  app.add_option("--scan-topic", options.topics.scan_topic, "bags: topic of the clouds");
+  app.add_option("--base-frame", options.topics.base_frame, "bags: frame of the vehicle");
 }
 
 ScanProjector projectorOf(const Options& options) {
@@ -51,7 +52,7 @@ ScanProjector projectorOf(const Options& options) {
   return ScanProjector(config.projector);
 }
 
-/// Slices frame after frame, prints a line for each and draws the first ones.
+/// Slices the frames one by one, prints a line for each and plots the first ones.
 class Slicer {
  public:
   explicit Slicer(const Options& options)
@@ -60,7 +61,7 @@ class Slicer {
     std::error_code error;
     fs::create_directories(folder_, error);
     if (!fs::is_directory(folder_, error)) {
-      throw std::runtime_error("cannot make the output folder " + options.output +
+      throw std::runtime_error("cannot create the output folder " + options.output +
                                "; choose another --output");
     }
     std::printf("%-32s %8s %6s %6s %8s %8s\n", "frame", "points", "hits", "clears", "floor",
@@ -77,8 +78,9 @@ class Slicer {
     RecordedScan scan;
     for (std::size_t i = 0; recording->next(scan); ++i) {
       if (!scan.cloud) {
-        throw std::runtime_error(path + ": has no clouds here; choose a PointCloud2 topic with " +
-                                 "--scan-topic, or another bag");
+        throw std::runtime_error(path +
+                                 ": the scan topic has no clouds; choose a PointCloud2 topic " +
+                                 "with --scan-topic, or another bag");
       }
       addFrame(name + "_" + frameNumber(i), i, *scan.cloud, scan.base_T_laser);
     }
@@ -124,7 +126,8 @@ class Slicer {
 void run(const Options& options) {
   Slicer slicer(options);
   for (const std::string& file : options.files) slicer.addFile(file);
-  if (slicer.sliced() == 0) throw std::runtime_error("no frame could be sliced, see above");
+  if (slicer.sliced() == 0)
+    throw std::runtime_error("no frame could be sliced; see the messages above");
 }
 
 }  // namespace
@@ -134,8 +137,8 @@ int main(int argc, char** argv) {
   using namespace kestrel;
   Options options;
   CLI::App app(
-      "Cuts the horizontal slice that is mapped out of clouds of a 3D lidar (of a level vehicle),\n"
-      "and draws it over the whole cloud, seen from above.");
+      "Extracts from clouds of a 3D lidar the horizontal slice that is used for mapping, and\n"
+      "plots it over the cloud, seen from above. The vehicle is assumed to be level.");
   declareOptions(app, options);
   return runTool("slice_cloud", app, argc, argv, [&] { run(options); });
 }

@@ -6,21 +6,17 @@
 #include <cmath>
 #include <numeric>
 
-#include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/pose2.h"
 
 namespace kestrel {
 namespace {
 
 constexpr double kInterval = 1.0;  ///< s
 
-Eigen::Vector3d differenceOf(const Pose2& found, const Pose2& expected) {
-  return {found.x - expected.x, found.y - expected.y, normalizeAngle(found.yaw - expected.yaw)};
-}
-
-void judgeAxes(const JudgedPose& pose, Consistency& result) {
-  const Eigen::Vector2d error = pose.found.pose.translation() - pose.truth.translation();
+void addAxisErrors(const EvaluatedPose& pose, Consistency& result) {
+  const Eigen::Vector2d error = pose.estimate.pose.translation() - pose.truth.translation();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
-      Eigen::Matrix2d(pose.found.covariance().topLeftCorner<2, 2>()));
+      Eigen::Matrix2d(pose.estimate.covariance().topLeftCorner<2, 2>()));
   const Eigen::Vector2d in_axes = (axes.eigenvectors().transpose() * error).cwiseAbs();
   const double sigma = std::sqrt(std::max(axes.eigenvalues()(1), 0.0));
   result.worst_short_m = std::max(result.worst_short_m, in_axes(0));
@@ -37,7 +33,7 @@ double neesOf(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
 }
 
 std::pair<double, double> meanNeesBand(std::size_t count, double freedom) {
-  constexpr double kQuantile = 1.959964;  // of the normal distribution, 97.5 %
+  constexpr double kQuantile = 1.959964;  // 97.5 % quantile of the normal distribution
   const double n = freedom * static_cast<double>(std::max<std::size_t>(count, 1));
   const double c = 2.0 / (9.0 * n);
   const auto quantile = [&](double z) {
@@ -46,18 +42,18 @@ std::pair<double, double> meanNeesBand(std::size_t count, double freedom) {
   return {quantile(-kQuantile), quantile(kQuantile)};
 }
 
-Consistency consistencyOf(const std::vector<JudgedPose>& poses) {
+Consistency consistencyOf(const std::vector<EvaluatedPose>& poses) {
   Consistency result;
   if (poses.empty()) return result;
-  const JudgedPose* last = &poses.front();
-  for (const JudgedPose& pose : poses) {
-    if (&pose != &poses.front()) judgeAxes(pose, result);
+  const EvaluatedPose* last = &poses.front();
+  for (const EvaluatedPose& pose : poses) {
+    if (&pose != &poses.front()) addAxisErrors(pose, result);
     if (pose.stamp - last->stamp < kInterval) continue;
     result.absolute.push_back(
-        neesOf(differenceOf(pose.found.pose, pose.truth), pose.found.covariance()));
-    const Eigen::Vector3d error = differenceOf(last->found.pose.inverse() * pose.found.pose,
-                                               last->truth.inverse() * pose.truth);
-    result.relative.push_back(neesOf(error, relativeCovariance(last->found, pose.found)));
+        neesOf(offsetBetween(pose.truth, pose.estimate.pose), pose.estimate.covariance()));
+    const Eigen::Vector3d error =
+        offsetBetween(last->truth.between(pose.truth), last->estimate.pose.between(pose.estimate.pose));
+    result.relative.push_back(neesOf(error, relativeCovariance(last->estimate, pose.estimate)));
     last = &pose;
   }
   return result;

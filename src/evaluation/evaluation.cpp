@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/rigid_alignment.h"
 #include "kestrel_slam/recording/text_stream.h"
 
 namespace kestrel {
@@ -17,7 +18,7 @@ namespace {
 
 constexpr std::size_t kRelationFields = 8;
 
-/// The poses of a trajectory, found by their stamp.
+/// Finds poses of a trajectory by their stamps.
 class PoseIndex {
  public:
   explicit PoseIndex(const Trajectory& trajectory) : poses_(trajectory) {
@@ -38,7 +39,7 @@ class PoseIndex {
     return best->pose;
   }
 
-  /// The pose at `stamp`, or between its neighbors.
+  /// The pose at `stamp`, interpolated if necessary.
   std::optional<Pose2> interpolated(double stamp) const {
     if (const std::optional<Pose2> exact = at(stamp)) return exact;
     const auto after = lowerBound(stamp);
@@ -46,9 +47,7 @@ class PoseIndex {
     const StampedPose &a = *std::prev(after), &b = *after;
     const double gap = b.stamp - a.stamp;
     if (gap > kMaxReferenceGap) return std::nullopt;
-    const double f = (stamp - a.stamp) / gap;
-    return Pose2(a.pose.x + f * (b.pose.x - a.pose.x), a.pose.y + f * (b.pose.y - a.pose.y),
-                 a.pose.yaw + f * normalizeAngle(b.pose.yaw - a.pose.yaw));
+    return interpolate(a.pose, b.pose, (stamp - a.stamp) / gap);
   }
 
  private:
@@ -65,30 +64,14 @@ PoseError errorOf(double stamp, const Pose2& expected, const Pose2& found) {
   return {stamp, error.distance(), radToDeg(std::abs(error.yaw))};
 }
 
-/// Closed form of Umeyama in the plane, without scale.
-Pose2 align(const Trajectory& from, const Trajectory& to) {
-  Eigen::Vector2d mean_from = Eigen::Vector2d::Zero(), mean_to = Eigen::Vector2d::Zero();
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    mean_from += from[i].pose.translation();
-    mean_to += to[i].pose.translation();
-  }
-  const double n = static_cast<double>(from.size());
-  mean_from /= n;
-  mean_to /= n;
-  double dot = 0.0, cross = 0.0;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    const Eigen::Vector2d a = from[i].pose.translation() - mean_from;
-    const Eigen::Vector2d b = to[i].pose.translation() - mean_to;
-    dot += a.dot(b);
-    cross += a.x() * b.y() - a.y() * b.x();
-  }
-  const Pose2 rotation(0.0, 0.0, std::atan2(cross, dot));
-  const Eigen::Vector2d shift = mean_to - rotation * mean_from;
-  return {shift.x(), shift.y(), rotation.yaw};
+std::vector<Eigen::Vector2d> positionsOf(const Trajectory& trajectory) {
+  std::vector<Eigen::Vector2d> positions;
+  for (const StampedPose& entry : trajectory) positions.push_back(entry.pose.translation());
+  return positions;
 }
 
-/// Differences of the relative motions from every pose i to the first pose j that is `step` on in
-/// `progress` (path length or stamp).
+/// Errors of the motions from every pose i to the first pose j with progress[j] - progress[i] >=
+/// step. `progress` is the path length or the stamp.
 PoseErrorStatistics relativeErrors(const ReferenceEvaluation& matched,
                                    const std::vector<double>& progress, double step) {
   std::vector<PoseError> errors;
@@ -199,8 +182,8 @@ std::vector<Relation> readRelations(const std::string& path) {
   }
   if (relations.empty()) {
     throw std::runtime_error(path +
-                             ": has no relations; give a file with a line "
-                             "`t1 t2 x y z roll pitch yaw` for each");
+                             ": has no relations; use a file with a line "
+                             "`t1 t2 x y z roll pitch yaw` for each relation");
   }
   return relations;
 }
@@ -235,7 +218,7 @@ RelationEvaluation evaluateRelations(const Trajectory& trajectory,
 ReferenceEvaluation evaluateReference(const Trajectory& trajectory, const Trajectory& reference) {
   ReferenceEvaluation result;
   match(trajectory, reference, result);
-  result.reference_T_map = align(result.aligned, result.reference);
+  result.reference_T_map = alignPoints(positionsOf(result.aligned), positionsOf(result.reference));
   for (std::size_t i = 0; i < result.aligned.size(); ++i) {
     StampedPose& entry = result.aligned[i];
     entry.pose = result.reference_T_map * entry.pose;

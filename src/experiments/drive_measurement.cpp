@@ -30,7 +30,7 @@ double knownArea(const MapSnapshot& map) {
   return static_cast<double>(known) * map.resolution_m * map.resolution_m;
 }
 
-/// For a vehicle on wheels.
+/// The place with a level motion without wind, as of a ground vehicle.
 Place levelPlace(const std::string& name) {
   Place result = place(name);
   result.quadrotor.level = true;
@@ -46,7 +46,7 @@ FlightTrial townDrive() {
   trial.name = "drive of 1.2 km";
   trial.place = levelPlace("town");
   trial.vehicle.laser = trial.vehicle.second_laser = scanner;
-  // At the front corners, and turned so that together they see all around.
+  // Mounted at the front corners and rotated outwards, so that together they see 360 degrees.
   const Eigen::Translation3d left(1.0, 0.6, 0.0), right(1.0, -0.6, 0.0);  // m
   const double outward = degToRad(60.0);
   trial.vehicle.base_T_laser = left * Eigen::AngleAxisd(outward, Eigen::Vector3d::UnitZ());
@@ -69,10 +69,10 @@ DriveMeasurement measureDrive(const FlightTrial& trial) {
   result.flight = measureFlight(trial);
   const ReferenceEvaluation& error = result.flight.error;
   result.length_m = pathLength(error.reference);
-  const auto wayOf = [](const Trajectory& path) {
+  const auto motionOf = [](const Trajectory& path) {
     return path.front().pose.inverse() * path.back().pose;
   };
-  const Pose2 end = wayOf(error.reference).inverse() * wayOf(error.aligned);
+  const Pose2 end = motionOf(error.reference).inverse() * motionOf(error.aligned);
   result.end_error_m = end.distance();
   result.end_error_deg = std::abs(radToDeg(end.yaw));
   result.area_m2 = knownArea(result.flight.run.map);

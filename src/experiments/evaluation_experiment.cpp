@@ -14,10 +14,11 @@ namespace kestrel {
 namespace {
 
 constexpr std::uint64_t kSeed = 1;
-/// Thresholds that are tried, and the range and the bins of the histogram. f is never below 1.
+/// Range and step of the thresholds, and bin size of the histogram. f (the evaluation function) is
+/// always at least 1.
 constexpr double kLeast = 1.0, kMost = 6.0, kStep = 0.05, kBin = 0.1;
 constexpr double kPercent = 100.0;
-constexpr double kRarest = 0.1;  // share that is drawn, %
+constexpr double kSmallestShown = 0.1;  // %
 
 std::string percent(double share) {
   char text[32];
@@ -25,8 +26,8 @@ std::string percent(double share) {
   return text;
 }
 
-/// The outline of the histogram, in percent of the good or of the bad ones. The last bin holds
-/// what lies beyond.
+/// The outline of the histogram in percent of the good or of the bad matches. The last bin also
+/// contains all larger values.
 std::vector<Eigen::Vector2d> histogram(const std::vector<EvaluationExperiment::Trial>& trials,
                                        bool good) {
   std::vector<double> bins(static_cast<std::size_t>(std::lround((kMost - kLeast) / kBin)), 0.0);
@@ -44,36 +45,36 @@ std::vector<Eigen::Vector2d> histogram(const std::vector<EvaluationExperiment::T
     outline.emplace_back(left, share);
     outline.emplace_back(left + kBin, share);
   }
-  // Logarithmic axis: what is empty lies at its lower end.
-  for (Eigen::Vector2d& point : outline) point.y() = std::max(point.y(), kRarest);
+  // On the logarithmic axis, empty bins are at the lower end.
+  for (Eigen::Vector2d& point : outline) point.y() = std::max(point.y(), kSmallestShown);
   return outline;
 }
 
 PlotPanel histogramPanel(const MethodTrials& method, double threshold) {
   PlotPanel panel;
-  panel.title = method.method + ": f of matches from displaced starts";
-  panel.x_label = "f (last bin: and more)";
-  panel.y_label = "share of its kind, %";
+  panel.title = method.method + ": evaluation function f of matches from displaced initial guesses";
+  panel.x_label = "f (last bin: all larger values)";
+  panel.y_label = "fraction of good or bad, %";
   panel.log_y = true;
   panel.series = {{"good", histogram(method.trials, true)},
                   {"bad", histogram(method.trials, false)},
-                  {"threshold", {{threshold, kRarest}, {threshold, kPercent}}}};
+                  {"threshold", {{threshold, kSmallestShown}, {threshold, kPercent}}}};
   return panel;
 }
 
 PlotPanel sharesPanel(const MethodTrials& method, double threshold) {
   PlotPanel panel;
-  panel.title = method.method + ": what another threshold would do";
+  panel.title = method.method + ": effect of the threshold";
   panel.x_label = "threshold of f";
-  panel.y_label = "share of its kind, %";
+  panel.y_label = "fraction of good or bad, %";
   panel.from_zero = true;
-  PlotSeries refused{"good, refused", {}}, accepted{"bad, accepted", {}};
+  PlotSeries rejected{"good, rejected", {}}, accepted{"bad, accepted", {}};
   for (double at = kLeast; at <= kMost; at += kStep) {
     const Separation separation = separate(method.trials, at);
-    refused.points.emplace_back(at, kPercent * separation.good_refused);
+    rejected.points.emplace_back(at, kPercent * separation.good_rejected);
     accepted.points.emplace_back(at, kPercent * separation.bad_accepted);
   }
-  panel.series = {refused, accepted, {"threshold", {{threshold, 0.0}, {threshold, kPercent}}}};
+  panel.series = {rejected, accepted, {"threshold", {{threshold, 0.0}, {threshold, kPercent}}}};
   return panel;
 }
 
@@ -112,14 +113,14 @@ void EvaluationExperiment::tryInitialGuesses(const PlanarScan& scan, const Pose2
 
 Separation separate(const std::vector<EvaluationExperiment::Trial>& trials, double threshold) {
   Separation result;
-  double refused = 0.0, accepted = 0.0;
+  double rejected = 0.0, accepted = 0.0;
   for (const EvaluationExperiment::Trial& trial : trials) {
-    const bool enters = trial.evaluation < threshold;
+    const bool is_accepted = trial.evaluation < threshold;
     (trial.good ? result.good : result.bad) += 1;
-    if (trial.good && !enters) refused += 1.0;
-    if (!trial.good && enters) accepted += 1.0;
+    if (trial.good && !is_accepted) rejected += 1.0;
+    if (!trial.good && is_accepted) accepted += 1.0;
   }
-  if (result.good > 0) result.good_refused = refused / static_cast<double>(result.good);
+  if (result.good > 0) result.good_rejected = rejected / static_cast<double>(result.good);
   if (result.bad > 0) result.bad_accepted = accepted / static_cast<double>(result.bad);
   return result;
 }
@@ -129,7 +130,7 @@ double bestThreshold(const std::vector<EvaluationExperiment::Trial>& trials) {
   for (int i = 0; kLeast + i * kStep <= kMost; ++i) {
     const double threshold = kLeast + i * kStep;
     const Separation separation = separate(trials, threshold);
-    const double sum = separation.good_refused + separation.bad_accepted;
+    const double sum = separation.good_rejected + separation.bad_accepted;
     if (sum >= least) continue;
     least = sum;
     best = threshold;
@@ -139,7 +140,7 @@ double bestThreshold(const std::vector<EvaluationExperiment::Trial>& trials) {
 
 std::string evaluationTable(const std::vector<MethodTrials>& methods, double threshold) {
   std::string table =
-      "| matcher | good matches | bad matches | threshold | good refused | bad accepted |\n"
+      "| matcher |  good matches | bad matches | threshold | good rejected | bad accepted |\n"
       "| --- | ---: | ---: | ---: | ---: | ---: |\n";
   for (const MethodTrials& method : methods) {
     for (const double at : {threshold, bestThreshold(method.trials)}) {
@@ -148,7 +149,8 @@ std::string evaluationTable(const std::vector<MethodTrials>& methods, double thr
       std::snprintf(text, sizeof text, at == threshold ? "%.2f" : "%.2f (best)", at);
       table += "| " + method.method + " | " + std::to_string(separation.good) + " | " +
                std::to_string(separation.bad) + " | " + text + " | " +
-               percent(separation.good_refused) + " | " + percent(separation.bad_accepted) + " |\n";
+               percent(separation.good_rejected) + " | " + percent(separation.bad_accepted) +
+               " |\n";
     }
   }
   return table;

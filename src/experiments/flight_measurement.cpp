@@ -13,8 +13,8 @@
 namespace kestrel {
 namespace {
 
-/// An occupied cell farther than this from every upright surface is false, m: twice the edge of a
-/// cell, and the noise of the laser.
+/// An occupied cell farther than this from every upright surface is false, m. Allows for two cells
+/// and the noise of the laser.
 constexpr double kFalseDistance = 0.15;
 
 double distanceToBox(const Box& box, const Eigen::Vector2d& point) {
@@ -38,9 +38,9 @@ void countCells(const World::Parts& parts, FlightMeasurement& result) {
   }
 }
 
-/// Every scan has its true pose, in the same order.
-std::vector<JudgedPose> judgedPoses(const OfflineRun& run, const Trajectory& truth) {
-  std::vector<JudgedPose> result;
+/// Combines estimated and true poses. Both have the same order; every scan has a true pose.
+std::vector<EvaluatedPose> evaluatedPoses(const OfflineRun& run, const Trajectory& truth) {
+  std::vector<EvaluatedPose> result;
   std::size_t k = 0;
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
     while (k < truth.size() && truth[k].stamp < run.trajectory[i].stamp) ++k;
@@ -48,8 +48,8 @@ std::vector<JudgedPose> judgedPoses(const OfflineRun& run, const Trajectory& tru
     result.push_back({truth[k].stamp, run.scans[i].uncertain, truth[k].pose});
   }
   if (result.empty()) return result;
-  const Pose2 map_T_world = result.front().found.pose * result.front().truth.inverse();
-  for (JudgedPose& pose : result) pose.truth = map_T_world * pose.truth;
+  const Pose2 map_T_world = result.front().estimate.pose * result.front().truth.inverse();
+  for (EvaluatedPose& pose : result) pose.truth = map_T_world * pose.truth;
   return result;
 }
 
@@ -69,7 +69,7 @@ FlightMeasurement measureFlight(const FlightTrial& trial) {
   FlightMeasurement result;
   result.run = runOffline(recording, trial.config, trial.options);
   result.error = evaluateReference(result.run.trajectory, recording.truth());
-  result.consistency = consistencyOf(judgedPoses(result.run, recording.truth()));
+  result.consistency = consistencyOf(evaluatedPoses(result.run, recording.truth()));
   for (const ScanRecord& scan : result.run.scans) {
     if (scan.state == MatchState::kLost) ++result.lost;
     if (scan.degenerate) ++result.degenerate;

@@ -12,14 +12,14 @@ namespace {
 
 constexpr double kFalseAlarm = 0.2;  // m
 constexpr double kMissed = 0.5;      // m
-/// An occupied cell farther than this from every surface is where nothing stands, m.
-constexpr double kNothingThere = 0.15;
-/// A ghost is no farther than this from where a person, a thing or the vehicle was, m: half a
-/// person and what covered the view of the laser.
+/// An occupied cell farther than this from every surface is false, m.
+constexpr double kFalseDistance = 0.15;
+/// Largest distance of a ghost cell from a former position of a person, an object or the vehicle,
+/// m. Covers half the width of a person and the distance of a blocked view.
 constexpr double kGhostReach = 0.6;
 
 /// The poses of the scans that are not lost.
-Trajectory found(const OfflineRun& run) {
+Trajectory trackedPoses(const OfflineRun& run) {
   Trajectory result;
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
     if (run.scans[i].state != MatchState::kLost) result.push_back(run.trajectory[i]);
@@ -27,10 +27,10 @@ Trajectory found(const OfflineRun& run) {
   return result;
 }
 
-/// Tells the cells of the final map apart, against what stands at the end of the flight.
-class CellJudge {
+/// Classifies occupied cells of the final map with the objects at the end of the flight.
+class CellClassifier {
  public:
-  CellJudge(const World::Parts& parts, const Trajectory& flown, double end_s)
+  CellClassifier(const World::Parts& parts, const Trajectory& flown, double end_s)
       : walkers_(parts.walkers), flown_(flown) {
     at_end_.cylinders = parts.cylinders;
     for (const Box& box : parts.boxes) {
@@ -39,13 +39,13 @@ class CellJudge {
   }
 
   bool isFalse(const Eigen::Vector2d& point) const {
-    return distanceToUprightSurface(at_end_, point) > kNothingThere;
+    return distanceToUprightSurface(at_end_, point) > kFalseDistance;
   }
 
   bool isGhost(const Eigen::Vector2d& point) const {
     if (distanceToUprightSurface(gone_, point) < kGhostReach) return true;
     for (const Walker& walker : walkers_) {
-      if (walker.distanceToWay(point) < kGhostReach) return true;
+      if (walker.distanceToPath(point) < kGhostReach) return true;
     }
     return std::any_of(flown_.begin(), flown_.end(), [&](const auto& flown) {
       return (flown.pose.translation() - point).norm() < kGhostReach;
@@ -58,7 +58,7 @@ class CellJudge {
   const Trajectory& flown_;
 };
 
-void countCells(const CellJudge& judge, const MapSnapshot& map, const Pose2& world_T_map,
+void countCells(const CellClassifier& classifier, const MapSnapshot& map, const Pose2& world_T_map,
                 HardFlightMeasurement& result) {
   for (int row = 0; row < map.height; ++row) {
     for (int column = 0; column < map.width; ++column) {
@@ -66,15 +66,15 @@ void countCells(const CellJudge& judge, const MapSnapshot& map, const Pose2& wor
       const Eigen::Vector2d in_map(map.origin_x + (column + 0.5) * map.resolution_m,
                                    map.origin_y + (row + 0.5) * map.resolution_m);
       const Eigen::Vector2d point = world_T_map * in_map;
-      if (!judge.isFalse(point)) continue;
-      ++(judge.isGhost(point) ? result.ghost_cells : result.double_cells);
+      if (!classifier.isFalse(point)) continue;
+      ++(classifier.isGhost(point) ? result.ghost_cells : result.double_cells);
     }
   }
 }
 
-/// Goes through the scans in their order: `reference` are the true poses at their stamps.
-void judgeScans(const HardFlight& hard, const Pose2& world_T_map, const Trajectory& reference,
-                HardFlightMeasurement& result) {
+/// Compares the scans with the truth; `reference` has the true poses at their stamps.
+void evaluateScans(const HardFlight& hard, const Pose2& world_T_map, const Trajectory& reference,
+                   HardFlightMeasurement& result) {
   const OfflineRun& run = result.flight.run;
   bool was_lost = true;
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
@@ -91,9 +91,10 @@ void judgeScans(const HardFlight& hard, const Pose2& world_T_map, const Trajecto
       result.recovery_s = time - hard.blind_until_s;
     }
     if (!lost && !was_lost) {
-      const Pose2 seemed = run.trajectory[i - 1].pose.inverse() * run.trajectory[i].pose;
-      const Pose2 really = reference[i - 1].pose.inverse() * reference[i].pose;
-      result.jump_m = std::max(result.jump_m, (seemed.translation() - really.translation()).norm());
+      const Pose2 estimated = run.trajectory[i - 1].pose.inverse() * run.trajectory[i].pose;
+      const Pose2 truth = reference[i - 1].pose.inverse() * reference[i].pose;
+      result.jump_m =
+          std::max(result.jump_m, (estimated.translation() - truth.translation()).norm());
     }
     was_lost = lost;
   }
@@ -105,13 +106,14 @@ HardFlightMeasurement measureHardFlight(const HardFlight& hard) {
   HardFlightMeasurement result;
   result.flight = measureFlight(hard.trial);
   const FlightMeasurement& flight = result.flight;
-  // Poses that are declared to be lost must not bend the alignment of the others.
-  const ReferenceEvaluation error = evaluateReference(found(flight.run), flight.error.reference);
+  // Lost poses are excluded from the alignment.
+  const ReferenceEvaluation error =
+      evaluateReference(trackedPoses(flight.run), flight.error.reference);
   result.ate_m = error.ate_statistics.translation_m.rmse;
-  judgeScans(hard, error.reference_T_map, flight.error.reference, result);
+  evaluateScans(hard, error.reference_T_map, flight.error.reference, result);
   const double end = flight.error.reference.back().stamp - kFlightStart;
-  const CellJudge judge(hard.trial.place.parts, flight.error.reference, end);
-  countCells(judge, flight.run.map, error.reference_T_map, result);
+  const CellClassifier classifier(hard.trial.place.parts, flight.error.reference, end);
+  countCells(classifier, flight.run.map, error.reference_T_map, result);
   return result;
 }
 

@@ -10,14 +10,14 @@ namespace {
 
 using Waypoint = FlightPlan::Waypoint;
 
-/// With a laser of 40 Hz and an IMU.
+/// A flight with a laser at 40 Hz and an IMU.
 HardFlight hardFlightIn(const std::string& name, const std::string& place_name) {
   HardFlight flight;
   flight.trial = flightIn(name, place_name);
   return flight;
 }
 
-/// A level vehicle with a laser of `rate_hz` and nothing else.
+/// A flight of a level vehicle with a laser at `rate_hz` and no other sensor.
 HardFlight laserOnly(const std::string& name, const std::string& place_name, double rate_hz) {
   HardFlight flight = hardFlightIn(name, place_name);
   flight.trial.place.quadrotor.level = true;
@@ -27,7 +27,7 @@ HardFlight laserOnly(const std::string& name, const std::string& place_name, dou
   return flight;
 }
 
-/// Twelve people who walk around the flight, three of them side by side.
+/// Twelve people who walk around the vehicle.
 HardFlight crowd() {
   HardFlight flight = laserOnly("twelve people", "people", 40.0);
   std::vector<Walker>& walkers = flight.trial.place.parts.walkers;
@@ -42,10 +42,10 @@ HardFlight crowd() {
   return flight;
 }
 
-/// Two rounds; before the second one half of the furniture is somewhere else.
+/// Two rounds; half of the furniture is moved before the second round.
 HardFlight movedFurniture() {
   constexpr double kMovedAt = 33.0;       // s, the end of the first round
-  const Eigen::Vector2d kMove(0.0, 1.3);  // m, so that one sees where they were
+  const Eigen::Vector2d kMove(0.0, 1.3);  // m, so that the old positions become visible
   HardFlight flight = laserOnly("furniture moved between two rounds", "people", 40.0);
   Place& place = flight.trial.place;
   place.parts.walkers.clear();
@@ -75,7 +75,7 @@ HardFlight dropouts() {
   return flight;
 }
 
-/// For a second, half of the beams meet something that flies along.
+/// Three times, an obstacle close to the laser blocks half of the beams for one second.
 HardFlight halfBlocked() {
   HardFlight flight = laserOnly("half of the view blocked for 1 s", "laboratory", 40.0);
   for (const double from : {10.0, 25.0, 40.0}) {
@@ -88,7 +88,7 @@ HardFlight halfBlocked() {
   return flight;
 }
 
-/// The whole view is blocked, and the vehicle flies on at 1 m/s and around a corner.
+/// Blocks the whole view while the vehicle flies around a corner at 1 m/s.
 void blockAll(HardFlight& flight, double range_m) {
   constexpr double kFrom = 12.0, kUntil = 14.0;  // s
   flight.trial.place.plan.speed_m_s = 1.0;
@@ -96,7 +96,7 @@ void blockAll(HardFlight& flight, double range_m) {
   view.from_s = flight.blind_from_s = kFrom;
   view.until_s = flight.blind_until_s = kUntil;
   view.range_m = range_m;
-  flight.lost_is_true = range_m >= flight.trial.config.projector.beams.min_range_m;
+  flight.lost_expected = range_m >= flight.trial.config.projector.beams.min_range_m;
   flight.trial.vehicle.blocked_views = {view};
 }
 
@@ -107,25 +107,25 @@ HardFlight allBlocked() {
 }
 
 HardFlight allBlockedWithImu() {
-  HardFlight flight = hardFlightIn("the same with an IMU", "laboratory");
+  HardFlight flight = hardFlightIn("all of the view blocked for 2 s, with IMU", "laboratory");
   blockAll(flight, BlockedView().range_m);
   return flight;
 }
 
-/// So close to the laser that the scans are dropped, and the mapper gets none.
+/// The obstacle is closer than the minimum range. All scans are dropped, so the mapper gets none.
 HardFlight noScans() {
   HardFlight flight = laserOnly("no scans for 2 s", "laboratory", 40.0);
   blockAll(flight, 0.5 * flight.trial.config.projector.beams.min_range_m);
   return flight;
 }
 
-HardFlight nothingInSight() {
-  HardFlight flight = laserOnly("no return at all for 2 s", "laboratory", 40.0);
+HardFlight noReturns() {
+  HardFlight flight = laserOnly("no returns for 2 s", "laboratory", 40.0);
   blockAll(flight, std::numeric_limits<double>::infinity());
   return flight;
 }
 
-/// Two turns on the spot at 2 rad/s, and back.
+/// Two turns on the spot at 2 rad/s, then two turns back.
 HardFlight spin(double rate_hz) {
   HardFlight flight =
       laserOnly("rotation at 2 rad/s, " + std::to_string(static_cast<int>(rate_hz)) + " Hz, no IMU",
@@ -137,16 +137,17 @@ HardFlight spin(double rate_hz) {
   plan.waypoints = {start, turned, start};
   plan.yaw_rate_rad_s = 2.0;
   plan.nose_forward = false;
-  // A sweep of 19 ms is bent by 2°, which nobody can undo without a gyro: corners become thick.
+  // The vehicle turns by 2° during a sweep of 19 ms. Without a gyro this distortion cannot be
+  // corrected, so corners become thick.
   flight.limits.double_cells = 80;
   return flight;
 }
 
-/// From rest to 3 m/s with 3 m/s², and to rest again.
-HardFlight fastStart(double rate_hz) {
-  HardFlight flight =
-      laserOnly("start with 3 m/s², " + std::to_string(static_cast<int>(rate_hz)) + " Hz, no IMU",
-                "people", rate_hz);
+/// Accelerates from rest to 3 m/s with 3 m/s², then brakes to rest.
+HardFlight fastAcceleration(double rate_hz) {
+  HardFlight flight = laserOnly(
+      "acceleration of 3 m/s², " + std::to_string(static_cast<int>(rate_hz)) + " Hz, no IMU",
+      "people", rate_hz);
   Place& place = flight.trial.place;
   place.parts.walkers.clear();
   const double x = 5.0, y = 1.7, z = 1.0;
@@ -162,9 +163,18 @@ HardFlight fastStart(double rate_hz) {
 
 std::vector<HardFlight> hardFlights() {
   constexpr double kFast = 40.0, kSlow = 10.0;  // Hz
-  return {crowd(),      movedFurniture(),    dropouts(),       halfBlocked(),
-          allBlocked(), allBlockedWithImu(), nothingInSight(), noScans(),
-          spin(kFast),  spin(kSlow),         fastStart(kFast), fastStart(kSlow)};
+  return {crowd(),
+          movedFurniture(),
+          dropouts(),
+          halfBlocked(),
+          allBlocked(),
+          allBlockedWithImu(),
+          noReturns(),
+          noScans(),
+          spin(kFast),
+          spin(kSlow),
+          fastAcceleration(kFast),
+          fastAcceleration(kSlow)};
 }
 
 }  // namespace kestrel

@@ -13,9 +13,9 @@
 namespace kestrel {
 namespace {
 
-constexpr double kMapShare = 2.2, kErrorShare = 1.4;  // heights of the charts
-/// The curves are means over so many equal stretches of time.
-constexpr std::size_t kStretches = 80;
+constexpr double kMapShare = 2.2, kErrorShare = 1.4;  // relative heights of the panels
+/// Number of time intervals of a curve. Each point is the mean of one interval.
+constexpr std::size_t kIntervals = 80;
 
 std::string format(const char* format, double value) {
   std::array<char, 64> text;
@@ -29,7 +29,7 @@ std::string row(const std::vector<std::string>& cells) {
   return line + "\n";
 }
 
-/// At the later stamp of each relation: only then its error could be made.
+/// Errors of the relations, each at its later stamp, because the error is complete at that time.
 std::vector<PoseError> relationErrors(const MethodRun& method,
                                       const std::vector<Relation>& relations) {
   RelationEvaluation evaluation = evaluateRelations(method.run.trajectory, relations);
@@ -39,7 +39,8 @@ std::vector<PoseError> relationErrors(const MethodRun& method,
   return std::move(evaluation.errors);
 }
 
-/// All runs use the same scans; one that was stopped has only the first of them.
+/// Distances between poses of equal index. All runs use the same scans, but a run that was stopped
+/// has fewer.
 std::vector<PoseError> distances(const Trajectory& from, const Trajectory& trajectory) {
   std::vector<PoseError> errors;
   for (std::size_t i = 0; i < std::min(from.size(), trajectory.size()); ++i) {
@@ -70,18 +71,18 @@ double meanIterations(const OfflineRun& run) {
   return run.scans.empty() ? 0.0 : sum / static_cast<double>(run.scans.size());
 }
 
-/// Means over equal stretches of the time since `start`; x is the middle of the stretch.
+/// Means over equal time intervals; x is the middle of the interval, in s since `start`.
 std::vector<Eigen::Vector2d> curveOf(const std::vector<PoseError>& errors, double start, double end,
                                      double PoseError::*component) {
-  std::array<double, kStretches> sums{}, counts{};
-  const double stretch = std::max(end - start, 1e-9) / static_cast<double>(kStretches);
+  std::array<double, kIntervals> sums{}, counts{};
+  const double stretch = std::max(end - start, 1e-9) / static_cast<double>(kIntervals);
   for (const PoseError& error : errors) {
-    const double place = std::clamp((error.stamp - start) / stretch, 0.0, kStretches - 1.0);
+    const double place = std::clamp((error.stamp - start) / stretch, 0.0, kIntervals - 1.0);
     sums[static_cast<std::size_t>(place)] += error.*component;
     counts[static_cast<std::size_t>(place)] += 1.0;
   }
   std::vector<Eigen::Vector2d> curve;
-  for (std::size_t i = 0; i < kStretches; ++i) {
+  for (std::size_t i = 0; i < kIntervals; ++i) {
     if (counts[i] == 0.0) continue;
     curve.emplace_back((static_cast<double>(i) + 0.5) * stretch, sums[i] / counts[i]);
   }
@@ -119,7 +120,7 @@ MatcherComparison compareRuns(const std::vector<MethodRun>& runs,
     std::vector<PoseError> errors = relations
                                         ? relationErrors(method, *relations)
                                         : distances(from->run.trajectory, method.run.trajectory);
-    if (errors.empty()) throw std::runtime_error("no relation has both of its stamps in the run");
+    if (errors.empty()) throw std::runtime_error("no relation has both stamps in the run");
     const PoseErrorStatistics statistics = statisticsOf(errors);
     comparison.errors.push_back({method.method, std::move(errors), statistics});
   }
@@ -170,7 +171,7 @@ void plotComparison(const std::string& path, const std::vector<MethodRun>& runs,
   const Trajectory& longest = runs.front().run.trajectory;
   for (const MethodRun& method : runs) {
     const MatcherComparison::Errors* entry = errorsOf(comparison, method.method);
-    // The reference keeps its place, so that a method has one color in all panels.
+    // The reference gets an empty series, so that each method has the same color in all panels.
     PlotSeries t{entry == nullptr ? "" : method.method, {}}, r = t;
     if (entry != nullptr) {
       const double start = longest.front().stamp, end = longest.back().stamp;

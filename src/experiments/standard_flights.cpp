@@ -11,7 +11,7 @@ VehicleModel utmVehicle() {
   return vehicle;
 }
 
-/// Four turns on the spot at 2 rad/s, and back.
+/// Four turns on the spot at 2 rad/s, then four turns back.
 FlightTrial spin() {
   constexpr double kRate = 2.0, kTurn = 8.0 * kPi;
   FlightTrial trial = flightIn("spin at 2 rad/s", "laboratory");
@@ -25,7 +25,7 @@ FlightTrial spin() {
   return trial;
 }
 
-/// The laboratory loop with stops at every waypoint and up to 20 degrees of tilt between them.
+/// The laboratory loop with stops at every waypoint and tilt of up to 20 degrees between them.
 FlightTrial agile(const std::string& name) {
   constexpr double kSpeed = 2.5, kAcceleration = 3.3;  // tan 20 deg is 3.6 m/s²
   FlightTrial trial = flightIn(name, "laboratory");
@@ -37,13 +37,13 @@ FlightTrial agile(const std::string& name) {
 }
 
 FlightTrial agileLevel() {
-  FlightTrial trial = agile("the same path, level");
+  FlightTrial trial = agile("path of the tilted flight, level");
   trial.place.quadrotor.level = true;
   return trial;
 }
 
 FlightTrial agileUnprojected() {
-  FlightTrial trial = agile("the same, projector off");
+  FlightTrial trial = agile("tilted flight, projector off");
   trial.options.use_imu = false;
   return trial;
 }
@@ -68,7 +68,7 @@ FlightTrial rawImu() {
   return trial;
 }
 
-FlightTrial shortSighted() {
+FlightTrial shortRange() {
   FlightTrial trial = flightIn("straight corridor, URG-04LX", "corridor");
   trial.vehicle.laser = laserModel("urg04lx");
   return trial;
@@ -105,9 +105,9 @@ std::vector<FlightTrial> standardFlights() {
           flightIn("glass walls", "glass"),
           flightIn("doors", "doors"),
           flightIn("walking people", "people"),
-          flightIn("hall beyond the laser's range", "hall"),
+          flightIn("hall larger than the laser range", "hall"),
           flightIn("straight corridor", "corridor"),
-          shortSighted(),
+          shortRange(),
           laserOnly()};
 }
 

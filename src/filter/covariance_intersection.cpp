@@ -9,13 +9,13 @@ namespace {
 
 constexpr int kBisections = 40;
 
-/// Derivative of log det C by the weight; `ratio`: of the measurement's information to the prior's
-/// along the axes on which both are diagonal.
+/// Derivative of log det C with respect to the weight. `ratio`: information of the measurement
+/// relative to the prior, on the axes on which both are diagonal.
 double slope(const Eigen::Array3d& ratio, double weight) {
   return -((1.0 - ratio) / (weight + (1.0 - weight) * ratio)).sum();
 }
 
-/// log det C is convex in the weight.
+/// Bisection: log det C is convex in the weight.
 double bestWeight(const Eigen::Array3d& ratio) {
   double low = 0.0, high = 1.0;
   if (slope(ratio, low) >= 0.0) return low;
@@ -30,7 +30,7 @@ double bestWeight(const Eigen::Array3d& ratio) {
 }  // namespace
 
 Intersection intersect(const Eigen::Matrix3d& prior, const Eigen::Matrix3d& measured) {
-  // On the axes T both are diagonal: Tᵀ measured T = 1 / ratio, Tᵀ prior T = 1.
+  // The axes T diagonalize both: Tᵀ measured T = 1 / ratio, Tᵀ prior T = 1.
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d> axes(measured, prior);
   const Eigen::Array3d ratio = axes.eigenvalues().array().max(1e-12).inverse();
   Intersection result;

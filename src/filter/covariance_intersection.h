@@ -7,15 +7,16 @@ namespace kestrel {
 
 /// Result of a covariance intersection of a prior with a measurement of the same quantity.
 struct Intersection {
-  double weight = 1.0;  ///< of the prior's information, 0 to 1; the measurement's has the rest
+  /// Weight of the prior's information, 0 to 1; that of the measurement is 1 - weight.
+  double weight = 1.0;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d gain = Eigen::Matrix3d::Zero();  ///< estimate = prior + gain * innovation
 };
 
-/// Covariance intersection (paper 001 section V; Julier and Uhlmann 1997): C⁻¹ = w A⁻¹ + (1 - w)
-/// B⁻¹, which claims no more than is known however the errors of the two are correlated. The
-/// weight is the one with the smallest determinant of C: unlike the trace, it does not depend on
-/// the units of the quantities. `prior` and `measured`: symmetric and positive definite.
+/// Covariance intersection ([Kohlbrecher 2011, sec. V; Julier 1997]): C⁻¹ = w A⁻¹ + (1 - w) B⁻¹. It
+/// is never overconfident, for any correlation of the two errors. The weight minimizes the
+/// determinant of C, which, unlike the trace, does not depend on the units of the quantities.
+/// `prior` and `measured` must be symmetric and positive definite.
 Intersection intersect(const Eigen::Matrix3d& prior, const Eigen::Matrix3d& measured);
 
 }  // namespace kestrel

@@ -8,24 +8,24 @@
 namespace kestrel {
 namespace {
 
-// A saturated reading tells hardly more than the direction.
+// Noise of a saturated reading, which only shows the direction.
 constexpr double kSaturatedGyroNoise = 1.0;            // rad/s/sqrt(Hz)
 constexpr double kSaturatedAccelerometerNoise = 10.0;  // m/s²/sqrt(Hz)
 
-// What a vehicle may do unseen in a gap, besides going on as before.
+// Unknown motion in a gap, in addition to the continued one.
 constexpr double kGapRate = 0.5;          // rad/s
 constexpr double kGapAcceleration = 2.0;  // m/s²
 
 double square(double x) { return x * x; }
 
-/// The blocks of the transition that are neither zero nor one.
+/// The blocks of the transition that are neither zero nor identity.
 struct Step {
-  Eigen::Matrix3d turn;       ///< of the orientation by the gyro's bias, negative
-  Eigen::Matrix3d lean;       ///< of the velocity by the orientation
-  Eigen::Matrix3d lean_bias;  ///< of the velocity by the gyro's bias
+  Eigen::Matrix3d orientation_by_bias;      ///< -d orientation / d gyro bias
+  Eigen::Matrix3d velocity_by_orientation;  ///< d velocity / d orientation
+  Eigen::Matrix3d velocity_by_bias;         ///< d velocity / d gyro bias
 };
 
-/// Rotation in the middle of the step.
+/// Orientation in the middle of the step.
 Eigen::Quaterniond middle(const ImuInput& input, double dt, const FilterState& state) {
   return state.map_R_base * rotationBy(0.5 * dt * (input.rate - state.gyro_bias));
 }
@@ -34,21 +34,22 @@ Step stepOf(const FilterState& state, const ImuInput& input, double dt) {
   const Eigen::Matrix3d map_R_middle = middle(input, dt, state).toRotationMatrix();
   const Eigen::Vector3d force = map_R_middle * (input.force - state.accelerometer_bias);
   Step step;
-  step.turn = dt * map_R_middle;
-  step.lean = -dt * skew(force);
-  step.lean_bias = -0.5 * step.lean * step.turn;
+  step.orientation_by_bias = dt * map_R_middle;
+  step.velocity_by_orientation = -dt * skew(force);
+  step.velocity_by_bias = -0.5 * step.velocity_by_orientation * step.orientation_by_bias;
   return step;
 }
 
-/// Left multiplication of `matrix` with the transition; the rows of the biases stay.
+/// Multiplies `matrix` from the left with the transition. The rows of the biases do not change.
 void multiply(const Step& step, double dt, StateMatrix& matrix) {
   using Rows = Eigen::Matrix<double, 3, kStateDim>;
-  const Rows gained = step.lean * matrix.middleRows<3>(kOrientation) +
-                      step.lean_bias * matrix.middleRows<3>(kGyroBias) -
-                      step.turn * matrix.middleRows<3>(kAccelerometerBias);
-  matrix.middleRows<3>(kPosition) += dt * matrix.middleRows<3>(kVelocity) + 0.5 * dt * gained;
-  matrix.middleRows<3>(kVelocity) += gained;
-  matrix.middleRows<3>(kOrientation) -= step.turn * matrix.middleRows<3>(kGyroBias);
+  const Rows velocity_change = step.velocity_by_orientation * matrix.middleRows<3>(kOrientation) +
+                               step.velocity_by_bias * matrix.middleRows<3>(kGyroBias) -
+                               step.orientation_by_bias * matrix.middleRows<3>(kAccelerometerBias);
+  matrix.middleRows<3>(kPosition) +=
+      dt * matrix.middleRows<3>(kVelocity) + 0.5 * dt * velocity_change;
+  matrix.middleRows<3>(kVelocity) += velocity_change;
+  matrix.middleRows<3>(kOrientation) -= step.orientation_by_bias * matrix.middleRows<3>(kGyroBias);
 }
 
 void addNoise(const ImuInput& input, double dt, const PoseFilterConfig& config, StateMatrix& p) {
@@ -99,7 +100,7 @@ void propagate(const ImuInput& input, double dt, const PoseFilterConfig& config,
                FilterState& state) {
   const Step step = stepOf(state, input, dt);
   multiply(step, dt, state.covariance);
-  state.covariance.transposeInPlace();  // symmetric before: now the other side
+  state.covariance.transposeInPlace();  // symmetric before, so this multiplies from the right
   multiply(step, dt, state.covariance);
   addNoise(input, dt, config, state.covariance);
   moveEstimate(input, dt, state);

@@ -8,17 +8,17 @@
 
 namespace kestrel {
 
-/// The two states beside those of FilterOutput: what the height sensors refer to. They are
-/// estimated together with the others, so that a height that was learned from the filter never
-/// counts as news.
-constexpr int kBarometerOffset = kFilterDim;  ///< what a barometer reads at z = 0, m
-constexpr int kGround = kFilterDim + 1;       ///< height of what is below the range finder, m
+/// Two states in addition to those of FilterOutput: the references of the height sensors. They are
+/// estimated together with the others, so that the correlation is known and no information is used
+/// twice.
+constexpr int kBarometerOffset = kFilterDim;  ///< reading of the barometer at z = 0, m
+constexpr int kGround = kFilterDim + 1;       ///< height of the surface below the range finder, m
 constexpr int kStateDim = kFilterDim + 2;
 
 using StateVector = Eigen::Matrix<double, kStateDim, 1>;
 using StateMatrix = Eigen::Matrix<double, kStateDim, kStateDim>;
 
-/// What the IMU measures over a step, in base.
+/// Mean IMU reading over a step, in the base frame.
 struct ImuInput {
   Eigen::Vector3d rate = Eigen::Vector3d::Zero();   ///< rad/s
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< specific force, m/s²
@@ -26,53 +26,54 @@ struct ImuInput {
   bool force_saturated = false;
 };
 
-/// Estimate, covariance, and what the measurement models remember: a value, so that the filter can
-/// go back to an earlier one and repeat everything since then.
+/// Estimate, covariance, and the memory of the measurement models. A value type, so that the filter
+/// can go back to an earlier state and repeat all later steps.
 struct FilterState {
   double stamp = 0.0;
   Eigen::Quaterniond map_R_base = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in map, m
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< in map, m/s
-  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();
-  Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();            ///< in the map frame, m
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();            ///< in the map frame, m/s
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();           ///< in the base frame, rad/s
+  Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();  ///< in the base frame, m/s²
   double barometer_offset = 0.0;
   double ground = 0.0;
   StateMatrix covariance = StateMatrix::Zero();
 
-  bool reinitialized = false;           ///< the place in map is known
-  double aided_stamp = -1e18;           ///< of the last pose or position that was accepted, s
-  double rejected_since = -1.0;         ///< stamp of the first pose rejected in a row; < 0: none
-  double height_rejected_since = -1.0;  ///< the same of readings of the range finder
-  double range_stamp = -1e18;           ///< of the last of them, s,
-  double range_m = 0.0;                 ///< and how far down it saw, m
-  double step_height = 0.0;  ///< ground that rejected readings of the range finder suggest, m
-  int step_readings = 0;     ///< how many in a row
+  bool reinitialized = false;  ///< the pose in the map is known
+  double aided_stamp = -1e18;  ///< stamp of the last accepted pose or position, s
+  /// Stamp of the first of the poses rejected in a row, s; < 0: none.
+  double rejected_since = -1.0;
+  double height_rejected_since = -1.0;  ///< the same for the range finder
+  double range_stamp = -1e18;           ///< stamp of the last reading of the range finder, s,
+  double range_m = 0.0;                 ///< and its vertical distance, m
+  double step_height = 0.0;  ///< height of the surface below according to rejected readings, m
+  int step_readings = 0;     ///< number of consecutive readings that agree with it
 };
 
-/// Derivative of the next error state with respect to this one, for a step of `dt` seconds.
+/// Derivative of the next error state with respect to the current one, for a step of `dt` seconds.
 StateMatrix transition(const FilterState& state, const ImuInput& input, double dt);
 
-/// Moves the estimate alone (paper 001 eq. 1-3 with biases, trapezoidal).
+/// Propagates the estimate only [Kohlbrecher 2011, eq. 1-3, with biases; trapezoidal].
 void moveEstimate(const ImuInput& input, double dt, FilterState& state);
 
-/// Moves estimate and covariance; the same as with transition(), but only where that is not the
-/// identity.
+/// Propagates estimate and covariance. Equal to a product with transition(), but skips its zeros
+/// and ones.
 void propagate(const ImuInput& input, double dt, const PoseFilterConfig& config,
                FilterState& state);
 
-/// Forgets what a gap of `dt` seconds without IMU makes uncertain.
+/// Adds the uncertainty of a gap of `dt` seconds without IMU.
 void addGap(double dt, FilterState& state);
 
 /// Adds an error state to the estimate.
 void inject(const StateVector& error, FilterState& state);
 
-/// The error state that leads from `estimate` to `truth`.
+/// The error state from `estimate` to `truth`.
 StateVector errorBetween(const FilterState& estimate, const FilterState& truth);
 
-/// Finite, and no variance is negative.
+/// Whether all values are finite and no variance is negative.
 bool isHealthy(const FilterState& state);
 
-/// The matrix of the cross product.
+/// The cross product matrix of `v`.
 Eigen::Matrix3d skew(const Eigen::Vector3d& v);
 
 }  // namespace kestrel

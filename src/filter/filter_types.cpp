@@ -7,14 +7,14 @@
 namespace kestrel {
 namespace {
 
-/// What the filter may be wrong by where others build on it: 0.6 degrees move the end of a beam of
-/// 10 m by 0.1 m in height; 0.2 m/s are 5 mm between two scans of 40 Hz.
+/// Limits for the accuracy that others need. An error of 0.6 degrees changes the height of a beam's
+/// end at 10 m by 0.1 m; 0.2 m/s are 5 mm between two scans at 40 Hz.
 constexpr double kUsefulTilt = 0.01;  // rad
 constexpr double kUsefulSpeed = 0.2;  // m/s
-/// A range finder's step over a table is recognized from 0.1 m on (LevelFollower).
+/// LevelFollower detects steps from 0.1 m on.
 constexpr double kUsefulHeight = 0.1;  // m
 
-/// Whether the deviations of two states that follow each other are below `limit`.
+/// Whether the standard deviations of two consecutive states are below `limit`.
 bool areKnown(const FilterCovariance& covariance, int first, double limit) {
   return covariance.diagonal().segment<2>(first).maxCoeff() < limit * limit;
 }
@@ -83,7 +83,8 @@ Eigen::Matrix<double, 6, 6> poseCovariance(const FilterOutput& output) {
 }
 
 Eigen::Matrix<double, 6, 6> twistCovariance(const FilterOutput& output, double gyro_sigma) {
-  // The velocity in base also turns with the error of the orientation: Rᵀ (dv + v x dtheta).
+  // The velocity in the base frame also depends on the orientation error: Rᵀ (dv + v x d
+  // orientation).
   const Eigen::Matrix3d base_R_map = output.map_T_base.linear().transpose();
   const Eigen::Vector3d& v = output.velocity;
   Eigen::Matrix3d turned;

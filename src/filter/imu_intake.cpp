@@ -6,66 +6,55 @@
 namespace kestrel {
 namespace {
 
-constexpr double kPeriodShare = 0.02;  // of the newest period in the smoothed one
-constexpr double kRounding = 0.01;     // of a period
+constexpr double kPeriodShare = 0.02;  // weight of the newest period in the smoothed one
+constexpr double kRounding = 0.01;     // tolerance, relative to the period
 
 ImuFault frozenFault(double duration_s) {
   std::ostringstream text;
-  text << "the IMU repeats the same reading, bit for bit, for " << duration_s
+  text << "the IMU has sent the same reading for " << duration_s
        << " s; check its driver and cable";
   return {"frozen", text.str()};
 }
 
 }  // namespace
 
-ImuIntake::ImuIntake(const PoseFilterConfig& config)
-    : config_(config), frozen_(config.imu.frozen_s) {}
+ImuIntake::ImuIntake(const PoseFilterConfig& config) : config_(config) {}
 
 std::optional<double> ImuIntake::newest() const { return last_stamp_; }
 
 double ImuIntake::rate() const { return period_s_ > 0.0 ? 1.0 / period_s_ : 0.0; }
 
-ImuIntake::Result ImuIntake::add(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
-  bad_ = false;
-  if (!isUsable(sample, base_T_imu)) {
-    bad_ = true;
-    return Result::kRejected;
-  }
-  const StampCheck::Verdict verdict = stamps_.check(sample.stamp);
-  if (verdict == StampCheck::Verdict::kLate || verdict == StampCheck::Verdict::kJump) {
-    const bool late = verdict == StampCheck::Verdict::kLate;
-    fault_ = {late ? "late" : "stamp jumps", late ? "the IMU's samples come out of order"
+ImuIntake::Result ImuIntake::add(const CheckedImu& reading) {
+  const StampCheck::Verdict order = reading.order;
+  const std::optional<ImuFault> broken = faultIn(reading);
+  bad_ = broken.has_value();
+  if (bad_) fault_ = *broken;
+  if (bad_) return Result::kRejected;
+  if (order == StampCheck::Verdict::kLate || order == StampCheck::Verdict::kJump) {
+    const bool late = order == StampCheck::Verdict::kLate;
+    fault_ = {late ? "late" : "stamp jumps", late ? "the IMU's samples arrive out of order"
                                                   : "the IMU's stamps jump; check its clock"};
     return Result::kRejected;
   }
-  if (frozen_.add(sample)) {
-    fault_ = frozenFault(frozen_.duration());
-    bad_ = true;
-    return Result::kRejected;
-  }
-  lever_m_ = base_T_imu.translation();
-  const ImuInput reading = inBase(sample, base_T_imu);
-  if (verdict == StampCheck::Verdict::kNext) return accumulate(sample.stamp, reading);
+  lever_m_ = reading.base_T_imu.translation();
+  const ImuInput input = inBase(reading.sample, reading.base_T_imu);
+  if (order == StampCheck::Verdict::kNext) return accumulate(reading.sample.stamp, input);
   last_stamp_.reset();
-  accumulate(sample.stamp, reading);
+  accumulate(reading.sample.stamp, input);
   return Result::kClockSetBack;
 }
 
-bool ImuIntake::isUsable(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
-  ImuSample raw = sample;
-  raw.world_R_imu.reset();  // not used here
-  std::optional<ImuFault> fault = faultOfStamp(sample.stamp);
-  if (!fault) fault = faultOf(raw);
-  if (!fault) fault = faultOf(Eigen::Quaterniond(base_T_imu.linear()), "the IMU's mounting");
-  if (!fault && !base_T_imu.translation().allFinite()) {
-    fault = ImuFault{"not finite", "the IMU's mounting has a translation that is not finite"};
+/// What makes the reading useless for the filter; the orientation is not used here.
+std::optional<ImuFault> ImuIntake::faultIn(const CheckedImu& reading) const {
+  if (reading.fault) return reading.fault;
+  if (!reading.sample.angular_velocity || !reading.sample.linear_acceleration) {
+    return ImuFault{"incomplete",
+                    "the IMU gives no angular velocity or no acceleration; the filter needs both"};
   }
-  if (!fault && !(raw.angular_velocity && raw.linear_acceleration)) {
-    fault = ImuFault{"incomplete",
-                     "the IMU gives no angular velocity or no acceleration; the filter needs both"};
-  }
-  if (fault) fault_ = *fault;
-  return !fault;
+  const bool is_in_order =
+      reading.order == StampCheck::Verdict::kNext || reading.order == StampCheck::Verdict::kSetBack;
+  if (is_in_order && reading.frozen_s >= config_.imu.frozen_s) return frozenFault(reading.frozen_s);
+  return std::nullopt;
 }
 
 ImuInput ImuIntake::inBase(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) const {
@@ -74,8 +63,9 @@ ImuInput ImuIntake::inBase(const ImuSample& sample, const Eigen::Isometry3d& bas
   const double force = sample.linear_acceleration->cwiseAbs().maxCoeff();
   ImuInput reading;
   reading.rate = rotation * *sample.angular_velocity;
-  reading.force = rotation * *sample.linear_acceleration -
-                  reading.rate.cross(reading.rate.cross(lever_m_));  // to the base's origin
+  reading.force =
+      rotation * *sample.linear_acceleration -
+      reading.rate.cross(reading.rate.cross(lever_m_));  // remove the centripetal acceleration
   reading.rate_saturated = rate >= config_.noise.gyro_range;
   reading.force_saturated = force >= config_.noise.accelerometer_range;
   return reading;
@@ -93,7 +83,8 @@ ImuIntake::Result ImuIntake::accumulate(double stamp, const ImuInput& reading) {
   period_s_ = period_s_ > 0.0 ? period_s_ + kPeriodShare * (dt - period_s_) : dt;
   sum_.rate += 0.5 * dt * (last_.rate + reading.rate);
   sum_.force += 0.5 * dt * (last_.force + reading.force);
-  // The turn's acceleration times dt; of many steps, noise of the first and the last remains.
+  // Removes the integral of the acceleration due to angular acceleration. Summed over many steps,
+  // only noise of the first and the last reading remains.
   sum_.force -= (reading.rate - last_.rate).cross(lever_m_);
   sum_.rate_saturated |= last_.rate_saturated || reading.rate_saturated;
   sum_.force_saturated |= last_.force_saturated || reading.force_saturated;

@@ -11,45 +11,44 @@
 
 namespace kestrel {
 
-/// One step of the IMU: the mean of its readings (trapezoidal) since the step before.
+/// One IMU step: the mean (trapezoidal) of the readings since the previous step.
 struct ImuStep {
   double stamp = 0.0;
-  double dt = 0.0;   ///< s; 0: the first reading
-  ImuInput mean;     ///< over the step
-  ImuInput reading;  ///< at its end
+  double dt = 0.0;   ///< s; 0 for the first reading
+  ImuInput mean;     ///< over the step, in the base frame
+  ImuInput reading;  ///< at the end of the step, in the base frame
 };
 
-/// Validates samples of an IMU, turns them into the base, and thins those that come too densely.
+/// Validates IMU samples, converts them to the base frame, and averages them at high rates.
 class ImuIntake {
  public:
   enum class Result { kStep, kMerged, kRejected, kClockSetBack };
 
   explicit ImuIntake(const PoseFilterConfig& config);
 
-  /// kStep: `step` is set. kRejected: `fault` is. kClockSetBack: the sample begins a new time.
-  Result add(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu);
+  /// Adds a sample. kStep: step() is new. kMerged: the sample is part of the next step. kRejected:
+  /// see fault(). kClockSetBack: the clock was set back; step() is the first of the new time.
+  Result add(const CheckedImu& reading);
 
   const ImuStep& step() const { return step_; }
   const ImuFault& fault() const { return fault_; }  ///< of the last rejected sample
-  std::optional<double> newest() const;             ///< stamp of the last sample that was used
-  bool isBad() const { return bad_; }               ///< the last sample was rejected
-  double rate() const;                              ///< of the samples, smoothed, Hz
+  std::optional<double> newest() const;             ///< stamp of the last used sample, s
+  bool isBad() const { return bad_; }               ///< the last sample was invalid or frozen
+  double rate() const;                              ///< rate of the samples, smoothed, Hz
 
  private:
-  bool isUsable(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu);
+  std::optional<ImuFault> faultIn(const CheckedImu& reading) const;
   ImuInput inBase(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) const;
   Result accumulate(double stamp, const ImuInput& reading);
 
   PoseFilterConfig config_;
-  FrozenCheck frozen_;
-  StampCheck stamps_;
   ImuFault fault_;
   bool bad_ = false;
   ImuStep step_;
-  Eigen::Vector3d lever_m_ = Eigen::Vector3d::Zero();  ///< of the IMU in base
+  Eigen::Vector3d lever_m_ = Eigen::Vector3d::Zero();  ///< position of the IMU in the base frame
   std::optional<double> last_stamp_;
   ImuInput last_;
-  ImuInput sum_;           ///< times seconds, of the readings since the last step
+  ImuInput sum_;           ///< integral of the readings since the last step
   double period_s_ = 0.0;  ///< smoothed
 };
 

@@ -12,17 +12,19 @@
 namespace kestrel {
 namespace {
 
-constexpr double kInAir_s = 1.1;       // no standstill after this long: the vehicle flies
-constexpr double kGravityShare = 0.4;  // by which the mean specific force may differ from gravity
+constexpr double kInAir_s = 1.1;  // without a standstill for this long, the vehicle is in flight
+// Allowed relative difference between the mean specific force and gravity.
+constexpr double kGravityShare = 0.4;
 
-constexpr double kTiltSigma = 0.2;        // before gravity is looked at, rad
-constexpr double kGroundGravity = 0.005;  // error of gravity's mean at a standstill, m/s²
+constexpr double kTiltSigma = 0.2;        // before the gravity update, rad
+constexpr double kGroundGravity = 0.005;  // error of the mean of gravity at a standstill, m/s²
 constexpr double kAirGravity = 0.5;       // the same in flight, m/s²
-constexpr double kGroundGyro = 5e-4;      // what shakes a vehicle that stands, rad/s
-constexpr double kStartM = 0.01;          // the start defines the place where nothing else does
+constexpr double kGroundGyro = 5e-4;      // motion of a vehicle at a standstill, rad/s
+constexpr double kStartM = 0.01;  // the initial pose defines the map if no other pose is given
 constexpr double kStartRad = 0.002;
-constexpr double kUnknownOffset = 1e3;  // of a barometer, m
-constexpr double kDistrust = 20.0;      // factor of the biases of an IMU that failed
+constexpr double kUnknownOffset = 1e3;  // offset of a barometer, m
+// Factor for the bias uncertainty of an IMU that has failed.
+constexpr double kUncertainBiasFactor = 20.0;
 
 double square(double x) { return x * x; }
 
@@ -31,12 +33,12 @@ void setVariance(int block, double sigma, StateMatrix& covariance) {
   covariance.diagonal().segment<Size>(block).setConstant(square(sigma));
 }
 
-/// Roll and pitch with which `force` points up.
-Eigen::Quaterniond levelled(const Eigen::Vector3d& force) {
+/// The rotation to a frame in which `force` points up.
+Eigen::Quaterniond leveled(const Eigen::Vector3d& force) {
   return Eigen::Quaterniond::FromTwoVectors(force, Eigen::Vector3d::UnitZ());
 }
 
-/// Tells the tilt and the accelerometer's bias together: each is known as well as the other is.
+/// Updates tilt and accelerometer bias together, because gravity alone cannot separate them.
 void applyGravity(const Eigen::Vector3d& force, double sigma, FilterState& state) {
   Measurement gravity;
   gravity.value = force;
@@ -49,15 +51,15 @@ void applyGravity(const Eigen::Vector3d& force, double sigma, FilterState& state
   inject(gain * z.innovation, state);
 }
 
-std::string complaintOf(const Eigen::Vector3d& force) {
+std::string gravityProblem(const Eigen::Vector3d& force) {
   std::ostringstream text;
   text.precision(3);
   if (!(std::abs(force.norm() - kGravity) <= kGravityShare * kGravity)) {
-    text << "the accelerometer measures " << force.norm() << " m/s² on the average instead of "
+    text << "the accelerometer measures " << force.norm() << " m/s² on average instead of "
          << kGravity << "; check its unit (m/s², not g) and whether it includes gravity";
   } else if (force.z() < 0.0) {
     text << "gravity has the wrong sign: the accelerometer measures " << force.z()
-         << " m/s² along the base's z axis, which has to be about +" << kGravity
+         << " m/s² along the base's z axis, but it must be about +" << kGravity
          << " at rest (REP-145); check the sign of the driver, or the mounting of the IMU";
   }
   return text.str();
@@ -69,15 +71,15 @@ Initializer::Initializer(const PoseFilterConfig& config)
     : config_(config), attitude_(AttitudeConfig()) {}
 
 void Initializer::restart(const std::optional<FilterState>& learned) {
-  const std::optional<FilterState> kept = learned;  // it may be our own
+  const std::optional<FilterState> kept = learned;  // may be a reference to our own member
   const PoseFilterConfig config = config_;
   *this = Initializer(config);
-  learnt_ = kept;
+  learned_ = kept;
 }
 
-void Initializer::restartDistrustful() {
+void Initializer::restartWithUncertainBiases() {
   restart();
-  distrustful_ = true;
+  biases_uncertain_ = true;
 }
 
 std::optional<FilterState> Initializer::add(double stamp, const Eigen::Vector3d& rate,
@@ -92,23 +94,23 @@ std::optional<FilterState> Initializer::add(double stamp, const Eigen::Vector3d&
   const bool flies = stamp - first_stamp_ >= kInAir_s;
   if (!mean && !flies) return std::nullopt;
   if (!accepts(force_sum_ / count_) || (!mean && !estimated_)) {
-    const std::string complaint = complaint_;
-    const bool distrustful = distrustful_;
-    restart(learnt_);
-    complaint_ = complaint;
-    distrustful_ = distrustful;
+    const std::string problem = problem_;
+    const bool biases_uncertain = biases_uncertain_;
+    restart(learned_);
+    problem_ = problem;
+    biases_uncertain_ = biases_uncertain;
     return std::nullopt;
   }
   return mean ? onGround(stamp, *mean) : inAir(stamp, *estimated_);
 }
 
 bool Initializer::accepts(const Eigen::Vector3d& force) {
-  complaint_ = complaintOf(force);
-  return complaint_.empty();
+  problem_ = gravityProblem(force);
+  return problem_.empty();
 }
 
 FilterState Initializer::initialState(double stamp, const Eigen::Quaterniond& map_R_base) const {
-  const double factor = distrustful_ ? kDistrust : 1.0;
+  const double factor = biases_uncertain_ ? kUncertainBiasFactor : 1.0;
   FilterState state;
   state.stamp = stamp;
   state.map_R_base = map_R_base;
@@ -120,10 +122,10 @@ FilterState Initializer::initialState(double stamp, const Eigen::Quaterniond& ma
   setVariance<3>(kGyroBias, factor * config_.noise.gyro_bias_sigma, p);
   setVariance<3>(kAccelerometerBias, factor * config_.noise.accelerometer_bias_sigma, p);
   setVariance<1>(kBarometerOffset, kUnknownOffset, p);
-  if (learnt_) {
-    state.gyro_bias = learnt_->gyro_bias;
-    state.accelerometer_bias = learnt_->accelerometer_bias;
-    p.block<6, 6>(kGyroBias, kGyroBias) = learnt_->covariance.block<6, 6>(kGyroBias, kGyroBias);
+  if (learned_) {
+    state.gyro_bias = learned_->gyro_bias;
+    state.accelerometer_bias = learned_->accelerometer_bias;
+    p.block<6, 6>(kGyroBias, kGyroBias) = learned_->covariance.block<6, 6>(kGyroBias, kGyroBias);
   }
   return state;
 }
@@ -131,7 +133,7 @@ FilterState Initializer::initialState(double stamp, const Eigen::Quaterniond& ma
 FilterState Initializer::onGround(double stamp, const Eigen::Vector3d& rate) {
   in_air_ = false;
   const Eigen::Vector3d force = force_sum_ / count_;
-  FilterState state = initialState(stamp, levelled(force));
+  FilterState state = initialState(stamp, leveled(force));
   setVariance<3>(kVelocity, config_.motion.zero_velocity_sigma, state.covariance);
   state.gyro_bias = rate;
   state.covariance.middleRows<3>(kGyroBias).setZero();

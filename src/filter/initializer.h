@@ -11,25 +11,26 @@
 
 namespace kestrel {
 
-/// Finds the first attitude and the biases: from a second of standstill, or, where the vehicle
-/// moves, from what gravity says on the average.
+/// Finds the first attitude and the biases: from one second of standstill, or, if the vehicle
+/// moves, from the mean direction of gravity.
 class Initializer {
  public:
   explicit Initializer(const PoseFilterConfig& config);
 
-  /// Takes a reading in base; stamps ascend. Returns the first state: roll, pitch, biases, velocity
-  /// with their covariance; the place in map and the yaw are zero.
+  /// Adds a reading in the base frame (rad/s, m/s²); stamps (s) must ascend. Returns the first
+  /// state when it is known: roll, pitch, biases and velocity with their covariance. Position and
+  /// yaw are zero.
   std::optional<FilterState> add(double stamp, const Eigen::Vector3d& rate,
                                  const Eigen::Vector3d& force);
 
   bool startedInAir() const { return in_air_; }
-  /// Why it cannot begin: what gravity looks like. Empty where nothing is wrong.
-  const std::string& complaint() const { return complaint_; }
+  /// Why the initialization fails: wrong size or sign of gravity. Empty if nothing is wrong.
+  const std::string& problem() const { return problem_; }
 
-  /// Begins anew. `learned`: biases from before, with their covariance, are not forgotten.
+  /// Initializes again. `learned`: earlier biases with their covariance, which are kept.
   void restart(const std::optional<FilterState>& learned = std::nullopt);
-  /// Begins anew, and mistrusts the IMU: its biases may be many times what they should be.
-  void restartDistrustful();
+  /// Initializes again with a larger uncertainty of the biases.
+  void restartWithUncertainBiases();
 
  private:
   FilterState initialState(double stamp, const Eigen::Quaterniond& map_R_base) const;
@@ -40,15 +41,15 @@ class Initializer {
   PoseFilterConfig config_;
   AttitudeEstimator attitude_;
   Standstill standstill_;
-  std::optional<FilterState> learnt_;
-  bool distrustful_ = false;
+  std::optional<FilterState> learned_;
+  bool biases_uncertain_ = false;
   bool in_air_ = false;
-  std::string complaint_;
+  std::string problem_;
 
   int count_ = 0;
   double first_stamp_ = 0.0, last_stamp_ = 0.0;
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
-  std::optional<Eigen::Quaterniond> estimated_;  ///< in flight
+  std::optional<Eigen::Quaterniond> estimated_;  ///< attitude in flight
 };
 
 }  // namespace kestrel

@@ -9,9 +9,9 @@
 namespace kestrel {
 namespace {
 
-constexpr double kAsymmetry = 1e-6;   // share of the largest element: rounding
-constexpr double kMaxPosition = 1e6;  // m; no vehicle flies farther
-constexpr double kMaxVariance = 1e6;  // m² or rad²; more says nothing
+constexpr double kAsymmetry = 1e-6;   // relative to the largest element; smaller is rounding
+constexpr double kMaxPosition = 1e6;  // m; larger positions are invalid
+constexpr double kMaxVariance = 1e6;  // m² or rad²; a larger variance contains no information
 
 const char* const kNotFinite = "not finite";
 const char* const kBadStamp = "bad stamp";
@@ -24,7 +24,7 @@ bool isCovariance(const Eigen::Matrix3d& matrix) {
   const double largest = matrix.cwiseAbs().maxCoeff();
   if ((matrix - matrix.transpose()).cwiseAbs().maxCoeff() > kAsymmetry * largest) return false;
   if (largest > kMaxVariance) return false;
-  // Scaled to ones on the diagonal, so that meters and radians do not matter.
+  // Scaled to a unit diagonal, so that the units do not matter.
   const Eigen::Vector3d scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::LLT<Eigen::Matrix3d> factor(scale.asDiagonal() * matrix * scale.asDiagonal());
   return factor.info() == Eigen::Success &&

@@ -9,14 +9,14 @@
 
 namespace kestrel {
 
-/// Why a measurement cannot be used whatever the state is; empty where it can.
+/// Why a measurement is invalid in any state; empty if it is valid.
 std::string faultOf(const PoseMeasurement& measurement);
 std::string faultOf(const PositionMeasurement& measurement);
 std::string faultOf(const YawMeasurement& measurement);
-/// `only_positive`: a distance to the ground, up to `max_m`.
+/// `only_positive`: the value is a distance to the ground, up to `max_m`.
 std::string faultOf(const HeightSample& sample, bool only_positive, double max_m);
 
-/// Finite, symmetric and positive definite.
+/// Whether a matrix is finite, symmetric and positive definite.
 bool isCovariance(const Eigen::Matrix3d& matrix);
 
 }  // namespace kestrel

@@ -11,7 +11,7 @@
 namespace kestrel {
 namespace {
 
-/// Derivative of the yaw by the orientation's error.
+/// Derivative of the yaw with respect to the orientation error.
 Eigen::RowVector3d yawJacobian(const FilterState& state) {
   const Eigen::Vector3d forward = state.map_R_base * Eigen::Vector3d::UnitX();
   const double level = forward.head<2>().squaredNorm();

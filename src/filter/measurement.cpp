@@ -15,25 +15,25 @@ namespace {
 
 const char* const kGated = "innovation gate";
 
-/// Errors of two estimates that may be correlated in any way: their difference has at most twice
+/// For two estimates with unknown correlation, the covariance of their difference is at most twice
 /// the sum of their covariances.
 constexpr double kAnyCorrelation = 2.0;
 
-/// A range finder that looks farther aside sees the walls.
+/// At larger tilts the range finder may hit a wall.
 const double kMinCosine = std::cos(degToRad(45.0));
-/// Two levels of the ground that differ by less are the same, m.
+/// Ground levels that differ by less are equal, m.
 constexpr double kSameLevel = 0.1;
-/// Faster changes of what is below are steps, m/s; and after this long anything may have changed,
-/// s.
-constexpr double kMaxClimb = 3.0, kForgetRange_s = 1.0;
-/// How far the floor may be off level where it is recognized again, m.
+/// A faster change of the distance is a step of the surface below, m/s. After a longer pause any
+/// change may be a step, s.
+constexpr double kMaxClimb = 3.0, kMaxRangePause_s = 1.0;
+/// Standard deviation of the floor height when the floor is detected again, m.
 constexpr double kFloorSigma = 0.01;
-/// A pose that is taken over: nothing was known before.
+/// Uncertainty before a reinitialization.
 constexpr double kUnknownM = 1e3, kUnknownRad = 1e2;
-/// Error of the gyro's bias at a standstill, besides the noise of a second, rad/s.
+/// Error of the gyro bias at a standstill, in addition to the noise over one second, rad/s.
 constexpr double kStandstillRate = 5e-4;
 
-/// A standstill is believed where the speed is known as well as this, m/s.
+/// A standstill is only accepted if the speed is known with this standard deviation, m/s.
 constexpr double kKnownSpeed = 0.3;
 
 double square(double x) { return x * x; }
@@ -80,7 +80,8 @@ Verdict updateGated(const Linearized<Rows>& z, const Square<Rows>& noise,
   return {};
 }
 
-/// Covariance intersection of one value takes the better of the two: errors of a magnetometer last.
+/// In one dimension covariance intersection selects the better of the two. Needed because the
+/// errors of a magnetometer are correlated over time.
 Verdict updateIntersected(const Linearized<1>& z, double variance, const PoseFilterConfig& config,
                           FilterState& state) {
   const double prior = predicted(z, state)(0);
@@ -89,22 +90,22 @@ Verdict updateIntersected(const Linearized<1>& z, double variance, const PoseFil
   return {};
 }
 
-/// What is measured is replaced by its intersection with the measurement; all the rest follows as
-/// far as it is correlated with that.
+/// Replaces the measured states by the covariance intersection, and updates all other states
+/// according to their correlation.
 void updateIntersected(const Linearized<3>& z, const Eigen::Matrix3d& measured,
                        FilterState& state) {
   const Eigen::Matrix<double, kStateDim, 3> cross = state.covariance * z.jacobian.transpose();
   const Eigen::Matrix3d prior = z.jacobian * cross;
   const Intersection fused = intersect(0.5 * (prior + prior.transpose()), measured);
   if (fused.weight >= 1.0) return;
-  const Eigen::Matrix<double, kStateDim, 3> follow = cross * prior.inverse();
-  state.covariance += follow * (fused.covariance - prior) * follow.transpose();
+  const Eigen::Matrix<double, kStateDim, 3> regression = cross * prior.inverse();
+  state.covariance += regression * (fused.covariance - prior) * regression.transpose();
   makeSymmetric(state);
-  inject(follow * (fused.gain * z.innovation), state);
+  inject(regression * (fused.gain * z.innovation), state);
 }
 
-/// Takes a pose over as if nothing had been known of it. What the vehicle does relative to itself
-/// stays: with the yaw, the velocity turns.
+/// Reinitializes to a pose as if no pose had been known. The motion relative to the vehicle is
+/// kept: the velocity rotates with the yaw.
 void reinitialize(const Measurement& m, FilterState& state) {
   const double turn = normalizeAngle(m.value.z() - yawOf(state.map_R_base));
   const Eigen::Quaterniond rotation(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
@@ -117,10 +118,10 @@ void reinitialize(const Measurement& m, FilterState& state) {
     state.covariance.middleCols<3>(block) =
         state.covariance.middleCols<3>(block) * matrix.transpose();
   }
-  StateVector turned = StateVector::Zero();
-  turned(kOrientation + 2) = 1.0;
-  turned.segment<3>(kVelocity) = Eigen::Vector3d::UnitZ().cross(state.velocity);
-  state.covariance += square(kUnknownRad) * turned * turned.transpose();
+  StateVector yaw_error = StateVector::Zero();
+  yaw_error(kOrientation + 2) = 1.0;
+  yaw_error.segment<3>(kVelocity) = Eigen::Vector3d::UnitZ().cross(state.velocity);
+  state.covariance += square(kUnknownRad) * yaw_error * yaw_error.transpose();
   state.covariance(kPosition, kPosition) += square(kUnknownM);
   state.covariance(kPosition + 1, kPosition + 1) += square(kUnknownM);
   update<3>(linearizePose(m, state), m.covariance, state);
@@ -130,7 +131,7 @@ void reinitialize(const Measurement& m, FilterState& state) {
 Verdict applyPose(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
   const Linearized<3> z = linearizePose(m, state);
   Verdict verdict;
-  if (!state.reinitialized || m.place) {
+  if (!state.reinitialized || m.bypass_gate) {
     reinitialize(m, state);
   } else if (passes<3>(z, m.covariance, kAnyCorrelation, config, state)) {
     updateIntersected(z, m.covariance, state);
@@ -145,41 +146,42 @@ Verdict applyPose(const Measurement& m, const PoseFilterConfig& config, FilterSt
   return verdict;
 }
 
-/// Whether the ground jumps below the vehicle: no vehicle climbs as fast.
+/// Whether the surface below has a step: the distance changes faster than a vehicle can climb.
 bool isJump(double stamp, double down_m, const FilterState& state) {
   const double seconds = stamp - state.range_stamp;
-  return seconds > kForgetRange_s ||
+  return seconds > kMaxRangePause_s ||
          std::abs(down_m - state.range_m) > kMaxClimb * std::abs(seconds) + kSameLevel;
 }
 
-void forget(int index, double variance, FilterState& state) {
+void resetVariance(int index, double variance, FilterState& state) {
   state.covariance.row(index).setZero();
   state.covariance.col(index).setZero();
   state.covariance(index, index) = variance;
 }
 
-/// The ground is the floor where the reading fits that, else another level that is learned.
+/// The new level is the floor if the reading agrees with it, else a new level, whose height is
+/// estimated.
 void stepTo(const Measurement& m, double ground, const PoseFilterConfig& config,
             FilterState& state) {
   const auto noise = m.covariance.topLeftCorner<1, 1>();
   state.ground = 0.0;
-  forget(kGround, square(kFloorSigma), state);
+  resetVariance(kGround, square(kFloorSigma), state);
   if (!passes<1>(linearizeRange(m, state), noise, 1.0, config, state)) {
     state.ground = ground;
-    forget(kGround, square(config.height.range_max_m), state);
+    resetVariance(kGround, square(config.height.range_max_m), state);
   }
   update<1>(linearizeRange(m, state), noise, state);
 }
 
-/// The filter's height is wrong: it is taken from the range finder.
+/// Reinitializes the height to the range finder.
 void reinitializeHeight(const Measurement& m, FilterState& state) {
-  forget(kPosition + 2, square(kUnknownM), state);
-  forget(kVelocity + 2, square(kMaxClimb), state);
+  resetVariance(kPosition + 2, square(kUnknownM), state);
+  resetVariance(kVelocity + 2, square(kMaxClimb), state);
   update<1>(linearizeRange(m, state), m.covariance.topLeftCorner<1, 1>(), state);
 }
 
-/// The floor is at 0. Where a reading does not fit, either the ground has jumped and the next
-/// readings agree with it, or the filter is wrong.
+/// The floor is at z = 0. If a reading does not fit, there may be a step of the surface below,
+/// which the next readings confirm; otherwise the height of the filter is wrong.
 Verdict applyRange(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
   const double cosine = (state.map_R_base * Eigen::Vector3d::UnitZ()).z();
   if (cosine < kMinCosine) return {"tilted"};
@@ -211,7 +213,7 @@ Verdict applyRange(const Measurement& m, const PoseFilterConfig& config, FilterS
   return {"", !steps};
 }
 
-/// Smooth flight at constant speed looks the same to an IMU.
+/// The gate is needed because a smooth flight at constant speed looks like a standstill to an IMU.
 Verdict applyStandstill(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
   const double variance = state.covariance.diagonal().segment<3>(kVelocity).maxCoeff();
   if (variance > square(kKnownSpeed)) return {"speed unknown"};
@@ -221,8 +223,8 @@ Verdict applyStandstill(const Measurement& m, const PoseFilterConfig& config, Fi
   return updateGated<6>(linearizeStandstill(m, state), noise, config, state);
 }
 
-/// Poses tell the velocity, and with it where up is, much better than a guess that the vehicle does
-/// not accelerate.
+/// With poses, velocity and tilt are known much better than from the assumption that the vehicle
+/// does not accelerate.
 Verdict applyGravity(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
   if (m.stamp - state.aided_stamp < config.gate.coast_after_s) return {"not needed"};
   return updateGated<3>(linearizeGravity(m, state), m.covariance, config, state);
@@ -237,7 +239,7 @@ Verdict applyPosition(const Measurement& m, const PoseFilterConfig& config, Filt
 }  // namespace
 
 double chiSquareQuantile(double probability, int freedom) {
-  // Inverse of the normal distribution: Abramowitz and Stegun 26.2.23.
+  // Inverse of the normal distribution (Abramowitz and Stegun, 26.2.23).
   const double tail = std::min(probability, 1.0 - probability);
   const double t = std::sqrt(-2.0 * std::log(std::max(tail, 1e-300)));
   const double size = t - (2.515517 + t * (0.802853 + t * 0.010328)) /

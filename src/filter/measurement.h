@@ -9,29 +9,29 @@
 
 namespace kestrel {
 
-/// One measurement of any sensor, in the form in which the timeline keeps it.
+/// A measurement of any sensor, as stored in the timeline.
 struct Measurement {
   FilterSensor sensor = FilterSensor::kPose;
   double stamp = 0.0;
-  /// kPose: x, y, yaw. kPosition: x, y, z. kGravityDirection: specific force in base.
-  /// kZeroVelocity: mean rate of the gyro in base. Others: one value in x.
+  /// kPose: x, y, yaw. kPosition: x, y, z. kGravityDirection: specific force in the base frame.
+  /// kZeroVelocity: mean rate of the gyro in the base frame. Others: one value in x.
   Eigen::Vector3d value = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< others: only the first element
-  bool place = false;    ///< kPose: whoever says it is right, the gate does not count
-  bool counted = false;  ///< its verdict is in the counts already
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< single values: only the first element
+  bool bypass_gate = false;  ///< kPose: set by the user; always accepted
+  bool counted = false;      ///< its verdict was already counted
 };
 
-/// What became of a measurement: accepted where `reason` is empty.
+/// Result of a measurement: accepted if `reason` is empty.
 struct Verdict {
   std::string reason;
-  bool reinitialized = false;  ///< the pose or height was taken over as it is
+  bool reinitialized = false;  ///< the filter was reinitialized to the measurement
 };
 
-/// Applies `measurement` to the state, which has to be that of its stamp. Rejected measurements
-/// change nothing but what the state remembers of rejections.
+/// Applies `measurement` to the state at its stamp. A rejected measurement only changes the memory
+/// of rejections in the state.
 Verdict apply(const Measurement& measurement, const PoseFilterConfig& config, FilterState& state);
 
-/// A measurement that the state predicts, linearized: innovation = measured - predicted.
+/// Linearization of a measurement: innovation = measured - predicted.
 template <int Rows>
 struct Linearized {
   Eigen::Matrix<double, Rows, 1> innovation;
@@ -47,8 +47,8 @@ Linearized<1> linearizeRange(const Measurement& measurement, const FilterState& 
 Linearized<1> linearizeFloorHeight(const Measurement& measurement, const FilterState& state);
 Linearized<1> linearizeBarometer(const Measurement& measurement, const FilterState& state);
 
-/// The value that `probability` of all chi-square variables with so many degrees of freedom stay
-/// below (Wilson and Hilferty's approximation: 3 % too much at worst for gates).
+/// Quantile of the chi-square distribution with `freedom` degrees of freedom (approximation of
+/// Wilson and Hilferty; at most 3 % too large for gates).
 double chiSquareQuantile(double probability, int freedom);
 
 }  // namespace kestrel

@@ -7,14 +7,13 @@
 
 namespace kestrel {
 
-/// Keeps the pose in odom continuous: it moves as the estimate is propagated, and what corrects the
-/// place or the yaw in map moves the frame odom instead (REP-105).
+/// Keeps odom_T_base continuous (REP-105): it follows the propagated motion. Corrections of
+/// position and yaw in the map move the frame odom instead.
 class OdomFrame {
  public:
-  /// The estimate moved from `before` to `predicted` by propagation alone, and was then corrected
-  /// to `now`.
+  /// The estimate was propagated from `before` to `predicted`, and then corrected to `now`.
   void advance(const FilterState& before, const FilterState& predicted, const FilterState& now);
-  /// The estimate of one time was corrected.
+  /// The estimate at one time was corrected.
   void correct(const FilterState& before, const FilterState& after);
 
   Eigen::Isometry3d odomTBase(const FilterState& state) const;
@@ -23,8 +22,8 @@ class OdomFrame {
  private:
   Eigen::Quaterniond mapROdom() const;
 
-  Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  ///< of the base in odom, m
-  double yaw_ = 0.0;                                    ///< of odom in map, rad
+  Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  ///< of the base in the odom frame, m
+  double yaw_ = 0.0;                                    ///< of the odom frame in the map frame, rad
 };
 
 }  // namespace kestrel

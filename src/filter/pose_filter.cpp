@@ -9,7 +9,7 @@
 namespace kestrel {
 namespace {
 
-constexpr double kExtrapolation_s = 0.1;  // the last reading says nothing of later
+constexpr double kExtrapolation_s = 0.1;  // maximum extrapolation of the last reading
 constexpr double kMaxBarometer = 1e5;     // m
 
 Eigen::Matrix3d variance(double sigma) { return sigma * sigma * Eigen::Matrix3d::Identity(); }
@@ -25,8 +25,10 @@ PoseFilter::PoseFilter(PoseFilter&&) noexcept = default;
 PoseFilter& PoseFilter::operator=(PoseFilter&&) noexcept = default;
 
 bool PoseFilter::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
-  return state_->addImu(sample, base_T_imu);
+  return state_->addImu(state_->imu_check.check(sample, base_T_imu));
 }
+
+bool PoseFilter::addImu(const CheckedImu& reading) { return state_->addImu(reading); }
 
 bool PoseFilter::addPose(const PoseMeasurement& measurement) {
   Measurement m;
@@ -62,7 +64,7 @@ bool PoseFilter::addRange(const HeightSample& sample) {
   m.value.x() = sample.height_m;
   m.covariance = variance(config().height.range_sigma_m);
   const std::string fault = faultOf(sample, true, config().height.range_max_m);
-  if (fault.empty() && state_->timeline.empty()) state_->start_range = m;
+  if (fault.empty() && state_->timeline.empty()) state_->initial_range = m;
   return state_->add(m, fault);
 }
 
@@ -111,9 +113,9 @@ bool PoseFilter::setPose(const Pose2& map_T_base, const Eigen::Matrix3d& covaria
   m.sensor = FilterSensor::kPose;
   m.value = {map_T_base.x, map_T_base.y, map_T_base.yaw};
   m.covariance = covariance;
-  m.place = true;
+  m.bypass_gate = true;
   if (state_->timeline.empty()) {
-    state_->start = m;
+    state_->initial_pose = m;
     return true;
   }
   m.stamp = state_->timeline.newest().state.stamp;

@@ -10,12 +10,12 @@ namespace kestrel {
 namespace {
 
 constexpr double kHuge = 1e6;
-constexpr double kTiny = 1e-9;  // what has to be positive is at least this
+constexpr double kTiny = 1e-9;  // minimum of values that must be positive
 
 void require(const std::string& name, double value, double low, double high) {
   if (value >= low && value <= high) return;
   std::ostringstream text;
-  text << "filter parameter " << name << " is " << value << "; it has to be from " << low << " to "
+  text << "filter parameter " << name << " is " << value << "; it must be from " << low << " to "
        << high;
   throw std::invalid_argument(text.str());
 }

@@ -13,31 +13,32 @@
 namespace kestrel {
 namespace {
 
-constexpr double kModerateRate = 3.0;   // rad/s; beyond, an IMU off the axis feels the turn
-constexpr double kFreshHeight_s = 0.5;  // an older range says nothing of the start
-/// Share of the variance of x, y and yaw that lies in the map: in a map that is shifted, velocity
-/// and biases are measured as well as in a right one. Found with the random flights of
-/// measure_filter, and holds for those of other seeds.
+// Rad/s; above, an IMU off the rotation axis measures centripetal acceleration.
+constexpr double kModerateRate = 3.0;
+constexpr double kFreshHeight_s = 0.5;  // an older range is not used for the initial height
+/// Share of the variance of x, y and yaw that is due to the map. It does not affect velocity and
+/// biases: in a shifted map they are measured equally well. Tuned with the random flights of
+/// measure_filter, and checked with other seeds.
 constexpr double kMapShare = 0.2;
 
 double square(double x) { return x * x; }
 
-/// Of the height over what is below.
+/// Standard deviation of the height over the surface below, m.
 double heightSigma(const FilterState& state) {
   constexpr int kZ = kPosition + 2;
   const StateMatrix& p = state.covariance;
   return std::sqrt(std::max(0.0, p(kZ, kZ) + p(kGround, kGround) - 2.0 * p(kZ, kGround)));
 }
 
-/// Covariance intersection keeps the correlation of velocity and biases with the pose, as if all of
-/// the pose's error had come about in flight.
+/// Covariance intersection keeps the correlation of velocity and biases with the pose as if the
+/// whole error of the pose had accumulated in flight. This removes the part that is due to the map.
 void separateMap(FilterCovariance& covariance) {
-  constexpr int kYawXY = kOrientation + 2;  // the three that the mapper measures
+  constexpr int kYawXY = kOrientation + 2;  // the three states that the mapper measures
   const double rest = std::sqrt(1.0 - kMapShare);
-  const Eigen::Matrix3d own = covariance.block<3, 3>(kYawXY, kYawXY);
+  const Eigen::Matrix3d pose_covariance = covariance.block<3, 3>(kYawXY, kYawXY);
   covariance.middleRows<3>(kYawXY) *= rest;
   covariance.middleCols<3>(kYawXY) *= rest;
-  covariance.block<3, 3>(kYawXY, kYawXY) = own;
+  covariance.block<3, 3>(kYawXY, kYawXY) = pose_covariance;
 }
 
 }  // namespace
@@ -48,9 +49,9 @@ PoseFilter::State::State(const PoseFilterConfig& c)
       initializer(c),
       timeline(c, [this](const auto& m, const auto& v) { judge(m, v); }) {}
 
-bool PoseFilter::State::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
+bool PoseFilter::State::addImu(const CheckedImu& checked) {
   ++status.imu.received;
-  const ImuIntake::Result result = imu.add(sample, base_T_imu);
+  const ImuIntake::Result result = imu.add(checked);
   if (result == ImuIntake::Result::kRejected) {
     ++status.imu.rejected[imu.fault().reason];
     return false;
@@ -77,14 +78,14 @@ bool PoseFilter::State::addImu(const ImuSample& sample, const Eigen::Isometry3d&
   return !timeline.empty();
 }
 
-/// Collects samples; true where that was the last one that was needed.
+/// Collects samples. Returns true if the filter is now initialized.
 bool PoseFilter::State::begin(const ImuStep& step) {
   std::optional<FilterState> state =
       initializer.add(step.stamp, step.reading.rate, step.reading.force);
   if (!state) return false;
-  place(*state);
+  setInitialPose(*state);
   status.started_in_air = initializer.startedInAir();
-  FilterState last;  // odom goes on where it was
+  FilterState last;  // odom_T_base continues
   if (last_known) last.map_R_base = Eigen::Quaterniond(last_known->map_T_base.linear());
   odom.correct(last, *state);
   timeline.begin(*state, odom.odomTBase(*state));
@@ -94,23 +95,23 @@ bool PoseFilter::State::begin(const ImuStep& step) {
   return true;
 }
 
-/// The place in map where the filter starts: what was said, or where it was before.
-void PoseFilter::State::place(FilterState& state) {
+/// Sets the initial pose in the map: the one that was given, or the last known one.
+void PoseFilter::State::setInitialPose(FilterState& state) {
   if (last_known) {
     state.position = last_known->map_T_base.translation();
     const double yaw = yawOf(Eigen::Quaterniond(last_known->map_T_base.linear()));
     state.map_R_base =
         Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())) * state.map_R_base;
   }
-  if (start_range && std::abs(start_range->stamp - state.stamp) < kFreshHeight_s) {
+  if (initial_range && std::abs(initial_range->stamp - state.stamp) < kFreshHeight_s) {
     const double up = (state.map_R_base * Eigen::Vector3d::UnitZ()).z();
-    state.position.z() = start_range->value.x() * up;
-    state.covariance(kPosition + 2, kPosition + 2) = start_range->covariance(0, 0);
+    state.position.z() = initial_range->value.x() * up;
+    state.covariance(kPosition + 2, kPosition + 2) = initial_range->covariance(0, 0);
   }
-  if (start) {
-    start->stamp = state.stamp;
-    apply(*start, config, state);
-    start.reset();
+  if (initial_pose) {
+    initial_pose->stamp = state.stamp;
+    apply(*initial_pose, config, state);
+    initial_pose.reset();
   }
 }
 
@@ -119,14 +120,14 @@ void PoseFilter::State::advance(const ImuStep& step) {
   FilterState predicted = before;
   moveEstimate(step.mean, step.dt, predicted);
   timeline.step(step.stamp, step.mean, step.dt > config.imu.silent_s);
-  if (!supervise()) return;
+  if (!checkHealth()) return;
   odom.advance(before, predicted, timeline.newest().state);
   timeline.newest().odom_T_base = odom.odomTBase(timeline.newest().state);
   publish();
   addOwnMeasurements(step);
 }
 
-/// What the IMU itself says beyond the motion.
+/// Adds the measurements that are derived from the IMU: zero velocity and direction of gravity.
 void PoseFilter::State::addOwnMeasurements(const ImuStep& step) {
   const std::optional<Eigen::Vector3d> mean =
       standstill.add(step.dt, step.reading.rate, step.reading.force);
@@ -160,7 +161,7 @@ bool PoseFilter::State::add(const Measurement& measurement, const std::string& f
     ++counts.rejected[reason];
     return false;
   }
-  if (running && measurement.stamp <= before.stamp && supervise()) {
+  if (running && measurement.stamp <= before.stamp && checkHealth()) {
     odom.correct(before, timeline.newest().state);
     publish();
   }
@@ -181,8 +182,8 @@ void PoseFilter::State::judge(const Measurement& measurement, const Verdict& ver
     reinitializations.pop_front();
 }
 
-/// Whether the filter can go on; else it begins anew.
-bool PoseFilter::State::supervise() {
+/// Returns true if the filter is healthy; otherwise resets it.
+bool PoseFilter::State::checkHealth() {
   const FilterState& state = timeline.newest().state;
   if (!isHealthy(state)) {
     reset("not finite", false);
@@ -197,11 +198,11 @@ bool PoseFilter::State::supervise() {
   return !timeline.empty();
 }
 
-void PoseFilter::State::reset(const std::string& reason, bool distrustful) {
+void PoseFilter::State::reset(const std::string& reason, bool biases_uncertain) {
   ++status.resets[reason];
   stop();
-  if (distrustful) {
-    initializer.restartDistrustful();
+  if (biases_uncertain) {
+    initializer.restartWithUncertainBiases();
   } else {
     initializer.restart();
   }
@@ -213,7 +214,7 @@ void PoseFilter::State::stop() {
   timeline.clear();
   standstill.restart();
   reinitializations.clear();
-  start_range.reset();
+  initial_range.reset();
 }
 
 void PoseFilter::State::publish() { output = outputOf(timeline.newest().state, reading); }
@@ -240,7 +241,7 @@ FilterOutput PoseFilter::State::outputOf(const FilterState& state, const ImuInpu
 }
 
 FilterHealth PoseFilter::State::health(double now) const {
-  if (imu.isBad() || !initializer.complaint().empty()) return FilterHealth::kBadImu;
+  if (imu.isBad() || !initializer.problem().empty()) return FilterHealth::kBadImu;
   if (!imu.newest() || now - *imu.newest() > config.imu.silent_s) return FilterHealth::kNoImu;
   if (timeline.empty()) return FilterHealth::kInitializing;
   const double aided = timeline.newest().state.aided_stamp;
@@ -250,19 +251,19 @@ FilterHealth PoseFilter::State::health(double now) const {
 std::string PoseFilter::State::problem(FilterHealth health_now) const {
   switch (health_now) {
     case FilterHealth::kBadImu:
-      return imu.isBad() ? imu.fault().message : initializer.complaint();
+      return imu.isBad() ? imu.fault().message : initializer.problem();
     case FilterHealth::kNoImu:
-      return imu.newest() ? "the IMU is silent" : "no IMU sample has come yet";
+      return imu.newest() ? "the IMU is silent" : "no IMU sample yet";
     case FilterHealth::kInitializing:
-      return "collecting IMU samples for the start";
+      return "collecting IMU samples for the initialization";
     case FilterHealth::kCoasting:
-      return "no pose or position is accepted: the position drifts";
+      return "no pose or position was accepted recently: the position drifts";
     case FilterHealth::kOk:
       break;
   }
   if (imu.rate() >= config.imu.min_rate_hz || imu.rate() <= 0.0) return "";
   std::ostringstream text;
-  text << "the IMU has " << imu.rate() << " Hz, at least " << config.imu.min_rate_hz
+  text << "the rate of the IMU is " << imu.rate() << " Hz; at least " << config.imu.min_rate_hz
        << " Hz are needed for fast motion";
   return text.str();
 }

@@ -14,19 +14,19 @@
 
 namespace kestrel {
 
-/// What the filter consists of, and how the parts work together.
+/// The parts of the filter and their interaction.
 struct PoseFilter::State {
   explicit State(const PoseFilterConfig& c);
 
-  bool addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu);
+  bool addImu(const CheckedImu& checked);
   bool begin(const ImuStep& step);
-  void place(FilterState& state);
+  void setInitialPose(FilterState& state);
   void advance(const ImuStep& step);
   void addOwnMeasurements(const ImuStep& step);
   bool add(const Measurement& measurement, const std::string& fault);
   void judge(const Measurement& measurement, const Verdict& verdict);
-  bool supervise();
-  void reset(const std::string& reason, bool distrustful);
+  bool checkHealth();
+  void reset(const std::string& reason, bool biases_uncertain);
   void stop();
   void publish();
   FilterOutput outputOf(const FilterState& state, const ImuInput& reading) const;
@@ -35,20 +35,21 @@ struct PoseFilter::State {
   SensorCounts& countsOf(FilterSensor s) { return status.sensors[static_cast<std::size_t>(s)]; }
 
   PoseFilterConfig config;
+  ImuCheck imu_check;  ///< of readings that nobody else has validated
   ImuIntake imu;
   Initializer initializer;
   Timeline timeline;
   OdomFrame odom;
   Standstill standstill;
-  ImuInput reading;  ///< the newest, in base
+  ImuInput reading;  ///< the newest one, in the base frame
   double gravity_stamp = 0.0;
-  std::deque<double> reinitializations;  ///< stamps of the last poses that were taken over
+  std::deque<double> reinitializations;  ///< stamps of the latest reinitializations
   std::optional<FilterOutput> output;
   FilterStatus status;
 
-  std::optional<Measurement> start;  ///< the pose that setPose gave before the start
-  std::optional<Measurement> start_range;
-  std::optional<FilterOutput> last_known;  ///< before the last reset
+  std::optional<Measurement> initial_pose;   ///< from setPose before the initialization
+  std::optional<Measurement> initial_range;  ///< range finder before the initialization
+  std::optional<FilterOutput> last_known;    ///< output before the last reset
 };
 
 }  // namespace kestrel

@@ -7,17 +7,18 @@
 namespace kestrel {
 namespace {
 
-constexpr std::size_t kMaxWaiting = 1000;  // more is no sensor
+constexpr std::size_t kMaxWaiting = 1000;  // more measurements cannot come from a sensor
 
-/// The order does not depend on that of arrival.
+/// An order that does not depend on the order of arrival.
 bool isBefore(const Measurement& a, const Measurement& b) {
   return a.stamp != b.stamp ? a.stamp < b.stamp : a.sensor < b.sensor;
 }
 
-/// False where the same sensor has already spoken of that time.
+/// Returns false if there is already a measurement of the same sensor with this stamp.
 bool insertSorted(const Measurement& measurement, std::vector<Measurement>& list) {
   const auto place = std::lower_bound(list.begin(), list.end(), measurement, isBefore);
-  if (place != list.end() && !isBefore(measurement, *place) && !measurement.place) return false;
+  if (place != list.end() && !isBefore(measurement, *place) && !measurement.bypass_gate)
+    return false;
   list.insert(place, measurement);
   return true;
 }
@@ -72,7 +73,7 @@ void Timeline::compute(const FilterState& before, Node& node) {
     measurement.counted = true;
   }
   if (stamp > state.stamp) propagate(node.input, stamp - state.stamp, config_, state);
-  state.stamp = stamp;  // sums of steps are rounded
+  state.stamp = stamp;  // removes rounding errors of the summed steps
   node.state = state;
 }
 

@@ -13,37 +13,37 @@
 
 namespace kestrel {
 
-/// The last moments of the filter: its state at every IMU sample, and what was measured in between.
-/// A measurement that comes late is put into its place, and everything since then is repeated.
+/// The recent history of the filter: its state at every IMU step and the measurements between. A
+/// late measurement is inserted at its time, and all later steps are repeated.
 class Timeline {
  public:
   struct Node {
     ImuInput input;       ///< mean over the step that ends here
-    bool is_gap = false;  ///< the IMU was silent during that
+    bool is_gap = false;  ///< the IMU was silent during this step
     Eigen::Isometry3d odom_T_base = Eigen::Isometry3d::Identity();
-    std::vector<Measurement> measurements;  ///< of the step that ends here, ascending
-    FilterState state;                      ///< after all of that
+    std::vector<Measurement> measurements;  ///< in this step, ascending stamps
+    FilterState state;                      ///< at the end of the step
   };
-  /// Hears of every measurement once, when it is applied for the first time.
+  /// Called once for every measurement, when it is applied for the first time.
   using Judge = std::function<void(const Measurement&, const Verdict&)>;
 
   Timeline(const PoseFilterConfig& config, Judge judge);
 
-  /// Forgets everything, and begins with `state`; measurements that wait and are newer stay.
+  /// Clears everything and begins with `state`. Waiting measurements that are newer are kept.
   void begin(const FilterState& state, const Eigen::Isometry3d& odom_T_base);
-  void clear();  ///< forgets everything, also what waits
+  void clear();  ///< clears everything, including waiting measurements
   bool empty() const { return nodes_.empty(); }
 
-  /// One step to `stamp`. A step over a gap is uncertain.
+  /// Adds a step to `stamp` (s). `gap`: adds the uncertainty of a gap.
   void step(double stamp, const ImuInput& input, bool gap);
 
-  /// Puts a measurement into its place. Empty, or why it cannot be used.
+  /// Inserts a measurement at its time. Returns an empty text, or the reason why it is rejected.
   std::string insert(const Measurement& measurement);
 
   Node& newest() { return nodes_.back(); }
   const Node& newest() const { return nodes_.back(); }
-  const Node* lastNotAfter(double stamp) const;  ///< null: too old
-  const Node* after(const Node& node) const;     ///< null: it is the newest
+  const Node* lastNotAfter(double stamp) const;  ///< null if too old
+  const Node* after(const Node& node) const;     ///< null if it is the newest
 
  private:
   std::string keepForLater(const Measurement& measurement);
@@ -52,7 +52,7 @@ class Timeline {
   PoseFilterConfig config_;
   Judge judge_;
   std::deque<Node> nodes_;
-  std::vector<Measurement> waiting_;  ///< newer than the newest node, ascending
+  std::vector<Measurement> waiting_;  ///< measurements newer than the newest node, ascending
 };
 
 }  // namespace kestrel

@@ -16,13 +16,13 @@ namespace {
   throw std::runtime_error("cannot " + what + " " + path + ": " + std::strerror(error));
 }
 
-/// 0, or the errno of the step that failed.
+/// Returns 0, or the errno of the step that failed.
 int writeAll(const std::string& path, const std::string& content) {
   std::FILE* file = std::fopen(path.c_str(), "wb");
   if (file == nullptr) return errno;
   int error = 0;
   if (std::fwrite(content.data(), 1, content.size(), file) != content.size()) error = errno;
-  // A full disk may show only when the buffer is flushed.
+  // A full disk may be reported only when the buffer is flushed.
   if (std::fclose(file) != 0 && error == 0) error = errno;
   return error;
 }

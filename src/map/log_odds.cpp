@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kLogOddsScale = 1000.0;
 
-/// For every byte the eight 16-bit masks of its bits: turns a row of bits into lanes that the
-/// compiler can add eight at a time.
+/// For every byte, eight 16-bit masks of its bits. They expand a row of bits to vector lanes, so
+/// that the compiler can add eight values at a time.
 using Lanes = std::array<std::int16_t, 8>;
 const std::array<Lanes, 256>& laneMasks() {
   static const std::array<Lanes, 256> masks = [] {
@@ -50,8 +50,8 @@ const double* probabilityTable() {
   return table.data() - kMin;
 }
 
-// All values are copies: the compiler may not keep members in lanes, as any of the writes could
-// change them.
+// The values are copied to local variables. Members could not stay in vector registers, because any
+// write could change them.
 void addMisses(std::uint32_t bits, std::int16_t miss, std::int16_t min, std::int16_t* values) {
   const std::array<Lanes, 256>& masks = laneMasks();
   for (; bits != 0U; bits >>= 8U, values += 8) {
@@ -60,7 +60,8 @@ void addMisses(std::uint32_t bits, std::int16_t miss, std::int16_t min, std::int
     for (std::size_t lane = 0; lane < 8; ++lane) {
       const auto value = static_cast<std::int16_t>(values[lane] + (mask[lane] & miss));
       const std::int16_t clamped = std::max(value, min);
-      // A sum of exactly 0 would mean unknown: all bits set is -1, the least evidence for free.
+      // A sum of 0 would mean unknown. It is replaced by -1 (all bits set), the weakest evidence
+      // for free.
       const auto zero = static_cast<std::int16_t>(clamped == 0 ? -1 : 0);
       sums[lane] = static_cast<std::int16_t>(clamped | (zero & mask[lane]));
     }

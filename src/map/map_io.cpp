@@ -15,11 +15,11 @@
 namespace kestrel {
 namespace {
 
-// Gray values and thresholds of map_server's map_saver.
+// Gray values and thresholds of map_saver in map_server.
 constexpr std::uint8_t kFreeGray = 254, kUnknownGray = 205, kOccupiedGray = 0;
 constexpr double kOccupiedThreshold = 0.65, kFreeThreshold = 0.196;
 constexpr double kWhite = 255.0;
-constexpr int kShortDigits = 15, kExactDigits = 17;  // of a double
+constexpr int kShortDigits = 15, kExactDigits = 17;  // significant digits of a double
 
 using Keys = std::map<std::string, std::string>;
 
@@ -38,7 +38,7 @@ std::uint8_t grayOf(std::int8_t cell) {
   return cell == MapSnapshot::kUnknown ? kUnknownGray : kOccupiedGray;
 }
 
-/// The image begins with the upper row, the map with the lower one.
+/// The first row of the image is the upper one, the first row of the map the lower one.
 GrayImage imageOf(const MapSnapshot& map) {
   GrayImage image{map.width, map.height, {}};
   image.pixels.reserve(map.cells.size());
@@ -66,7 +66,7 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
 
-/// Without a trailing comment and without quotes.
+/// The value without a trailing comment and without quotes.
 std::string plainValue(const std::string& text) {
   const std::string value = trimmed(text);
   if (!value.empty() && (value[0] == '"' || value[0] == '\'')) {
@@ -76,7 +76,8 @@ std::string plainValue(const std::string& text) {
   return trimmed(value.substr(0, value.find(" #")));
 }
 
-/// The flat YAML of a map: `key: value` a line, comments, and lists in brackets or as `- item`.
+/// Parses the flat YAML of a map: one `key: value` per line, comments, and lists in brackets or as
+/// `- item`.
 Keys parseYaml(const std::string& text) {
   Keys keys;
   std::string key;
@@ -139,14 +140,14 @@ void readOrigin(const Keys& keys, MapSnapshot& map) {
     throw std::runtime_error("'origin' is not a list of three numbers [x, y, yaw]");
   }
   if (values[2] != 0.0) {
-    throw std::runtime_error("the map is turned by a yaw of " + numberText(values[2]) +
-                             " rad; only a yaw of 0 can be read");
+    throw std::runtime_error("the map is rotated by a yaw of " + numberText(values[2]) +
+                             " rad; only a yaw of 0 is supported");
   }
   map.origin_x = values[0];
   map.origin_y = values[1];
 }
 
-/// How map_server makes cells from gray values.
+/// Converts gray values to cells as map_server does.
 struct Classes {
   double occupied = kOccupiedThreshold;
   double free = kFreeThreshold;
@@ -162,7 +163,7 @@ struct Classes {
 Classes readClasses(const Keys& keys) {
   const auto mode = keys.find("mode");
   if (mode != keys.end() && mode->second != "trinary" && mode->second != "scale") {
-    throw std::runtime_error("the mode '" + mode->second + "' cannot be read; use trinary");
+    throw std::runtime_error("the mode '" + mode->second + "' is not supported; use trinary");
   }
   Classes classes;
   classes.occupied = numberWithin(keys, "occupied_thresh", 0.0, 1.0);
@@ -206,7 +207,7 @@ void writeMap(const std::string& stem, const MapSnapshot& map) {
   const std::filesystem::path image_path = stem + ".pgm";
   const std::string comment = "CREATOR: kestrel_slam " + numberText(map.resolution_m) + " m/pix";
   writeFileAtomically(image_path.string(), encodePgm(imageOf(map), comment));
-  // The image first: who sees the new YAML file finds the image that belongs to it.
+  // The image is written first, so that it exists when a reader sees the new YAML file.
   writeFileAtomically(stem + ".yaml", yamlOf(map, image_path.filename().string()));
 }
 
@@ -219,7 +220,7 @@ MapSnapshot readMap(const std::string& yaml_path) {
     map.resolution_m = numberWithin(keys, "resolution", kMinResolution_m, kMaxResolution_m);
     readOrigin(keys, map);
     const Classes classes = readClasses(keys);
-    // An absolute image path replaces the folder.
+    // If the image path is absolute, the operator returns it unchanged.
     const auto image_path =
         std::filesystem::path(yaml_path).parent_path() / required(keys, "image");
     readCells(image_path.string(), classes, map);

@@ -11,21 +11,21 @@ namespace kestrel {
 namespace {
 
 constexpr double kBytesPerMegabyte = 1e6;
-/// Below these log odds (probability 0.18) a cell has been passed so often that what is hit in it
-/// is somebody who walks by, or moved: such hits count this many times less (3: what a tilting
-/// laser sees anew is missed), until several of them in a row have shown that it stays.
+/// Log odds of established free space (probability 0.18). A hit there may be a person or a moved
+/// object. It counts 1 / kPasserByShare until several hits in a row confirm it. With a factor of 3
+/// instead of 2, a tilting laser maps new objects too slowly.
 constexpr std::int16_t kEstablishedFree = -1500;
 constexpr int kPasserByShare = 2;
-/// Cells beyond this are no map but broken poses; at 5 cm it is 26 000 km.
+/// Cells beyond this are the result of wrong poses: 26 000 km at 5 cm.
 constexpr float kMaxCellCoordinate = 5e8F;
 
-/// Lanes of the bit of a cell within its row.
+/// The bit of a cell in its row, and the row of a cell in its tile.
 std::uint32_t bitOf(const Cell& cell) {
   return 1U << (static_cast<unsigned>(cell.x) & (kTileSide - 1U));
 }
 std::size_t rowOf(const Cell& cell) { return static_cast<unsigned>(cell.y) & (kTileSide - 1U); }
 
-/// How many points x, x + step, … of 32.32 fixed-point cells lie in the tile of the first one.
+/// Number of points x, x + step, … in the tile of the first one. 32.32 fixed point, in cells.
 std::int64_t stepsInTile(std::int64_t x, std::int64_t step) {
   constexpr std::int64_t kSide = std::int64_t{kTileSide} << 32;
   const std::int64_t inside = x & (kSide - 1);
@@ -38,7 +38,7 @@ int stepsInTile(std::int64_t x, std::int64_t y, std::int64_t step_x, std::int64_
       std::min(stepsInTile(x, step_x), stepsInTile(y, step_y)), std::numeric_limits<int>::max()));
 }
 
-/// One level up: the maximum of each 2 × 2 block of a square of `side` cells.
+/// The next coarser level: the maximum of each 2 × 2 block of a square of `side` cells.
 void poolMaximum(const std::int16_t* fine, int side, std::int16_t* coarse) {
   for (int row = 0; row < side / 2; ++row) {
     const std::int16_t* a = fine + 2 * row * side;
@@ -75,7 +75,7 @@ const OccupancyGrid::Changes& OccupancyGrid::insert(const PlanarScan& scan, cons
   changes_.full = false;
   markHits(scan, map_T_base);
   markMisses(scan, map_T_base);
-  keepKnown(scan, map_T_base);
+  removeMissesOfKnownHits(scan, map_T_base);
   const auto hit_in_free = static_cast<std::int16_t>(new_view ? hit_ : hit_ / kPasserByShare);
   for (Tile* tile : touched_) apply(*tile, hit_in_free);
   touched_.clear();
@@ -123,8 +123,8 @@ void OccupancyGrid::markMisses(const PlanarScan& scan, const Pose2& map_T_base) 
   for (const PlanarRay& ray : scan.rays) traceRay(toMap(ray.origin), toMap(ray.end));
 }
 
-/// Takes the misses back from the cells of the hits that the map has already.
-void OccupancyGrid::keepKnown(const PlanarScan& scan, const Pose2& map_T_base) {
+/// Removes the misses of cells with hits that are already in the map.
+void OccupancyGrid::removeMissesOfKnownHits(const PlanarScan& scan, const Pose2& map_T_base) {
   for (const PlanarRay& ray : scan.rays) {
     if (!ray.hit || !ray.known) continue;
     const Cell cell = cellAt((map_T_base * ray.end.cast<double>()).cast<float>());
@@ -138,7 +138,7 @@ void OccupancyGrid::traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2
       !(to.cwiseAbs().maxCoeff() < kMaxCellCoordinate)) {
     return;
   }
-  // One cell a step along the longer axis, in 32.32 fixed point. The last cell is not passed.
+  // One cell per step along the longer axis, in 32.32 fixed point. The last cell is not cleared.
   constexpr double kOne = 4294967296.0;
   const Eigen::Vector2d difference = (to - from).cast<double>();
   const int steps = static_cast<int>(difference.cwiseAbs().maxCoeff());
@@ -206,7 +206,7 @@ double OccupancyGrid::probability(const Cell& cell) const { return levelProbabil
 
 InterpolatedValue OccupancyGrid::interpolate(int level, const Eigen::Vector2f& point) const {
   const float scale = inverse_resolution_ / static_cast<float>(1 << level);
-  // Cell values are samples at the cells' centers.
+  // A cell value is the value at the center of the cell.
   const Eigen::Vector2f p = (point * scale).array() - 0.5F;
   const Cell c{floorToInt(p.x()), floorToInt(p.y())};
   const float u = p.x() - static_cast<float>(c.x), v = p.y() - static_cast<float>(c.y);

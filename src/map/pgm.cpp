@@ -9,13 +9,13 @@ namespace {
 
 constexpr int kWhite = 255;
 constexpr int kMaxValue = 65535;       // of the format
-constexpr int kMaxSide = 1000000;      // cells; beyond is a broken header
+constexpr int kMaxSide = 1000000;      // pixels; larger values mean a broken header
 constexpr int kMaxNumber = 100000000;  // stops the parser before an int overflows
 
 bool isSpace(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
 bool isDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
-/// Walks through the header (and the values of a P2), skipping white space and comments.
+/// Reads the numbers of the header (and the values of a P2), skipping white space and comments.
 class PgmScanner {
  public:
   explicit PgmScanner(const std::string& bytes) : bytes_(bytes), position_(2) {}
@@ -41,7 +41,7 @@ class PgmScanner {
     return value;
   }
 
-  /// The one white space that separates a binary header from the pixels.
+  /// Skips the single white space between a binary header and the pixels.
   void skipOne() { ++position_; }
   std::size_t left() const { return position_ < bytes_.size() ? bytes_.size() - position_ : 0; }
   int byte() { return static_cast<unsigned char>(bytes_[position_++]); }
@@ -63,10 +63,10 @@ class PgmScanner {
   std::size_t position_;
 };
 
-/// Checked before memory is reserved, so that a broken header cannot ask for gigabytes.
+/// Checked before memory is reserved, because a broken header may ask for gigabytes.
 void requireBytes(const PgmScanner& scanner, std::size_t needed) {
   if (scanner.left() < needed) {
-    throw std::runtime_error("it is cut off: " + std::to_string(needed) +
+    throw std::runtime_error("it is truncated: " + std::to_string(needed) +
                              " bytes of pixels expected, " + std::to_string(scanner.left()) +
                              " found");
   }
@@ -92,7 +92,7 @@ std::string encodePgm(const GrayImage& image, const std::string& comment) {
 GrayImage decodePgm(const std::string& bytes) {
   const std::string magic = bytes.substr(0, 2);
   if (magic != "P2" && magic != "P5") {
-    throw std::runtime_error("it is no PGM image (it does not begin with P2 or P5); convert it");
+    throw std::runtime_error("it is not a PGM image (it does not begin with P2 or P5); convert it");
   }
   PgmScanner scanner(bytes);
   GrayImage image;
@@ -102,9 +102,10 @@ GrayImage decodePgm(const std::string& bytes) {
   const std::size_t count =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
   const bool binary = magic == "P5";
-  const bool wide = max > kWhite;  // two bytes a pixel, high byte first
+  const bool wide = max > kWhite;  // two bytes per pixel, high byte first
   scanner.skipOne();
-  // A value of a P2 takes at least one digit and, but for the last, one separator.
+  // A value of a P2 takes at least one digit and a separator, except that the last has no
+  // separator.
   requireBytes(scanner, binary ? count * (wide ? 2 : 1) : 2 * count - 1);
   image.pixels.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {

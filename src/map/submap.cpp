@@ -35,12 +35,12 @@ bool Submap::insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_vi
   return surface_complete && !changes.full;
 }
 
-/// The scan with its associated hits marked as known. They end at the point of the map that they
-/// are: a beam that ends a little behind its wall must not clear it.
+/// The scan with its associated hits marked as known. Their beams end at the associated point, so
+/// that a beam that ends slightly behind a wall does not clear it.
 PlanarScan Submap::stitched(const PlanarScan& scan, const Pose2& map_T_base) const {
   PlanarScan result = scan;
   const Pose2 base_T_map = map_T_base.inverse();
-  const float reach = surface_.resolution();  // a point of the next cell is the same wall
+  const float reach = surface_.resolution();  // a point in the next cell belongs to the same wall
   for (PlanarRay& ray : result.rays) {
     if (!ray.hit) continue;
     const Eigen::Vector2f point = (map_T_base * ray.end.cast<double>()).cast<float>();

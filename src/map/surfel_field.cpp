@@ -9,17 +9,17 @@
 namespace kestrel {
 namespace {
 
-/// Hits after which the mean of a cell forgets old ones, so that it can follow a moved wall. Of 15
-/// and 30 this one gave the smaller worst error of the perturbed runs of intel.
+/// Number of hits after which the mean of a cell forgets old ones, so that it can follow a moved
+/// wall. Chosen from 15 and 30: smaller worst error in the perturbed runs of intel.
 constexpr float kMaxCount = 15.0F;
-/// Neighbors that make the line of a wall: cells up to this far, so 0.25 m at 5 cm.
+/// The line of a wall is computed from the neighbors within this many cells: 0.25 m at 5 cm.
 constexpr int kShapeRadius = 2;
-/// A mean of many hits that moves by less than this, in cells, keeps its line.
+/// In cells. If a mean of many hits moves less than this, its line is not updated.
 constexpr float kMinShift = 0.05F;
-/// A line needs this many cells, and this ratio of length to thickness (of standard deviations).
+/// A line needs this many cells, and this ratio of the standard deviations along and across it.
 constexpr int kMinShapeCells = 3;
 constexpr float kMinElongation = 2.0F;
-/// Half the width of the row `dy` of the disk of kReachCells.
+/// Half the width of row `dy` of the disk with radius kReachCells, in cells.
 int diskHalfWidth(int dy) {
   static const std::array<int, 2 * SurfelField::kReachCells + 1> widths = [] {
     std::array<int, 2 * SurfelField::kReachCells + 1> table{};
@@ -102,8 +102,7 @@ void SurfelField::setOwn(const Cell& cell, bool own) {
   row = own ? row | bit : row & ~bit;
 }
 
-/// Calls `visit(id)` for every surfel whose cell is in the square of `radius` cells around
-/// `center`, row by row.
+/// Calls `visit(id)` for every surfel in the square of `radius` cells around `center`, row by row.
 template <typename Visit>
 void SurfelField::forEachOwn(const Cell& center, int radius, Visit visit) const {
   const int x0 = center.x - radius, x1 = center.x + radius;
@@ -134,9 +133,10 @@ void SurfelField::addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Ve
   (sparse ? surfel.sparse2 : surfel.tangent2) += tangent2;
 }
 
-/// A surfel without any hits in the cell of `hit`, or kNone.
+/// Creates a surfel without hits in the cell of `hit`. Returns kNone at the memory limit.
 std::uint32_t SurfelField::create(const OccupancyGrid::Changes::Hit& hit) {
-  // Without its own cell a surfel would be found by nobody, and the next hit would add another.
+  // If a surfel is not stored in its own cell, it cannot be found, and the next hit would add
+  // another.
   Tile* tile = tiles_.obtain(hit.cell);
   if (tile == nullptr) {
     full_ = true;
@@ -158,9 +158,9 @@ std::uint32_t SurfelField::create(const OccupancyGrid::Changes::Hit& hit) {
   return id;
 }
 
-/// Adds the hits of one scan to the mean all at once: one after the other, the last of the sweep
-/// would count most, and turn the map a little with every scan. True where the surfel's line has to
-/// follow.
+/// Adds the hits of one scan to the mean at once. If they were added one after the other, the last
+/// hits of the sweep would have more weight, and the map would rotate slightly with every scan.
+/// Returns true if the line of the surfel must be updated.
 bool SurfelField::addMean(std::uint32_t id) {
   Surfel& surfel = surfels_[id];
   const bool is_new = surfel.count == 0.0F, is_settled = surfel.count >= kMaxCount;
@@ -181,7 +181,8 @@ void SurfelField::spread(std::uint32_t id) {
     const int y = cell.y + dy, half = diskHalfWidth(dy);
     const float ey = static_cast<float>(dy) - mean.y();
     for (int x = cell.x - half; x <= cell.x + half;) {
-      const int end = std::min(cell.x + half, x | (kTileSide - 1)) + 1;  // of this tile's part
+      // End of the part in this tile.
+      const int end = std::min(cell.x + half, x | (kTileSide - 1)) + 1;
       Tile* tile = tiles_.obtain({x, y});
       if (tile == nullptr) {
         full_ = true;
@@ -206,13 +207,13 @@ void SurfelField::remove(const Cell& cell) {
   const std::uint32_t id = idAt(cell);
   if (id == kNone) return;
   setOwn(cell, false);
-  orphan(id);
-  adopters_.clear();
-  if (orphans_.empty()) return free_.push_back(id);
-  Cell low = orphans_.front(), high = low;
-  for (const Cell& lonely : orphans_) {
-    low = {std::min(low.x, lonely.x), std::min(low.y, lonely.y)};
-    high = {std::max(high.x, lonely.x), std::max(high.y, lonely.y)};
+  detach(id);
+  candidates_.clear();
+  if (detached_.empty()) return free_.push_back(id);
+  Cell low = detached_.front(), high = low;
+  for (const Cell& other_cell : detached_) {
+    low = {std::min(low.x, other_cell.x), std::min(low.y, other_cell.y)};
+    high = {std::max(high.x, other_cell.x), std::max(high.y, other_cell.y)};
   }
   forEachOwn(cell, 2 * kReachCells, [&](std::uint32_t other) {
     const Surfel& surfel = surfels_[other];
@@ -220,15 +221,15 @@ void SurfelField::remove(const Cell& cell) {
         surfel.cell.y < low.y - kReachCells || surfel.cell.y > high.y + kReachCells) {
       return;
     }
-    adopters_.push_back({surfel.mean * inverse_resolution_, surfel.cell, other});
+    candidates_.push_back({surfel.mean * inverse_resolution_, surfel.cell, other});
   });
-  for (const Cell& lonely : orphans_) adopt(lonely);
+  for (const Cell& other_cell : detached_) attachToNearest(other_cell);
   free_.push_back(id);
 }
 
-/// Collects the cells that look to surfel `id` and makes them look nowhere.
-void SurfelField::orphan(std::uint32_t id) {
-  orphans_.clear();
+/// Collects the cells whose nearest surfel is `id`, and removes the reference.
+void SurfelField::detach(std::uint32_t id) {
+  detached_.clear();
   const Cell cell = surfels_[id].cell;
   for (int dy = -kReachCells; dy <= kReachCells; ++dy) {
     const int y = cell.y + dy, half = diskHalfWidth(dy);
@@ -239,30 +240,30 @@ void SurfelField::orphan(std::uint32_t id) {
         if (tile == nullptr || tile->nearest[offset] != id) continue;
         tile->nearest[offset] = kNone;
         tile->distance2[offset] = kFar;
-        orphans_.push_back({x, y});
+        detached_.push_back({x, y});
       }
     }
   }
 }
 
-/// Finds the nearest of the adopters for a cell.
-void SurfelField::adopt(const Cell& orphan) {
-  const float x = static_cast<float>(orphan.x) + 0.5F, y = static_cast<float>(orphan.y) + 0.5F;
+/// Finds the nearest candidate for a cell.
+void SurfelField::attachToNearest(const Cell& cell) {
+  const float x = static_cast<float>(cell.x) + 0.5F, y = static_cast<float>(cell.y) + 0.5F;
   float best2 = (kReachCells + 1) * (kReachCells + 1);
   std::uint32_t best = kNone;
-  for (const Adopter& adopter : adopters_) {
-    // Only within the disk that `spread` fills: `orphan` looks there when the adopter goes.
-    const int dx = adopter.cell.x - orphan.x, dy = adopter.cell.y - orphan.y;
+  for (const Candidate& candidate : candidates_) {
+    // Only within the disk that `spread` fills, because `detach` searches only there.
+    const int dx = candidate.cell.x - cell.x, dy = candidate.cell.y - cell.y;
     if (dx * dx + dy * dy > kReachCells * kReachCells) continue;
-    const float ex = adopter.mean.x() - x, ey = adopter.mean.y() - y;
+    const float ex = candidate.mean.x() - x, ey = candidate.mean.y() - y;
     if (ex * ex + ey * ey >= best2) continue;
     best2 = ex * ex + ey * ey;
-    best = adopter.id;
+    best = candidate.id;
   }
   if (best == kNone) return;
-  Tile* tile = tiles_.find(orphan);
-  tile->nearest[offsetInTile(orphan)] = best;
-  tile->distance2[offsetInTile(orphan)] = static_cast<std::uint16_t>(best2 * kDistanceSteps + 1.0F);
+  Tile* tile = tiles_.find(cell);
+  tile->nearest[offsetInTile(cell)] = best;
+  tile->distance2[offsetInTile(cell)] = static_cast<std::uint16_t>(best2 * kDistanceSteps + 1.0F);
 }
 
 void SurfelField::updateShape(std::uint32_t id) {
@@ -280,7 +281,8 @@ void SurfelField::updateShape(std::uint32_t id) {
   sx /= n, sy /= n;
   const float cxx = sxx / n - sx * sx, cxy = sxy / n - sx * sy, cyy = syy / n - sy * sy;
   const float half_trace = 0.5F * (cxx + cyy);
-  const Eigen::Vector2f axis2(0.5F * (cxx - cyy), cxy);  // twice-angle vector of the long axis
+  const Eigen::Vector2f axis2(0.5F * (cxx - cyy),
+                              cxy);  // (cos, sin) of twice the angle of the long axis, scaled
   const float root = axis2.norm();
   const float large = half_trace + root, small = std::max(half_trace - root, 0.0F);
   if (n >= kMinShapeCells && root > 0.0F && large > kMinElongation * kMinElongation * small) {

@@ -9,9 +9,9 @@
 
 namespace kestrel {
 
-/// The direction of the wall at hit `i` from its neighbors in the scan, as (cos, sin) of twice its
-/// angle, or zero where they make no line. `sparse`: they are so far apart that a match had better
-/// not trust it.
+/// Direction of the wall at hit `i` from its neighbors in the scan, as (cos, sin) of twice its
+/// angle; zero if the neighbors are not on a line. `sparse` is set if the neighbors are too far
+/// apart for the direction to be reliable.
 Eigen::Vector2f tangentAt(const std::vector<OccupancyGrid::Changes::Hit>& hits, std::size_t i,
                           bool& sparse);
 

@@ -13,9 +13,8 @@ double evaluationFunction(const MatchResult& match, const EvaluationConfig& conf
   for (std::size_t i = 0; i < kMatchStages; ++i) {
     const StageEstimate& stage = match.stages[i];
     score += static_cast<double>(i + 1) / kWeightSum * stage.score;  // eq. 5
-    // Relative to the final pose: the variance is the same and the yaw does not wrap.
-    const Eigen::Array3d x(stage.pose.x - match.pose.x, stage.pose.y - match.pose.y,
-                           normalizeAngle(stage.pose.yaw - match.pose.yaw));
+    // Relative to the final pose: the variance is the same, and the yaw does not wrap around.
+    const Eigen::Array3d x = offsetBetween(match.pose, stage.pose).array();
     sum += x;
     squares += x.square();
   }

@@ -7,12 +7,13 @@
 #include <cmath>
 #include <cstddef>
 
+#include "kestrel_slam/geometry/pose_covariance.h"
 #include "kestrel_slam/matching/covariance.h"
 
 namespace kestrel {
 namespace {
 
-/// One beam of so many, but between so many of them, tells which scans the walls around come from.
+/// Number of sampled beams: one of kOneOf, at least kMinSamples, at most kMaxSamples.
 constexpr std::size_t kOneOf = 10, kMinSamples = 16, kMaxSamples = 128;
 
 Eigen::Matrix2d normalsOf(const Surfel& wall) {
@@ -25,7 +26,7 @@ Eigen::Matrix2d normalsOf(const Surfel& wall) {
 }  // namespace
 
 void MapUncertainty::add(const Pose2& pose, const Eigen::Matrix3d& covariance) {
-  births_.push_back({pose, covariance});
+  scans_.push_back({pose, covariance});
 }
 
 Eigen::Matrix3d MapUncertainty::at(const SurfelField& surface, const Points& points,
@@ -39,7 +40,7 @@ Eigen::Matrix3d MapUncertainty::at(const SurfelField& surface, const Points& poi
     const std::size_t beam = i * points.size() / samples;
     const Eigen::Vector2d point = pose * Eigen::Vector2d(points[beam].cast<double>());
     const Surfel* wall = surface.nearest(point.cast<float>());
-    if (wall == nullptr || wall->birth >= births_.size()) continue;
+    if (wall == nullptr || wall->birth >= scans_.size()) continue;
     walls[count++] = wall;
     normals += normalsOf(*wall);
   }
@@ -47,9 +48,9 @@ Eigen::Matrix3d MapUncertainty::at(const SurfelField& surface, const Points& poi
   const Eigen::Vector2d weakest =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(normals).eigenvectors().col(0);
   Eigen::Matrix3d mean = Eigen::Matrix3d::Zero();
-  double weights = 0.0, weighted = 0.0;  // of the variance along the weakest direction
+  double weights = 0.0, weighted = 0.0;  // for the mean variance along the weakest direction
   for (std::size_t i = 0; i < count; ++i) {
-    const Birth& birth = births_[walls[i]->birth];
+    const InsertedScan& birth = scans_[walls[i]->birth];
     const Eigen::Matrix3d covariance =
         transported(birth.covariance, pose.translation() - birth.pose.translation());
     mean += covariance / static_cast<double>(count);

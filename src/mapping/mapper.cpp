@@ -12,14 +12,14 @@
 namespace kestrel {
 namespace {
 
-/// A lost vehicle is found where the scan fits well (search_score), and where this share of it is
-/// in known space: in a large window something fits half of a scan almost everywhere.
+/// A lost vehicle is found if the scan fits well (search_score) and this share of it is in known
+/// space. In a large window half of a scan fits at many places.
 constexpr double kFoundKnownShare = 0.5;
-/// No laser sees farther: beyond this, or not finite, a number is broken and is not used.
+/// Larger coordinates of a ray, m, and coordinates that are not finite are invalid.
 constexpr float kMaxRayM = 1e4F;
 
 bool isUsable(const PlanarRay& ray) {
-  // Written so that NaN fails.
+  // The comparisons are false for NaN.
   return ray.origin.cwiseAbs().sum() < kMaxRayM && ray.end.cwiseAbs().sum() < kMaxRayM;
 }
 
@@ -31,7 +31,7 @@ bool isUsable(const PlanarScan& scan) {
          (!scan.predicted || isUsable(*scan.predicted));
 }
 
-/// The scan without its broken rays.
+/// The scan without invalid rays and readings.
 PlanarScan repaired(const PlanarScan& scan) {
   PlanarScan result = scan;
   const auto broken = [](const PlanarRay& ray) { return !isUsable(ray); };
@@ -45,17 +45,17 @@ PlanarScan repaired(const PlanarScan& scan) {
   return result;
 }
 
-/// Whether the motion knows more of the degenerate direction than the scan. Without any sensor of
-/// the motion the little that a scan sees is better than nothing: one scan that is moved by 2 cm
-/// enters the map there, and the loops of whole buildings no longer close.
-bool isOpen(const MatchResult& match, PredictionSource prediction_source) {
-  constexpr double kNothing = 0.005;  // of the beams
+/// Whether the motion prediction is better than the scan along the degenerate direction. Without a
+/// motion sensor the little information of the scan is used: otherwise a scan may be inserted with
+/// an error of 2 cm, and loops of whole buildings do not close.
+bool isUnobservable(const MatchResult& match, PredictionSource prediction_source) {
+  constexpr double kNoConstraint = 0.005;  // share of the beams
   return match.degenerate &&
-         (prediction_source != PredictionSource::kVelocity || match.constraint < kNothing);
+         (prediction_source != PredictionSource::kVelocity || match.constraint < kNoConstraint);
 }
 
-/// The scan says nothing of the direction that it does not constrain: what the walls' cells say of
-/// it is their own raster.
+/// Replaces the match along the unobservable direction by the motion prediction. There the match
+/// only shows the discretization error of the cells.
 void keepPredictionAlong(const Pose2& motion_prediction, MatchResult& match) {
   const Eigen::Vector2d& along = match.degenerate_direction;
   const double moved = along.dot(motion_prediction.translation() - match.pose.translation());
@@ -88,8 +88,8 @@ struct Mapper::State {
   Submap map;
   std::unique_ptr<Matcher> matcher;
   MotionModel motion;
-  Pose2 inserted_pose;          ///< of the last scan that entered the map
-  PoseUncertainty uncertainty;  ///< of the pose
+  Pose2 inserted_pose;  ///< pose of the last inserted scan
+  PoseUncertainty uncertainty;
 
   void begin(MapperResult& result);
   void match(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
@@ -116,7 +116,7 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   const std::optional<Pose2> motion_prediction =
       motion.motionPrediction(request, scan, odom_T_base);
   result.match = matcher->match(map, request);
-  if (motion_prediction && isOpen(result.match, prediction_source))
+  if (motion_prediction && isUnobservable(result.match, prediction_source))
     keepPredictionAlong(*motion_prediction, result.match);
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request.lost);
@@ -140,13 +140,14 @@ MatchState Mapper::State::judge(const MatchResult& match, bool was_lost) const {
   return good ? MatchState::kOk : MatchState::kDegraded;
 }
 
-/// Paper 000 eq. 4-5: only a scan that fits well enough may change the map.
+/// Only a scan that fits well enough is inserted [MAV SLAM 2013, eq. 4-5].
 void Mapper::State::insert(const PlanarScan& scan, MapperResult& result) {
   const bool first = map.scans() == 0;
   const bool accepted =
       !config.evaluation.enabled || first || result.evaluation < config.evaluation.threshold;
   if (result.state == MatchState::kLost || !accepted || !(first || movedEnough())) return;
-  // Without an IMU the laser is level: what it has not seen before moves, or was moved.
+  // Without an IMU the laser is level and always sees the same slice: a new object is moving or was
+  // moved, and is not a new view.
   const bool new_view =
       scan.integrated_acceleration && result.match.score < config.matcher.good_score;
   result.map_full = !map.insert(scan, motion.pose(), new_view);

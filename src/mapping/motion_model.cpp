@@ -9,35 +9,34 @@
 namespace kestrel {
 namespace {
 
-/// A vehicle that seems to move farther than this between two scans was moved, or jumped in the
-/// map: its motion says nothing of the next one.
+/// Maximum motion between two scans, m. After a larger one (the vehicle was carried, or its pose
+/// jumped) the motion is not used for the prediction.
 constexpr double kMaxStepM = 1.0;
-/// Largest factor of the search windows after a long lost state.
+/// Largest factor of the search windows after a long time in the lost state.
 constexpr double kMaxSearchScale = 8.0;
-/// A scan that seems to be farther from the prediction than this speed explains has to fit much
-/// better there: a room that looks different from another height is no reason to jump.
+/// A pose that is farther from the prediction than this speed explains must have a much better
+/// score. A room that looks different at another height must not cause a jump.
 constexpr double kMaxSpeed = 3.0;  // m/s
 constexpr double kMinPlausibleM = 0.05;
 
-/// No vehicle turns faster, and the yaw is no more noisy than this.
+/// Maximum turn rate of a vehicle, and noise of the yaw.
 constexpr double kMaxTurnRate = 12.0;  // rad/s
 constexpr double kTurnNoise = 0.1;     // rad
-/// Lost for longer than this in a row, the vehicle may have been turned by hand.
+/// After this many consecutive lost scans the yaw is unknown: the vehicle may have been rotated by
+/// hand.
 constexpr int kTrustedLostScans = 40;
 
-/// What a pose filter says of a longer absence, or of a faster vehicle, is no prediction.
+/// The prediction of a pose filter is not used over a longer time or for a faster motion.
 constexpr double kMaxPredicted_s = 5.0;
 constexpr double kMaxPredictedSpeed = 10.0;  // m/s
 
 /// Time constant of the velocity, s.
 constexpr double kVelocityTime = 0.15;
 
-/// No vehicle flies farther from its start: beyond this a number is broken and is not used.
+/// Positions farther from the origin are invalid and not used.
 constexpr double kMaxPositionM = 1e6;
 
-Pose2 halfway(const Pose2& a, const Pose2& b) {
-  return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y), a.yaw + 0.5 * normalizeAngle(b.yaw - a.yaw)};
-}
+Pose2 halfway(const Pose2& a, const Pose2& b) { return interpolate(a, b, 0.5); }
 
 }  // namespace
 
@@ -50,22 +49,23 @@ MotionModel::MotionModel(const MapperConfig& config, const Pose2& map_T_base)
       wide_window_m_(config.matcher.wide_window.linear_m),
       pose_(map_T_base) {}
 
-/// The starts, best first (paper 002 eq. 5-6: the motion goes on as it was). Odometry comes second:
-/// its bias would otherwise pull every scan of a corridor a little the same way.
+/// The initial guesses, best first ([Xie 2010, eq. 5-6]: constant velocity). Odometry is not the
+/// first one: its bias would pull every scan in a corridor slightly in the same direction.
 MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
                                   const std::optional<Pose2>& odom_T_base) const {
   MatchRequest result{points, pose_, {}, false, 1.0};
   const Pose2 continued = pose_ * motion_;
   result.initial_guesses = {continued, pose_, halfway(pose_, continued)};
-  const std::optional<double> turn = turnSince(scan);
+  const std::optional<double> turn = yawChangeSince(scan);
   const bool has_turn = turn.has_value();
   if (has_turn) {
-    // The gyro knows the rotation better than any motion model, and at the rate of such lasers the
-    // smoothed velocity the motion better than two noisy poses. Without both in the last place.
+    // The gyro measures the rotation better than a motion model. At typical scan rates the smoothed
+    // velocity is more accurate than the difference of two noisy poses. The guess without both is
+    // the last one.
     const double yaw = pose_.yaw + *turn;
     const double seconds = std::clamp(scan.time - time_, 0.0, gap_s_);
     const Eigen::Vector2d moved =
-        pose_.translation() + seconds * (velocity_ + 0.5 * gainedSpeed(scan));
+        pose_.translation() + seconds * (velocity_ + 0.5 * velocityChangeSince(scan));
     const Pose2 predicted(moved.x(), moved.y(), yaw), turned(pose_.x, pose_.y, yaw);
     result.initial_guesses = {predicted, turned, halfway(turned, predicted), continued};
     result.trusted =
@@ -76,48 +76,47 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
         lost_scans_ > 0 ? result.initial_guesses.begin() : result.initial_guesses.end();
     result.initial_guesses.insert(place, pose_ * (odom_->inverse() * *odom_T_base));
   }
-  const std::optional<Pose2> moved = predictedSince(scan);
+  const std::optional<Pose2> moved = filterMotionSince(scan);
   if (moved) {
-    // Where that fits badly it is rarely for the initial guess: our own prediction and none have to
-    // do.
+    // If this guess fits poorly, the reason is rarely the guess. Two other guesses are enough.
     result.initial_guesses.resize(2);
     result.initial_guesses.insert(result.initial_guesses.begin(), pose_ * *moved);
     result.trusted = lost_scans_ == 0 && !placed_ && scan.time - time_ <= gap_s_;
   }
-  result.turn_known = (has_turn || moved) && lost_scans_ < kTrustedLostScans;
+  result.yaw_known = (has_turn || moved) && lost_scans_ < kTrustedLostScans;
   result.lost = lost_scans_ > 0 || scan.time - time_ > gap_s_;
-  result.search_all_round = result.lost && !result.turn_known;
+  result.search_all_yaws = result.lost && !result.yaw_known;
   if (result.lost) {
-    const double flown = kMaxSpeed * (scan.time - found_time_);
-    result.search_scale = std::clamp(1.0 + flown / wide_window_m_, 1.0, kMaxSearchScale);
+    const double distance = kMaxSpeed * (scan.time - found_time_);
+    result.search_scale = std::clamp(1.0 + distance / wide_window_m_, 1.0, kMaxSearchScale);
   }
   result.plausible_m = std::max(kMinPlausibleM, kMaxSpeed * (scan.time - found_time_));
   if (placed_) result.plausible_m = std::numeric_limits<double>::infinity();
   return result;
 }
 
-/// What the gyro says of the turn since the last scan, rad; nothing after a gap, or where the
-/// yaw began anew.
-std::optional<double> MotionModel::turnSince(const PlanarScan& scan) const {
+/// Yaw change by the gyro since the last scan, rad. Nothing after a gap, or if the integrated yaw
+/// was restarted.
+std::optional<double> MotionModel::yawChangeSince(const PlanarScan& scan) const {
   const double seconds = scan.time - time_;
   if (!integrated_yaw_ || !scan.integrated_yaw || !(seconds <= gap_s_)) return std::nullopt;
   const double turn = *scan.integrated_yaw - *integrated_yaw_;
   return std::abs(turn) <= kMaxTurnRate * seconds + kTurnNoise ? std::optional(turn) : std::nullopt;
 }
 
-/// The motion since the last scan by a pose filter: the best that there is.
-std::optional<Pose2> MotionModel::predictedSince(const PlanarScan& scan) const {
+/// The motion since the last scan by a pose filter, which is the best prediction.
+std::optional<Pose2> MotionModel::filterMotionSince(const PlanarScan& scan) const {
   const double seconds = scan.time - time_;
-  if (!predicted_ || !scan.predicted || !(seconds <= kMaxPredicted_s)) return std::nullopt;
-  const Pose2 moved = predicted_->inverse() * *scan.predicted;
+  if (!filter_pose_ || !scan.predicted || !(seconds <= kMaxPredicted_s)) return std::nullopt;
+  const Pose2 moved = filter_pose_->inverse() * *scan.predicted;
   const bool possible = moved.distance() <= kMaxPredictedSpeed * std::max(0.0, seconds) &&
                         std::abs(moved.yaw) <= kMaxTurnRate * seconds + kTurnNoise;
   return possible ? std::optional(moved) : std::nullopt;
 }
 
-/// What the accelerometer says of the velocity since the last scan, in map, m/s.
-Eigen::Vector2d MotionModel::gainedSpeed(const PlanarScan& scan) const {
-  if (!turnSince(scan) || !integrated_acceleration_ || !scan.integrated_acceleration)
+/// Velocity change by the accelerometer since the last scan, in the map frame, m/s.
+Eigen::Vector2d MotionModel::velocityChangeSince(const PlanarScan& scan) const {
+  if (!yawChangeSince(scan) || !integrated_acceleration_ || !scan.integrated_acceleration)
     return Eigen::Vector2d::Zero();
   return Eigen::Rotation2Dd(pose_.yaw - *integrated_yaw_) *
          (*scan.integrated_acceleration - *integrated_acceleration_);
@@ -125,9 +124,9 @@ Eigen::Vector2d MotionModel::gainedSpeed(const PlanarScan& scan) const {
 
 PredictionSource MotionModel::predictionSourceOf(const PlanarScan& scan,
                                                  const std::optional<Pose2>& odom_T_base) const {
-  if (predictedSince(scan)) return PredictionSource::kAccelerometer;
+  if (filterMotionSince(scan)) return PredictionSource::kAccelerometer;
   if (odom_ && odom_T_base) return PredictionSource::kOdometry;
-  return turnSince(scan) && integrated_acceleration_ && scan.integrated_acceleration
+  return yawChangeSince(scan) && integrated_acceleration_ && scan.integrated_acceleration
              ? PredictionSource::kAccelerometer
              : PredictionSource::kVelocity;
 }
@@ -137,7 +136,7 @@ std::optional<Pose2> MotionModel::motionPrediction(const MatchRequest& request,
                                                    const std::optional<Pose2>& odom_T_base) const {
   const double seconds = scan.time - time_;
   if (lost_scans_ > 0 || placed_ || !(seconds >= 0.0) || seconds > gap_s_) return std::nullopt;
-  const bool by_odometry = odom_ && odom_T_base && !predictedSince(scan);
+  const bool by_odometry = odom_ && odom_T_base && !filterMotionSince(scan);
   return by_odometry ? pose_ * (odom_->inverse() * *odom_T_base) : request.initial_guesses.front();
 }
 
@@ -156,11 +155,12 @@ void MotionModel::move(const Pose2& found, const Pose2& predicted, bool lost,
   placed_ = false;
 }
 
-/// Smoothed: over one period of a 40 Hz laser the noise of the poses is as large as the motion. The
-/// accelerometer, where there is one, tells the changes without delay; a lost vehicle flies on.
+/// The velocity is smoothed, because over one period of a 40 Hz laser the noise of the poses is as
+/// large as the motion. The accelerometer gives changes without delay. While lost, the velocity is
+/// kept.
 void MotionModel::updateVelocity(const Pose2& next, const PlanarScan& scan, bool unknown) {
   const double seconds = scan.time - time_;
-  const Eigen::Vector2d gained = gainedSpeed(scan);
+  const Eigen::Vector2d gained = velocityChangeSince(scan);
   if (placed_ || !(seconds > 0.0) || seconds > gap_s_) {
     velocity_.setZero();
     return;
@@ -178,7 +178,7 @@ void MotionModel::updateVelocity(const Pose2& next, const PlanarScan& scan, bool
 void MotionModel::remember(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                            bool lost) {
   odom_ = odom_T_base;
-  predicted_ = scan.predicted;
+  filter_pose_ = scan.predicted;
   integrated_yaw_ = scan.integrated_yaw;
   integrated_acceleration_ = scan.integrated_acceleration;
   time_ = scan.time;
@@ -189,7 +189,7 @@ void MotionModel::setPose(const Pose2& map_T_base) {
   pose_ = map_T_base;
   motion_ = Pose2();
   odom_.reset();
-  predicted_.reset();
+  filter_pose_.reset();
   integrated_yaw_.reset();
   velocity_.setZero();
   placed_ = true;

@@ -2,10 +2,10 @@
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "kestrel_slam/geometry/pose_covariance.h"
 #include "kestrel_slam/matching/covariance.h"
 
 namespace kestrel {
@@ -14,22 +14,23 @@ namespace {
 /// Standard deviations of a pose that is only predicted.
 constexpr double kLostM = 1.0, kLostRad = 0.5;
 
-/// How well the map stands where the first scan began it: the raster of the cells and the errors of
-/// the attitude shift and turn what all later scans are compared with.
+/// Uncertainty of the map at the first scan: discretization errors of the cells and errors of the
+/// attitude shift and rotate the reference of all later scans.
 constexpr double kFirstM = 0.004, kFirstRad = 0.0008;
-/// Neighboring scans err alike, so in the map their variances do not average out: a chain of scans
-/// grows as if each were this much worse. Calibrated on simulated flights (measure_flights).
+/// The errors of neighboring scans are correlated, so they do not average out in the map. The
+/// covariance of a chain of scans grows by this factor faster. Calibrated on simulated flights
+/// (measure_flights).
 constexpr double kChainFactor = 4.5;
 
-/// Standard deviation of the velocity where the scan stops telling it, m/s.
+/// Standard deviation of the velocity when a direction becomes unobservable, m/s.
 constexpr double kFirstSpeed = 0.05;
-/// How fast it grows, m/s²: an accelerometer that is tilted by a third of a degree; a vehicle that
-/// changes its speed as it likes, up to kMaxSpeed, m/s.
+/// Growth of the velocity error, m/s²: for an accelerometer with a tilt error of a third of a
+/// degree; and for a vehicle with unknown acceleration, up to the speed kMaxSpeed, m/s.
 constexpr double kAccelerometerError = 0.05, kUnknownAcceleration = 0.5, kMaxSpeed = 3.0;
-/// Share of the points that has to hold a direction before its drift is over: a few that seem to
-/// hold it for a moment are the noise of the walls.
+/// The drift ends when this share of the points constrains the direction. Smaller shares may be
+/// caused by noise of the walls.
 constexpr double kRegained = 0.03;
-/// Error of odometry, as a share of the way.
+/// Error of the odometry, relative to the distance.
 constexpr double kOdometryError = 0.1;
 
 double square(double x) { return x * x; }
@@ -47,9 +48,7 @@ Eigen::Matrix3d relativeCovariance(const UncertainPose& a, const UncertainPose& 
   const Eigen::Matrix3d in_map =
       absolute(b.map_covariance - transported(a.map_covariance, a_to_b)) + b.match_covariance +
       transported(a.match_covariance, a_to_b);
-  Eigen::Matrix3d a_R_map = Eigen::Matrix3d::Identity();
-  a_R_map.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(-a.pose.yaw).toRotationMatrix();
-  return a_R_map * in_map * a_R_map.transpose();
+  return rotated(in_map, -a.pose.yaw);
 }
 
 void PoseUncertainty::begin(const Pose2& pose) {
@@ -68,13 +67,13 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
                              PredictionSource prediction_source) {
   UncertainPose next{match.pose, map_.at(surface, points, match.pose), match.covariance};
   if (match.degenerate) unobservable_direction_ = match.degenerate_direction;
-  const bool open = match.degenerate || (drifting_ && match.constraint < kRegained);
-  if (open) {
+  const bool is_drifting = match.degenerate || (drifting_ && match.constraint < kRegained);
+  if (is_drifting) {
     const Eigen::Vector2d& along = unobservable_direction_;
     if (!drifting_) {
       entry_variance_ = along.dot(found_.topLeftCorner<2, 2>() * along);
       drift_m_ = 0.0;
-      drift_speed_ = kFirstSpeed;
+      drift_speed_m_s_ = kFirstSpeed;
     }
     drift(seconds, moved_m, prediction_source);
     next.map_covariance = stretched(next.map_covariance, along, 0.0);
@@ -82,23 +81,24 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
     next.map_covariance.topLeftCorner<2, 2>() +=
         (entry_variance_ + drift_m_ * drift_m_) * along * along.transpose();
   }
-  drifting_ = open;
+  drifting_ = is_drifting;
   motion_ = relativeCovariance(last_, next);
   last_ = next;
   found_ = next.covariance();
 }
 
-/// One scan farther: the errors of one drift are all of one sign, so deviations add, not variances.
+/// Extends the drift by one scan. The errors of a drift have the same sign, so standard deviations
+/// are added, not variances.
 void PoseUncertainty::drift(double seconds, double moved_m, PredictionSource prediction_source) {
   if (prediction_source == PredictionSource::kOdometry) {
     drift_m_ += kOdometryError * moved_m;
     return;
   }
   const bool measured = prediction_source == PredictionSource::kAccelerometer;
-  const double before = drift_speed_;
-  drift_speed_ += seconds * (measured ? kAccelerometerError : kUnknownAcceleration);
-  if (!measured) drift_speed_ = std::min(drift_speed_, std::max(kMaxSpeed, before));
-  drift_m_ += seconds * 0.5 * (before + drift_speed_);
+  const double before = drift_speed_m_s_;
+  drift_speed_m_s_ += seconds * (measured ? kAccelerometerError : kUnknownAcceleration);
+  if (!measured) drift_speed_m_s_ = std::min(drift_speed_m_s_, std::max(kMaxSpeed, before));
+  drift_m_ += seconds * 0.5 * (before + drift_speed_m_s_);
 }
 
 void PoseUncertainty::lose(const Pose2& predicted) {

@@ -10,15 +10,15 @@
 namespace kestrel {
 namespace {
 
-/// Blocks of the top level: at least 4 cells a side, and at most this many of them in a row.
-/// Smaller ones have tighter bounds, but there are more of them.
+/// Blocks of the top level have at least 4 × 4 cells (2^kMinTop), and a row of the window has at
+/// most kMaxSide of them. Smaller blocks have tighter bounds, but there are more of them.
 constexpr int kMinTop = 2;
 constexpr int kMaxSide = 20;
-/// A block is split into 4 × 4: their sums fit one after the other into the lanes of one addition.
+/// A block is split into 4 × 4 blocks. The sums of a row fit into the vector lanes of one addition.
 constexpr int kSplitLevels = 2;
-/// One point in this many ranks the angles.
+/// The angles are ranked with one point out of this many.
 constexpr int kSampleShare = 8;
-/// Angles of which the most promising block is searched through first.
+/// For this many of the best angles, the most promising block is searched first.
 constexpr std::size_t kFirstAngles = 16;
 
 }  // namespace
@@ -54,9 +54,9 @@ ScoredPose BranchAndBound::run() {
   return best_;
 }
 
-/// Sums up the sample for all angles; those with the highest sums first.
+/// Sums the sample of the points for all angles. Returns the angles, highest sum first.
 std::vector<int> BranchAndBound::rankedAngles() {
-  std::vector<std::pair<int, int>> order;  // the highest sum, negative, and the angle
+  std::vector<std::pair<int, int>> order;  // (negative highest sum, angle)
   for (int k = -grid_.angularSteps(); k <= grid_.angularSteps(); ++k) {
     addPoints(whole(k), 0, sample_points_, sumsOf(k));
     order.emplace_back(-*std::max_element(sumsOf(k), sumsOf(k) + side_ * side_), k);
@@ -85,8 +85,8 @@ const PointCell* BranchAndBound::cells(int k) {
   return cells.data();
 }
 
-/// Adds the points [first, last) to the sums of the blocks; false as soon as none of them can be
-/// better than the best pose. The sums of rows that cannot are left as they are.
+/// Adds the points [first, last) to the sums of the blocks. Returns false as soon as no block can
+/// be better than the best pose. The sums of rows that cannot be better are left incomplete.
 bool BranchAndBound::addPoints(const Lattice& lattice, int first, int last, int* sums) {
   const PointCell* points = cells(lattice.corner.k);
   int low = 0, high = lattice.rows;
@@ -100,8 +100,8 @@ bool BranchAndBound::addPoints(const Lattice& lattice, int first, int last, int*
   return true;
 }
 
-/// Narrows the rows [low, high) to those with a block that can be better than the best pose when
-/// the `rest` of the points all fit; false where there is none.
+/// Narrows the rows [low, high) to those with a block that can be better than the best pose,
+/// assuming that the remaining `rest` points all fit. Returns false if there is none.
 bool BranchAndBound::keepRows(const Lattice& lattice, const int* sums, int rest, int& low,
                               int& high) const {
   const auto is_worse = [&](int row) {
@@ -127,7 +127,8 @@ void BranchAndBound::collect(const Lattice& lattice, const int* sums,
       if (corner.dx > grid_.linearSteps() || corner.dy > grid_.linearSteps()) continue;
       const double score = boundOf(lattice.level, *sums, 0);
       if (score < best_.penalized_score) continue;
-      const ScoredPose bound{score - grid_.preference(corner, 1 << lattice.level), score, corner};
+      const ScoredPose bound{score - grid_.motionPenalty(corner, 1 << lattice.level), score,
+                             corner};
       if (isBetter(bound, best_)) blocks.push_back({bound, lattice.level});
     }
   }

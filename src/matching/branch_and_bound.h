@@ -8,43 +8,44 @@
 
 namespace kestrel {
 
-/// A pose of the grid with what it is worth.
+/// A pose of the grid with its score.
 struct ScoredPose {
-  double penalized_score = -1e9;  ///< the score less the cost of the motion
+  double penalized_score = -1e9;  ///< the score minus the penalty of the motion
   double score = 0.0;
   GridPose at;
 };
 
-/// Whether `a` comes before `b`: the better one, of equal ones the first in the order of k, dy, dx.
+/// Whether `a` is better than `b`. If the scores are equal, the order is that of k, dy, dx.
 inline bool isBetter(const ScoredPose& a, const ScoredPose& b) {
   if (a.penalized_score != b.penalized_score) return a.penalized_score > b.penalized_score;
   if (a.at.k != b.at.k) return a.at.k < b.at.k;
   return a.at.dy != b.at.dy ? a.at.dy < b.at.dy : a.at.dx < b.at.dx;
 }
 
-/// The best pose of a window without looking at every one: blocks of poses of which none can be
-/// better than the best one so far are left out (E. Olson, "Real-time correlative scan matching",
-/// ICRA 2009, with more levels, the most promising blocks first).
+/// Finds the best pose of a window without evaluating every pose. Blocks of poses that cannot be
+/// better than the best one so far are skipped ([Olson 2009], with more levels and the most
+/// promising blocks first).
 ///
-/// The bound of a block takes of every point the maximum over the cells that it can reach. A sample
-/// of the points ranks the angles; a few blocks of the best are searched through, so that there is
-/// a good pose to compare with; then the sums of all angles are completed as far as that is worth.
+/// The bound of a block is the sum, over the points, of the maximum over the cells that a point can
+/// reach. First a sample of the points ranks the angles. Then the best blocks of some angles are
+/// searched to get a good pose to compare with. Then the sums of all other angles are completed as
+/// far as needed.
 class BranchAndBound {
  public:
   BranchAndBound(const SearchGrid& grid, const LikelihoodImage& image);
 
-  /// Levels that the image for the search of `grid` should have.
+  /// Number of levels that the image for the search of `grid` must have.
   static int levelsFor(const SearchGrid& grid);
 
   ScoredPose run();
 
  private:
-  /// Poses [dx, dx + 2^level) × [dy, dy + 2^level) from `bound.at` on; none is better than `bound`.
+  /// Poses [dx, dx + 2^level) × [dy, dy + 2^level) from `bound.at`. No pose is better than `bound`.
   struct Block {
     ScoredPose bound;
     int level;
   };
-  /// Blocks of one angle and level side by side.
+  /// A rectangle of blocks of one angle and level.
   struct Lattice {
     GridPose corner;
     int level, columns, rows;
@@ -73,10 +74,10 @@ class BranchAndBound {
   const SearchGrid& grid_;
   const LikelihoodImage& image_;
   int top_;
-  int side_;                                   ///< blocks of the top level in a row of the window
-  int sample_points_;                          ///< the first points, which rank the angles
-  std::vector<std::vector<PointCell>> cells_;  ///< of every angle
-  std::vector<int> sums_;                      ///< of every block of the top level, angle by angle
+  int side_;           ///< number of top-level blocks in a row of the window
+  int sample_points_;  ///< number of points that rank the angles
+  std::vector<std::vector<PointCell>> cells_;  ///< cells of the points, for every angle
+  std::vector<int> sums_;                      ///< sums of all top-level blocks, angle by angle
   ScoredPose best_;
 };
 

@@ -13,15 +13,15 @@
 namespace kestrel {
 namespace {
 
-/// Steps around the best pose that make the mean.
+/// The mean is computed from this many steps around the best pose.
 constexpr int kMeanRadius = 3;
-/// The covariance takes more of the surface, twice as much at a time, until its borders hold no
-/// more than this share of the likelihood; at most so many steps (along a corridor all are alike).
+/// For the covariance the region is doubled until its border holds at most this share of the
+/// likelihood, up to a maximum number of steps (along a corridor the likelihood does not decrease).
 constexpr double kBorderShare = 0.05;
 constexpr int kCovarianceRadius = 12;
 
-/// Mean of the peak and covariance of the surface around it. The mean is of the nearest poses only:
-/// a second peak makes the pose uncertain, but it is not in the middle of the two.
+/// Fills mean and covariance. The mean only uses the nearest poses: a second peak makes the pose
+/// uncertain, but the mean must not be between the two peaks.
 void fillMoments(const SearchGrid& grid, const LikelihoodImage& image, const GridPose& best,
                  SearchResult& result) {
   int linear = kMeanRadius, angular = kMeanRadius;
@@ -39,14 +39,15 @@ void fillMoments(const SearchGrid& grid, const LikelihoodImage& image, const Gri
 }
 
 /// Sums of the likelihoods of all points for every (dx, dy) of the window at one angle, row by row,
-/// without any bounds: what the search is tested against.
+/// without bounds. The search is tested against it.
 class YawSums {
  public:
   YawSums(const SearchGrid& grid, const LikelihoodImage& image)
       : grid_(grid), image_(image), cells_(static_cast<std::size_t>(grid.pointCount())) {}
 
   const std::vector<int>& at(int k) {
-    constexpr int kPoints = 0xFFFF / LikelihoodImage::kMax;  // whose sum fits
+    // Number of points whose sum fits into 16 bits.
+    constexpr int kPoints = 0xFFFF / LikelihoodImage::kMax;
     const int steps = grid_.linearSteps(), side = 2 * steps + 1;
     sums_.assign(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), 0);
     partial_.assign(sums_.size(), 0);
@@ -74,7 +75,7 @@ class YawSums {
   const LikelihoodImage& image_;
   std::vector<PointCell> cells_;
   std::vector<int> sums_;
-  std::vector<std::uint16_t> partial_;  ///< of as many points as its numbers can hold
+  std::vector<std::uint16_t> partial_;  ///< sums of kPoints points
 };
 
 SearchResult resultOf(const SearchGrid& grid, const LikelihoodImage& image,
@@ -87,7 +88,7 @@ SearchResult resultOf(const SearchGrid& grid, const LikelihoodImage& image,
   return result;
 }
 
-SearchResult nothingAt(const Pose2& center) {
+SearchResult emptyResult(const Pose2& center) {
   SearchResult result;
   result.pose = result.mean = center;
   return result;
@@ -98,7 +99,7 @@ SearchResult nothingAt(const Pose2& center) {
 SearchResult searchWindow(const SurfelField& surface, const Points& points, const Pose2& center,
                           const SearchWindow& window, const CorrelativeConfig& config) {
   const SearchGrid grid(surface, points, center, window, config);
-  if (grid.pointCount() == 0) return nothingAt(center);
+  if (grid.pointCount() == 0) return emptyResult(center);
   const LikelihoodImage image(surface, grid, kCovarianceRadius, config.sigma_m,
                               BranchAndBound::levelsFor(grid));
   return resultOf(grid, image, BranchAndBound(grid, image).run());
@@ -108,7 +109,7 @@ SearchResult searchWindowBruteForce(const SurfelField& surface, const Points& po
                                     const Pose2& center, const SearchWindow& window,
                                     const CorrelativeConfig& config) {
   const SearchGrid grid(surface, points, center, window, config);
-  if (grid.pointCount() == 0) return nothingAt(center);
+  if (grid.pointCount() == 0) return emptyResult(center);
   const LikelihoodImage image(surface, grid, kCovarianceRadius, config.sigma_m, 1);
   YawSums sums(grid, image);
   const int steps = grid.linearSteps();
@@ -118,7 +119,7 @@ SearchResult searchWindowBruteForce(const SurfelField& surface, const Points& po
     for (int dy = -steps; dy <= steps; ++dy) {
       for (int dx = -steps; dx <= steps; ++dx, ++sum) {
         const double score = grid.score(*sum);
-        const double penalized_score = score - grid.preference({k, dx, dy}, 1);
+        const double penalized_score = score - grid.motionPenalty({k, dx, dy}, 1);
         if (penalized_score > best.penalized_score) best = {penalized_score, score, {k, dx, dy}};
       }
     }

@@ -8,12 +8,12 @@
 namespace kestrel {
 namespace {
 
-/// An empty scan has no Hessian at all.
+/// Added to the Hessian, because that of an empty scan is zero.
 constexpr double kLeastInformation = 1e-3;
 /// Distance of the samples, in standard deviations of the spread.
 constexpr double kSampleSigmas = 1.0;
-/// A flat likelihood ends somewhere: the samples say nothing of what is farther away than this
-/// many times their distance.
+/// Limits the covariance of a flat likelihood to 25 times the spread, since the samples do not show
+/// the cost farther away.
 constexpr double kLeastCurvature = 0.04;
 
 }  // namespace
@@ -28,17 +28,14 @@ Eigen::Matrix3d hessianCovariance(const Eigen::Matrix3d& hessian, double varianc
 Eigen::Matrix3d sampledCovariance(const std::function<double(const Pose2&)>& cost,
                                   const Pose2& result, const Eigen::Matrix3d& spread,
                                   double variance) {
-  // The likelihood along and between the columns of a root of the spread gives its curvature
-  // there, C = L' Λ L; the covariance is Λ⁻¹ = L C⁻¹ L'.
+  // With a square root L of the spread, the costs along and between its columns give the curvature
+  // C = L' Λ L, where Λ is the information matrix. The covariance is Λ⁻¹ = L C⁻¹ L'.
   const Eigen::Matrix3d root = spread.llt().matrixL();
   const double at_result = cost(result);
   const auto costAt = [&](const Eigen::Vector3d& whitened) {
-    const Eigen::Vector3d offset = root * whitened;
-    return (cost(Pose2(result.x + offset.x(), result.y + offset.y(), result.yaw + offset.z())) -
-            at_result) /
-           variance;
+    return (cost(addOffset(result, root * whitened)) - at_result) / variance;
   };
-  // The mean of both sides: the result need not lie in the very minimum.
+  // The mean of both sides, because the result may not be exactly at the minimum.
   const auto rise = [&](const Eigen::Vector3d& step) {
     return 0.5 * (costAt(step) + costAt(-step));
   };
@@ -57,7 +54,7 @@ Eigen::Matrix3d sampledCovariance(const std::function<double(const Pose2&)>& cos
   const Eigen::Vector3d inverse = axes.eigenvalues().cwiseMax(kLeastCurvature).cwiseInverse();
   const Eigen::Matrix3d shape = root * axes.eigenvectors();
   const Eigen::Matrix3d covariance = shape * inverse.asDiagonal() * shape.transpose();
-  return covariance.allFinite() ? covariance : spread;  // a spread without a root has no samples
+  return covariance.allFinite() ? covariance : spread;  // the spread may have no square root
 }
 
 Eigen::Matrix3d stretched(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& direction,
@@ -65,13 +62,6 @@ Eigen::Matrix3d stretched(const Eigen::Matrix3d& covariance, const Eigen::Vector
   Eigen::Matrix3d stretch = Eigen::Matrix3d::Identity();
   stretch.topLeftCorner<2, 2>() += (factor - 1.0) * direction * direction.transpose();
   return stretch * covariance * stretch;
-}
-
-Eigen::Matrix3d transported(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& from_to) {
-  Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
-  jacobian(0, 2) = -from_to.y();
-  jacobian(1, 2) = from_to.x();
-  return jacobian * covariance * jacobian.transpose();
 }
 
 }  // namespace kestrel

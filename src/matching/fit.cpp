@@ -10,7 +10,7 @@ namespace kestrel {
 
 double leastConstraint(const Fit& fit) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> normals(fit.normals, Eigen::EigenvaluesOnly);
-  // Walls count a little along themselves as well (SurfelField), which is no constraint.
+  // The part of kAlongWeight (SurfelField) is not a constraint.
   constexpr double kAlong = kAlongWeight / (1.0 + kAlongWeight);
   return normals.eigenvalues()(0) - kAlong;
 }
@@ -33,7 +33,7 @@ Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, doub
         c11[i] = constraint.x(), c12[i] = constraint.y(), c22[i] = constraint.z();
         continue;
       }
-      // The surfels' own hits are known; asking the grid is only needed off the walls.
+      // Points on walls are in known space. The grid is only needed for the others.
       on_wall[i] = 0.0F;
       ++off_walls;
       if (map.grid().isKnown(map.grid().cellAt({p.px[i], p.py[i]}))) continue;

@@ -6,13 +6,14 @@
 namespace kestrel {
 namespace {
 
-/// The sums of the normal equations of four points at a time.
+/// Sums of the normal equations, four points at a time.
 struct Sums {
   Lanes h00 = Lanes::Zero(), h01 = Lanes::Zero(), h02 = Lanes::Zero(), h11 = Lanes::Zero(),
         h12 = Lanes::Zero(), h22 = Lanes::Zero();
   Lanes g0 = Lanes::Zero(), g1 = Lanes::Zero(), g2 = Lanes::Zero();
 
-  /// Adds w (J' A J) and -w (J' A e) with J = [I, dS/dθ] and dS/dθ = (-ry, rx) (eq. 14).
+  /// Adds w (J' A J) and -w (J' A e) with J = [I, dS/dyaw], dS/dyaw = (-ry, rx) [Kohlbrecher 2011,
+  /// eq. 14].
   void add(const SurfelLanes& p, const Lanes& w, const Lanes& ux, const Lanes& uy) {
     const Lanes b11 = w * p.a11, b12 = w * p.a12, b22 = w * p.a22;
     const Lanes vx = b12 * p.rx - b11 * p.ry, vy = b22 * p.rx - b12 * p.ry;
@@ -33,10 +34,10 @@ struct Sums {
   }
 };
 
-/// Σ log of factors, with one logarithm for many of them.
+/// Sum of logarithms, with one logarithm for several factors.
 class LogSum {
  public:
-  /// Factors of at most 1e9: four of them are below the largest float.
+  /// The factors must be at most 1e9, so that the product of four does not overflow a float.
   void add(const Lanes& factors) {
     product_ *= factors;
     if (++count_ % kFactors == 0) flush();

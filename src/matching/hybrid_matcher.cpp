@@ -11,38 +11,40 @@
 namespace kestrel {
 namespace {
 
-/// Cauchy scales of the stages. Wide ones see far, the last one only what lies on the wall: scale
-/// 0.1 m at the end makes the error of whole recordings 10 % larger, 0.2 m 30 %.
+/// Cauchy scales of the stages, m. A wide scale has a large basin of convergence; the last one only
+/// uses points close to a wall. With 0.1 m as the last scale the error of the recordings is 10 %
+/// larger, with 0.2 m 30 %.
 constexpr std::array<float, kMatchStages> kStageScales = {0.3F, 0.12F, 0.05F};
-/// The early stages only have to come into the basin of the next one.
+/// The early stages only have to reach the basin of convergence of the next stage.
 constexpr double kCoarseStepM = 0.01, kCoarseStepRad = 0.005;
-/// How far a search turns where the gyro knows the yaw, rad.
-constexpr double kKnownTurn = 0.1;
-/// Points that are enough to find a lost vehicle in a wide window.
+/// Angular size of the search window if the gyro gives the yaw, rad.
+constexpr double kKnownYawWindow = 0.1;
+/// Number of points for the search of a lost vehicle in a wide window.
 constexpr std::size_t kLostPoints = 200;
 constexpr std::size_t kLastStage = kMatchStages - 1;
-/// Pull towards the initial guess, in shares of what the points say across a wall they stand on: it
-/// decides only where they say nothing.
-constexpr float kStartPull = 1e-3F;
-/// Distances to a wall are never better known than this: map and sensor have noise of their own.
+/// Information of the prior at the initial guess, relative to that of the points across a wall. It
+/// only has an effect in unobservable directions.
+constexpr float kPriorWeight = 1e-3F;
+/// Lower limit for the residuals, because map and sensor have noise.
 constexpr double kMinResidualM = 0.01;
-/// Neighboring beams err alike, so n beams are worth n over this.
+/// The errors of neighboring beams are correlated: n beams count as n / kBeamCorrelation.
 constexpr double kBeamCorrelation = 4.0;
-/// What does not fit pulls all one way (a person, a table's edge), so it does not average out over
-/// the beams: by this much, times its share, m. The Cauchy weight of scale s bounds it by s / 2.
-/// Calibrated on simulated flights (measure_flights).
-constexpr double kMisfitM = 0.011;
-/// Standard deviation along a direction that the scan does not constrain, m.
+/// Points that do not fit (a person, the edge of a table) pull in one direction, so their effect
+/// does not average out over the beams. The bias is this length (m) times their share; the Cauchy
+/// weight of scale s bounds it by s / 2. Calibrated on simulated flights (measure_flights).
+constexpr double kMisfitBiasM = 0.011;
+/// Standard deviation along an unobservable direction, m.
 constexpr double kUnconstrainedM = 0.5;
-/// An empty scan has no Hessian.
+/// The Hessian of an empty scan is zero.
 constexpr double kLeastTrace = 1e-9;
-/// Samples are taken this much farther away than the Hessian says: what is nearer than the raster
-/// of the map is the map's own noise.
+/// Distance of the samples, in standard deviations of the Hessian covariance. Closer samples would
+/// measure the discretization error of the map.
 constexpr double kSampleSpread = 3.0;
 
-/// A pose is held by its walls where this share of the points lies on them, this closely, and where
-/// these points alone constrain both directions (see leastConstraint). That is no accident, however
-/// bad the rest fits: people, what was moved, or what covers a part of the view.
+/// A pose is well constrained if this share of the points is on walls with this standard deviation,
+/// and if these points constrain both directions (see leastConstraint). This does not happen by
+/// chance, even if the other points do not fit: people, moved objects, or an object that covers
+/// part of the view.
 constexpr double kConstrainedShare = 0.4, kConstrainedSigmaM = 0.03, kConstrainedLeast = 0.1;
 
 bool isWellConstrained(const Fit& fit) {
@@ -51,11 +53,12 @@ bool isWellConstrained(const Fit& fit) {
          leastConstraint(fit) >= kConstrainedLeast;
 }
 
-/// From the Hessian and the residuals' variance, or from samples around the pose.
+/// Covariance of the match from the Hessian and the variance of the residuals, or from samples
+/// around the pose.
 Eigen::Matrix3d covarianceOf(const Submap& map, const Points& points, const Optimum& optimum,
                              const MatcherConfig& config, const Pose2& pose) {
   const Fit& fit = optimum.fit;
-  const double misfit = kMisfitM * (1.0 - fit.score);
+  const double misfit = kMisfitBiasM * (1.0 - fit.score);
   const double variance =
       kBeamCorrelation * std::max(fit.residual_variance, kMinResidualM * kMinResidualM) +
       fit.known * static_cast<double>(points.size()) * misfit * misfit;
@@ -72,8 +75,8 @@ Eigen::Matrix3d covarianceOf(const Submap& map, const Points& points, const Opti
 
 MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request) const {
   MatchResult result;
-  // From an exact initial guess the coarse stages could only lead away, to where more of what has
-  // no place in the map seems to fit.
+  // If the initial guess is accurate, the coarse stages are skipped. They could only move the pose
+  // to a place where objects that are not in the map seem to fit.
   Candidate best =
       refine(map, request, request.initial_guesses.front(), request.trusted ? kLastStage : 0);
   result.iterations = best.descent.iterations;
@@ -87,7 +90,7 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     if (other.penalized_score > best.penalized_score + margin) best = other;
   }
   if (best.fit.score < config_.search_score && !request.trusted) {
-    // What covers a part of the view may lead the coarse stages away, where it seems to fit.
+    // An object that covers part of the view may mislead the coarse stages.
     const Candidate near = refine(map, request, request.initial_guesses.front(), kLastStage);
     result.iterations += near.descent.iterations;
     if (near.penalized_score > best.penalized_score) best = near;
@@ -111,7 +114,7 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
   for (const SearchWindow& window : windows) {
     if (best.fit.score >= config_.search_score) break;
     Pose2 center = request.last;
-    if (request.turn_known) center = Pose2(center.x, center.y, request.initial_guesses.front().yaw);
+    if (request.yaw_known) center = Pose2(center.x, center.y, request.initial_guesses.front().yaw);
     const SearchResult found =
         searchWindow(map.surface(), points, center, window, config_.correlative);
     Candidate other = refine(map, request, found.pose);
@@ -137,7 +140,7 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
     const float scale = kStageScales[stage];
     const Points& points = last ? request.points : few;
     const Eigen::Vector3f pull =
-        Eigen::Vector3f::Constant(kStartPull * static_cast<float>(points.size()));
+        Eigen::Vector3f::Constant(kPriorWeight * static_cast<float>(points.size()));
     result.descent = descend(
         pose, last ? config_.gauss_newton : coarse, pull,
         [&](const Pose2& at) { return linearizeDistance(map.surface(), points, at, scale); });
@@ -148,16 +151,16 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   for (std::size_t stage = 0; stage < first_stage; ++stage) result.stages[stage] = pose;
   result.descent.iterations = iterations;
   result.fit = fitOf(map, request.points, pose, config_.score_scale_m);
-  result.penalized_score = preference(request, result.fit, pose, config_.correlative);
+  result.penalized_score = penalizedScore(request, result.fit, pose, config_.correlative);
   return result;
 }
 
 std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const MatchRequest& request) {
   std::vector<SearchWindow> windows = {config.near_window, config.wide_window};
-  if (request.search_all_round) windows.push_back({config.wide_window.linear_m, kPi});
+  if (request.search_all_yaws) windows.push_back({config.wide_window.linear_m, kPi});
   for (SearchWindow& window : windows) {
     window.linear_m *= request.search_scale;
-    if (request.turn_known) window.angular_rad = std::min(window.angular_rad, kKnownTurn);
+    if (request.yaw_known) window.angular_rad = std::min(window.angular_rad, kKnownYawWindow);
   }
   return windows;
 }
@@ -167,8 +170,8 @@ double jumpMargin(const MatcherConfig& config, const MatchRequest& request, cons
   return config.jump_margin * std::max(1.0, jump.distance() / request.plausible_m);
 }
 
-double preference(const MatchRequest& request, const Fit& fit, const Pose2& pose,
-                  const CorrelativeConfig& config) {
+double penalizedScore(const MatchRequest& request, const Fit& fit, const Pose2& pose,
+                      const CorrelativeConfig& config) {
   const Pose2 motion = request.last.inverse() * pose;
   return fit.score - config.linear_preference * motion.distance() -
          config.angular_preference * std::abs(motion.yaw);
@@ -191,17 +194,18 @@ void fillUncertainty(const Submap& map, const Points& points, const Optimum& opt
   result.known = fit.known;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> normals(fit.normals);
   const Eigen::Vector2d weakest = normals.eigenvectors().col(0);
-  // Walls count a little along themselves as well (SurfelField), which is no constraint.
+  // The part of kAlongWeight (SurfelField) is not a constraint.
   const double along = kAlongWeight / (1.0 + kAlongWeight);
   const double share = std::max(normals.eigenvalues()(0) - along, 0.0);
   result.constraint = share;
   result.degenerate = share < config.degenerate_share;
   result.covariance = covarianceOf(map, points, optimum, config, result.pose);
   const Eigen::Matrix2d across = optimum.at_pose.hessian.cast<double>().topLeftCorner<2, 2>();
-  const double claimed = weakest.dot(across * weakest) / std::max(across.trace(), kLeastTrace);
+  const double hessian_share =
+      weakest.dot(across * weakest) / std::max(across.trace(), kLeastTrace);
   const double constrained = std::max(share, config.degenerate_share);
   result.covariance =
-      stretched(result.covariance, weakest, std::sqrt(std::max(claimed / constrained, 1.0)));
+      stretched(result.covariance, weakest, std::sqrt(std::max(hessian_share / constrained, 1.0)));
   if (!result.degenerate) return;
   result.degenerate_direction = weakest;
   result.covariance.topLeftCorner<2, 2>() +=

@@ -6,19 +6,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kestrel_slam/geometry/rigid_alignment.h"
+
 namespace kestrel {
 namespace {
 
-/// Below this the turn of centerd points is rounding noise, m² a pair.
-constexpr double kMinSpread = 1e-9;
-/// Steps of one alignment of fixed pairs: two or three are exact from any start of a pairing.
+/// Maximum number of steps to align fixed pairs; two or three are usually enough.
 constexpr int kLineSteps = 10;
 constexpr double kLineTolerance = 1e-9;
-/// Information (1/m², 1/rad²) a pair that holds back what the pairs do not constrain. An hundredth
-/// of what noise of the normals feigns along a wall.
+/// Information (1/m², 1/rad²) per pair that keeps unobservable directions at the initial guess.
+/// 1/100 of the false information along a wall that noise of the normals causes.
 constexpr double kDamping = 1e-3;
 
-/// H δ = g of paper 003 eq. 9, linearized at a pose, δ = (x, y, yaw).
+/// H δ = g of [Siew 2018, eq. 9], linearized at a pose, δ = (x, y, yaw).
 struct LineEquations {
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
@@ -51,23 +51,14 @@ LineEquations linearize(const std::vector<IcpPair>& pairs, const Pose2& pose) {
 
 Pose2 alignPointToPoint(const std::vector<IcpPair>& pairs, const Pose2& initial_guess) {
   if (pairs.empty()) return initial_guess;
-  const auto n = static_cast<double>(pairs.size());
-  Eigen::Vector2d p_mean = Eigen::Vector2d::Zero(), q_mean = Eigen::Vector2d::Zero();
+  std::vector<Eigen::Vector2d> points, partners;
+  points.reserve(pairs.size());
+  partners.reserve(pairs.size());
   for (const IcpPair& pair : pairs) {
-    p_mean += pair.point.cast<double>() / n;
-    q_mean += pair.partner.cast<double>() / n;
+    points.push_back(pair.point.cast<double>());
+    partners.push_back(pair.partner.cast<double>());
   }
-  double cosine = 0.0, sine = 0.0;  // times the same positive factor
-  for (const IcpPair& pair : pairs) {
-    const Eigen::Vector2d p = pair.point.cast<double>() - p_mean;
-    const Eigen::Vector2d q = pair.partner.cast<double>() - q_mean;
-    cosine += p.dot(q) / n;
-    sine += (p.x() * q.y() - p.y() * q.x()) / n;
-  }
-  const bool turned = std::hypot(cosine, sine) > kMinSpread;
-  const double yaw = turned ? std::atan2(sine, cosine) : initial_guess.yaw;
-  const Eigen::Vector2d shift = q_mean - Eigen::Rotation2Dd(yaw) * p_mean;
-  return {shift.x(), shift.y(), yaw};
+  return alignPoints(points, partners, initial_guess.yaw);
 }
 
 Pose2 alignPointToLine(const std::vector<IcpPair>& pairs, const Pose2& initial_guess) {
@@ -78,7 +69,7 @@ Pose2 alignPointToLine(const std::vector<IcpPair>& pairs, const Pose2& initial_g
     equations.hessian.diagonal().array() += damping;
     const Eigen::Vector3d step = equations.hessian.ldlt().solve(equations.gradient);
     if (!step.allFinite()) break;
-    pose = Pose2(pose.x + step.x(), pose.y + step.y(), pose.yaw + step.z());
+    pose = addOffset(pose, step);
     if (step.cwiseAbs().maxCoeff() < kLineTolerance) break;
   }
   return pose;

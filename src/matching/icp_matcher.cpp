@@ -10,13 +10,12 @@
 namespace kestrel {
 namespace {
 
-/// How far the stages look for partners, in shares of the largest distance.
+/// Maximum pair distance of the stages, relative to that of the first.
 constexpr std::array<double, kMatchStages> kReachShares = {1.0, 0.4, 0.2};
 constexpr std::size_t kLastStage = kMatchStages - 1;
-/// How far the iterations may lead away from all initial guesses, m.
-constexpr float kLeewayM = 1.0F;
-/// Between the initial guesses that are turned: from half of it off a scan still turns into its
-/// place.
+/// Maximum distance of the iterations from all initial guesses, m.
+constexpr float kMaxDriftM = 1.0F;
+/// Step between rotated initial guesses, rad. ICP converges from half of it.
 constexpr double kTurnStep = 0.15;
 
 }  // namespace
@@ -38,7 +37,7 @@ MatchResult IcpMatcher::match(const Submap& map, const MatchRequest& request) co
     const double margin = request.trusted ? config_.jump_margin : 0.0;
     if (other.penalized_score > best.penalized_score + margin) best = other;
   }
-  if (!request.turn_known) tryTurned(task, best, result.iterations);
+  if (!request.yaw_known) tryRotated(task, best, result.iterations);
   result.pose = best.stages.back();
   result.converged = best.converged;
   const auto scale = static_cast<float>(config_.score_scale_m);
@@ -63,17 +62,17 @@ IcpMatcher::Task IcpMatcher::taskOf(const Submap& map, const MatchRequest& reque
     const Eigen::Vector2f m = Eigen::Vector2f::Constant(margin);
     return Eigen::AlignedBox2f(box.min() - m, box.max() + m);
   };
-  task.area = grown(task.area, std::sqrt(range2) + kLeewayM);
+  task.area = grown(task.area, std::sqrt(range2) + kMaxDriftM);
   task.reference =
       reference_.around(map, grown(task.area, static_cast<float>(config_.icp.max_pair_distance_m)));
   return task;
 }
 
-/// A turn that no initial guess foresees is out of reach of the pairs: from the last pose, turned
-/// to one side and to the other by more and more, until the scan fits.
-void IcpMatcher::tryTurned(const Task& task, Candidate& best, int& iterations) const {
+/// Pairing fails after a large rotation that no initial guess predicts. Therefore the last pose is
+/// rotated to both sides in increasing steps until the scan fits.
+void IcpMatcher::tryRotated(const Task& task, Candidate& best, int& iterations) const {
   const MatchRequest& request = task.request;
-  const double most = request.search_all_round ? kPi : config_.wide_window.angular_rad;
+  const double most = request.search_all_yaws ? kPi : config_.wide_window.angular_rad;
   for (double turn = kTurnStep; turn < most; turn += kTurnStep) {
     for (const double signed_turn : {turn, -turn}) {
       if (best.fit.score >= config_.search_score) return;
@@ -109,7 +108,7 @@ IcpMatcher::Candidate IcpMatcher::refine(const Task& task, const Pose2& initial_
   }
   std::fill_n(result.stages.begin(), first_stage, pose);
   result.fit = fitOf(task.map, task.request.points, pose, config_.score_scale_m);
-  result.penalized_score = preference(task.request, result.fit, pose, config_.correlative);
+  result.penalized_score = penalizedScore(task.request, result.fit, pose, config_.correlative);
   return result;
 }
 

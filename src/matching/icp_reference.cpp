@@ -7,17 +7,19 @@
 namespace kestrel {
 namespace {
 
-/// The tree covers so much more than it was asked for: a vehicle that hovers needs no new one.
+/// Margin of the tree around the requested area, m, so that a hovering vehicle does not need a new
+/// tree.
 constexpr float kSpareM = 2.0F;
-/// Hits that make the line of a wall: so many beams to either side, no farther than this.
+/// The line of a wall is computed from this many beams to each side, up to this distance (m).
 constexpr std::size_t kLineBeams = 5;
 constexpr float kLineReachM = 0.4F;
-/// A line needs this many of them, and this ratio of length to thickness (of variances).
+/// A line needs this many hits, and this ratio of the variances along and across it.
 constexpr float kMinLineHits = 3.0F, kMinElongation = 9.0F;
 
-/// Normal of the line with the covariance (xx, xy, yy), or zero where it is no line.
+/// Normal of the line with the covariance (xx, xy, yy), or zero if it is not a line.
 Eigen::Vector2f normalOf(float xx, float xy, float yy) {
-  const Eigen::Vector2f axis2(0.5F * (xx - yy), xy);  // twice-angle vector of the long axis
+  const Eigen::Vector2f axis2(0.5F * (xx - yy),
+                              xy);  // (cos, sin) of twice the angle of the long axis, scaled
   const float root = axis2.norm(), middle = 0.5F * (xx + yy);
   if (!(root > 0.0F) || middle + root < kMinElongation * (middle - root)) {
     return Eigen::Vector2f::Zero();
@@ -26,7 +28,8 @@ Eigen::Vector2f normalOf(float xx, float xy, float yy) {
   return {-std::sin(angle), std::cos(angle)};
 }
 
-/// Normal, in base, of the line through the hits around hit `i` of a sweep; zero where unknown.
+/// Normal, in the base frame, of the line through the hits around hit `i` of a sweep; zero if
+/// unknown.
 Eigen::Vector2f normalAt(const std::vector<Eigen::Vector2f>& hits, std::size_t i) {
   const std::size_t first = i < kLineBeams ? 0 : i - kLineBeams;
   const std::size_t last = std::min(i + kLineBeams, hits.size() - 1);
@@ -49,7 +52,8 @@ std::vector<WallPoint> surfacePoints(const Submap& map, const Eigen::AlignedBox2
   std::vector<WallPoint> points;
   points.reserve(surfels.size());
   for (const Surfel& surfel : surfels) {
-    // The shape n n' + w t t' of a wall as a covariance of its plane: long where A is small.
+    // The information matrix n n' + w t t' of a wall, converted to a matrix that is large along the
+    // wall.
     points.push_back({surfel.mean, normalOf(surfel.a22, -surfel.a12, surfel.a11)});
   }
   return points;

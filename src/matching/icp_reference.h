@@ -12,30 +12,30 @@
 
 namespace kestrel {
 
-/// The points of the map's surface around a place: where the hits of its occupied cells lie, and
-/// which way their walls run.
+/// The means of the surfels in an area of the map, and the normals of their walls.
 std::vector<WallPoint> surfacePoints(const Submap& map, const Eigen::AlignedBox2f& area);
 
-/// The hits of the last inserted scans, in map. A normal is that of the line through the hits of
-/// the same sweep beside it.
+/// The hits of the latest inserted scans, in the map frame. The normal is that of the line through
+/// the neighboring hits of the same sweep.
 std::vector<WallPoint> lastScanPoints(const Submap& map, std::size_t scans);
 
-/// The points that scans are paired with, in a tree that is built again only where the map has
-/// changed or the vehicle has left the part of it that the tree covers. What lies in an asked area
-/// is the same as in a tree built for it alone: the class only remembers.
+/// The reference points for pairing, in a tree. The tree is only rebuilt when the map has changed
+/// or the requested area is not covered. Results for the requested area do not depend on this
+/// cache.
 class IcpReference {
  public:
-  /// Those of the map's surface, or of its last `last_scans` scans where that is not 0.
+  /// Uses the surface of the map if `last_scans` is 0, else the hits of the last `last_scans`
+  /// scans.
   explicit IcpReference(std::size_t last_scans) : last_scans_(last_scans) {}
 
-  /// A tree with all points of `map` in `area`, and perhaps more around it.
+  /// A tree with at least all points of `map` in `area`.
   std::shared_ptr<const NearestPoints> around(const Submap& map,
                                               const Eigen::AlignedBox2f& area) const;
 
  private:
   std::size_t last_scans_;
   mutable std::mutex mutex_;
-  mutable std::uint64_t revision_ = 0;  ///< of the map in the tree
+  mutable std::uint64_t revision_ = 0;  ///< revision of the map in the tree
   mutable Eigen::AlignedBox2f area_;
   mutable std::shared_ptr<const NearestPoints> points_;
 };

@@ -7,14 +7,15 @@
 namespace kestrel {
 namespace {
 
-/// Steps of the table of likelihoods, per cell² of squared distance.
+/// Resolution of the table: steps per cell² of squared distance.
 constexpr int kTableSteps = 32;
-/// Farther away than this no cell knows a surfel: kReachCells, and two that a mean can move.
+/// Maximum distance of a cell to its surfel: kReachCells, and up to two cells that a mean can move.
 constexpr int kFarthest = SurfelField::kReachCells + 2;
 
 int roundUp(int value, int unit) { return (value + unit - 1) / unit * unit; }
 
-/// exp(-d² / (2 sigma²)) in steps of 1/255 by squared distance; the last entry, 0, is for the rest.
+/// exp(-d² / (2 sigma²)) in steps of 1/255, indexed by squared distance. The last entry, 0, is for
+/// all larger distances.
 std::vector<std::uint8_t> likelihoodTable(double sigma_cells) {
   const double ratio = std::exp(-0.5 / (sigma_cells * sigma_cells * kTableSteps));
   std::vector<std::uint8_t> table;
@@ -27,7 +28,7 @@ std::vector<std::uint8_t> likelihoodTable(double sigma_cells) {
   return table;
 }
 
-/// A value of level 0 as one of the coarser levels, rounded up.
+/// Converts a value of level 0 to a coarser level, rounded up.
 std::uint8_t coarse(std::uint8_t value) {
   return static_cast<std::uint8_t>(std::min((value + 3) >> 2, LikelihoodImage::kCoarseMax));
 }
@@ -43,13 +44,14 @@ LikelihoodImage::LikelihoodImage(const SurfelField& surface, const SearchGrid& g
                     ReachMask::blocksFor(linear + widest));
   reached.filter([&](const Cell& corner) { return surface.hasTile(corner); });
   place(reached.box(), linear);
-  rasterise(surface, reached, sigma_m);
-  reached.dilate(ReachMask::blocksFor(widest), 0);  // where windows start that reach the cells
+  rasterize(surface, reached, sigma_m);
+  reached.dilate(ReachMask::blocksFor(widest),
+                 0);  // first cells of the windows that can reach these cells
   for (int level = 1; level < levels; ++level) buildLevel(level, reached);
 }
 
 void LikelihoodImage::place(const CellBox& reached, int linear_steps) {
-  // All windows of a point that is that far away are outside.
+  // All windows of a point at the border are empty.
   const int unit = std::max(1 << (levels() - 1), ReachMask::kSide);
   pad_ = roundUp(linear_steps + unit, unit);
   box_.low = {reached.low.x - pad_, reached.low.y - pad_};
@@ -60,7 +62,7 @@ void LikelihoodImage::place(const CellBox& reached, int linear_steps) {
   for (std::vector<std::uint8_t>& level : levels_) level.assign(size + kLanes, 0);
 }
 
-void LikelihoodImage::rasterise(const SurfelField& surface, const ReachMask& reached,
+void LikelihoodImage::rasterize(const SurfelField& surface, const ReachMask& reached,
                                 double sigma_m) {
   const float resolution = surface.resolution();
   const std::vector<std::uint8_t> table =
@@ -78,26 +80,25 @@ void LikelihoodImage::rasterise(const SurfelField& surface, const ReachMask& rea
   });
 }
 
-/// Fills a level where windows can reach anything; `reinitializations` are the blocks of their
-/// first cells.
-void LikelihoodImage::buildLevel(int level, const ReachMask& reinitializations) {
+/// Fills a level where windows can be nonzero. `window_starts` are the blocks of their first cells.
+void LikelihoodImage::buildLevel(int level, const ReachMask& window_starts) {
   std::vector<std::uint8_t> pairs(static_cast<std::size_t>(stride_) + 1, 0);
-  for (int block = 0; block < reinitializations.height(); ++block) {
-    const auto [first, last] = reinitializations.span(block);
+  for (int block = 0; block < window_starts.height(); ++block) {
+    const auto [first, last] = window_starts.span(block);
     if (first == last) continue;
-    const Cell low = inImage(reinitializations.corner(first, block));
-    const Cell high = inImage(reinitializations.corner(last, block));
+    const Cell low = inImage(window_starts.corner(first, block));
+    const Cell high = inImage(window_starts.corner(last, block));
     for (int y = low.y; y < low.y + ReachMask::kSide; ++y) {
       buildRow(level, y, low.x, high.x, pairs);
     }
   }
 }
 
-/// A window of 2^k is four windows of 2^(k - 1). `pairs` is memory for a row.
+/// A window of size 2^k consists of four windows of size 2^(k - 1). `pairs` is a buffer for a row.
 void LikelihoodImage::buildRow(int level, int y, int x0, int x1, std::vector<std::uint8_t>& pairs) {
   const int half = 1 << (level - 1), unit = 2 * half;
   const int from = x0 / unit, to = (x1 + unit - 1) / unit;
-  const std::ptrdiff_t run = stride_ / unit;  // of one phase
+  const std::ptrdiff_t run = stride_ / unit;  // length of one phase
   const std::uint8_t* lower = levels_[static_cast<std::size_t>(level - 1)].data() +
                               static_cast<std::ptrdiff_t>(y) * stride_;
   const std::uint8_t* upper = lower + static_cast<std::ptrdiff_t>(half) * stride_;

@@ -13,11 +13,11 @@
 namespace kestrel {
 namespace {
 
-/// Beams that count as independent of each other; the others see the same walls as those.
+/// Number of independent beams. The other beams hit the same walls.
 constexpr double kIndependentBeams = 30.0;
 constexpr double kMostPoses = 50e6;
 
-/// Scores that much below the best one weigh less than a millionth of it.
+/// A pose with a score this much below the best one has less than a millionth of its weight.
 constexpr double kNegligible = -0.5;
 
 double weightOf(float score, float best) {
@@ -25,7 +25,7 @@ double weightOf(float score, float best) {
   return difference < kNegligible ? 0.0 : std::exp(kIndependentBeams * difference);
 }
 
-/// Sums over the poses of a row, weighted: of 1, dx, dx², and of the 1 of the two at the ends.
+/// Weighted sums over the poses of a row: of 1, dx and dx², and of 1 over the two end poses.
 struct RowSums {
   double total = 0.0, x = 0.0, xx = 0.0, ends = 0.0;
 
@@ -113,10 +113,8 @@ PoseMoments momentsOf(const LikelihoodSurface& surface) {
   second.topRightCorner<1, 2>() = second.bottomLeftCorner<2, 1>().transpose();
   first /= total;
   const Eigen::DiagonalMatrix<double, 3> unit(surface.step_m, surface.step_m, surface.step_rad);
-  const Eigen::Vector3d d = unit * first;
   PoseMoments moments;
-  moments.mean =
-      Pose2(surface.center.x + d.x(), surface.center.y + d.y(), surface.center.yaw + d.z());
+  moments.mean = addOffset(surface.center, unit * first);
   moments.covariance = unit * (second / total - first * first.transpose()) * unit;
   moments.linear_border = linear_border / total;
   moments.angular_border = angular_border / total;

@@ -11,15 +11,15 @@
 namespace kestrel {
 namespace {
 
-/// Paper 001: Gauss-Newton on the interpolated occupancy, 20, 10, 5 cm (eq. 7-14), iterated to
-/// convergence on each level.
+/// Gauss-Newton on the interpolated occupancy at 20, 10 and 5 cm [Kohlbrecher 2011, eq. 7-14],
+/// iterated to convergence on each level.
 class GaussNewtonMatcher : public Matcher {
  public:
   explicit GaussNewtonMatcher(const MatcherConfig& config) : config_(config) {}
 
   MatchResult match(const Submap& map, const MatchRequest& request) const override {
-    static_assert(OccupancyGrid::kLevels == kMatchStages, "one stage a level");
-    constexpr float kResidualScale = 0.5F;  // Cauchy, of 1 - M in [0, 1]
+    static_assert(OccupancyGrid::kLevels == kMatchStages, "one stage per level");
+    constexpr float kResidualScale = 0.5F;  // Cauchy scale of 1 - M in [0, 1]
     MatchResult result;
     Descent descent;
     std::array<Pose2, kMatchStages> poses;
@@ -35,7 +35,7 @@ class GaussNewtonMatcher : public Matcher {
     }
     result.pose = descent.pose;
     result.converged = descent.converged;
-    // For the covariance the distances are linearized: the residuals 1 - M have no unit.
+    // The residuals 1 - M have no unit. Therefore the covariance is computed from the distances.
     const Fit fit = fitOf(map, request.points, result.pose, config_.score_scale_m);
     const auto scale = static_cast<float>(config_.score_scale_m);
     const NormalEquations distances =
@@ -49,8 +49,9 @@ class GaussNewtonMatcher : public Matcher {
   MatcherConfig config_;
 };
 
-/// Paper 000 eq. 3 with Olson's search: the best pose of the window around the prediction, moved to
-/// the mean of the likelihood surface around it; the covariance is that surface's.
+/// Exhaustive search [MAV SLAM 2013, eq. 3; Olson 2009] of the window around the prediction. The
+/// pose is the mean of the likelihood surface around the best pose, the covariance is that of this
+/// surface.
 class CorrelativeMatcher : public Matcher {
  public:
   explicit CorrelativeMatcher(const MatcherConfig& config) : config_(config) {}
@@ -58,7 +59,7 @@ class CorrelativeMatcher : public Matcher {
   MatchResult match(const Submap& map, const MatchRequest& request) const override {
     SearchWindow window = config_.near_window;
     window.linear_m *= request.search_scale;
-    if (request.search_all_round) window.angular_rad = kPi;
+    if (request.search_all_yaws) window.angular_rad = kPi;
     const SearchResult found =
         searchWindow(map.surface(), request.points, request.initial_guesses.front(), window,
                      config_.correlative);

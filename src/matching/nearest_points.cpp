@@ -6,7 +6,7 @@
 namespace kestrel {
 namespace {
 
-/// What nanoflann asks of a set of points.
+/// The interface that nanoflann needs.
 struct Cloud {
   std::vector<WallPoint> points;
 
@@ -20,8 +20,8 @@ struct Cloud {
   }
 };
 
-/// Keeps the one nearest point within a reach. nanoflann's own sets know no reach, and cutting the
-/// search off there is most of its speed for points that have no neighbor.
+/// Keeps the nearest point within a radius. The result sets of nanoflann have no radius limit; with
+/// one, the search is much faster for points without a neighbor.
 struct NearestWithin {
   float distance2;
   std::size_t index = 0;
@@ -45,7 +45,7 @@ struct NearestWithin {
 using Metric = nanoflann::L2_Simple_Adaptor<float, Cloud>;
 using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, Cloud, 2>;
 
-/// Points of a leaf: of 4 to 32 the quickest for the pairs of a scan.
+/// Points per leaf. The fastest of 4 to 32 for the pairs of a scan.
 constexpr std::size_t kLeafSize = 10;
 
 }  // namespace
@@ -53,7 +53,7 @@ constexpr std::size_t kLeafSize = 10;
 struct NearestPoints::Tree {
   explicit Tree(std::vector<WallPoint> points)
       : cloud{std::move(points)}, index(2, cloud, {kLeafSize}) {
-#if NANOFLANN_VERSION < 0x140  // Ubuntu 20.04 has 1.3: its constructor does not build the tree
+#if NANOFLANN_VERSION < 0x140  // the constructor of 1.3 (Ubuntu 20.04) does not build the tree
     index.buildIndex();
 #endif
   }

@@ -11,25 +11,25 @@
 namespace kestrel {
 namespace {
 
-static_assert(OccupancyGrid::kLevels == kMatchStages, "one stage a level");
+static_assert(OccupancyGrid::kLevels == kMatchStages, "one stage per level");
 constexpr int kCoarsestLevel = OccupancyGrid::kLevels - 1;
-/// Points that vote on a level, 5 cm first: large cells need few of them, as neighbors hit the
-/// same ones.
+/// Number of points that vote on a level, 5 cm first. Large cells need fewer points, because
+/// neighbors hit the same cells.
 constexpr std::array<std::size_t, OccupancyGrid::kLevels> kPoints = {180, 120, 90};
-/// Points between two looks at whether a candidate can still matter.
+/// A candidate is checked for early termination after this many points.
 constexpr std::size_t kChunk = 32;
-/// Candidates less likely than the best one by e to the power of minus this do not matter.
+/// Candidates that are less likely than the best one by a factor exp(-kNegligible) are dropped.
 constexpr double kNegligible = 6.0;
 constexpr float kOccupied = 0.5F;
 
-/// The points of a scan, ready to be counted on one level for any pose.
-class Ballot {
+/// The points of a scan, prepared to count votes on one level for any pose.
+class VoteCounter {
  public:
-  Ballot(const OccupancyGrid& grid, int level, const Points& points)
+  VoteCounter(const OccupancyGrid& grid, int level, const Points& points)
       : grid_(grid),
         level_(level),
         inverse_cell_(1.0F / (grid.resolution() * static_cast<float>(1 << level))) {
-    // Strewn over the scan, so that each chunk of them is worth the whole.
+    // Reordered, so that each chunk is a sample of the whole scan.
     const std::size_t stride = points.size() / kChunk + 1;
     cells_.reserve(points.size());
     for (std::size_t first = 0; first < stride; ++first) {
@@ -39,16 +39,16 @@ class Ballot {
     }
   }
 
-  /// The voting likelihood; 0 as soon as it is clear that it stays below `enough`.
+  /// The voting likelihood, or 0 as soon as it is clear that it is below `enough`.
   double vote(const Pose2& pose, double enough) const {
-    static_assert(kCoarsestLevel == 2, "one case a level");
+    static_assert(kCoarsestLevel == 2, "one case per level");
     if (cells_.empty()) return 0.0;
     if (level_ == 0) return count<0>(pose, enough);
     return level_ == 1 ? count<1>(pose, enough) : count<2>(pose, enough);
   }
 
  private:
-  /// For a level that the compiler knows: the look-up of a cell is most of the matcher's work.
+  /// The level is a template parameter for speed: the look-up of cells takes most of the time.
   template <int kLevel>
   double count(const Pose2& pose, double enough) const {
     const auto c = static_cast<float>(std::cos(pose.yaw));
@@ -74,17 +74,13 @@ class Ballot {
   const OccupancyGrid& grid_;
   int level_;
   float inverse_cell_;
-  Points cells_;  ///< in cells of the level, in base
+  Points cells_;  ///< end points in the base frame, in cells of the level
 };
 
 double meanRange(const Points& points) {
   double sum = 0.0;
   for (const Eigen::Vector2f& p : points) sum += static_cast<double>(p.norm());
   return points.empty() ? 0.0 : sum / static_cast<double>(points.size());
-}
-
-Pose2 moved(const Pose2& center, const Eigen::Vector3d& offset) {
-  return {center.x + offset.x(), center.y + offset.y(), center.yaw + offset.z()};
 }
 
 }  // namespace
@@ -96,7 +92,7 @@ StandardCandidates standardCandidates(int count, int seed) {
     Eigen::Vector3f& candidate = result.emplace_back();
     for (float& value : candidate) value = static_cast<float>(random.gaussian());
   }
-  // The likely ones first: the sooner a good one is found, the sooner poor ones are given up.
+  // Likely candidates first: the earlier a good one is found, the earlier poor ones are dropped.
   std::stable_sort(result.begin(), result.end(),
                    [](const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
                      return a.squaredNorm() < b.squaredNorm();
@@ -113,30 +109,31 @@ CandidateSpread motionSpread(const Pose2& last, const Pose2& initial_guess,
 
 double votingLikelihood(const OccupancyGrid& grid, int level, const Points& points,
                         const Pose2& map_T_base) {
-  return Ballot(grid, level, points).vote(map_T_base, 0.0);
+  return VoteCounter(grid, level, points).vote(map_T_base, 0.0);
 }
 
 LevelEstimate bestCandidate(const OccupancyGrid& grid, int level, const Points& points,
                             const Pose2& center, const CandidateSpread& spread,
                             const StandardCandidates& candidates, double beams) {
-  const Ballot ballot(grid, level, points);
+  const VoteCounter counter(grid, level, points);
   const Eigen::Vector3d sigma(spread.linear_m, spread.linear_m, spread.angular_rad);
   std::vector<double> votes;
   votes.reserve(candidates.size());
   double most_votes = 0.0, best = -std::numeric_limits<double>::infinity();
   LevelEstimate result;
   for (const Eigen::Vector3f& candidate : candidates) {
-    const Pose2 pose = moved(center, sigma.cwiseProduct(candidate.cast<double>()));
-    votes.push_back(ballot.vote(pose, most_votes - kNegligible / beams));
+    const Pose2 pose = addOffset(center, sigma.cwiseProduct(candidate.cast<double>()));
+    votes.push_back(counter.vote(pose, most_votes - kNegligible / beams));
     most_votes = std::max(most_votes, votes.back());
     const double log_posterior =
-        beams * votes.back() - 0.5 * static_cast<double>(candidate.squaredNorm());  // eq. 7-10, 19
+        beams * votes.back() -
+        0.5 * static_cast<double>(candidate.squaredNorm());  // [Xie 2010, eq. 7-10, 19]
     if (log_posterior <= best) continue;
     best = log_posterior;
     result.pose = pose;
     result.vote = votes.back();
   }
-  // The candidates are drawn from the motion model, so their likelihood alone is their weight.
+  // The candidates are drawn from the motion model, so the weight is only their likelihood.
   double total = 0.0;
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
@@ -148,7 +145,7 @@ LevelEstimate bestCandidate(const OccupancyGrid& grid, int level, const Points& 
     second += weight * offset * offset.transpose();
   }
   first /= total;
-  result.mean = most_votes > 0.0 ? moved(center, first) : center;
+  result.mean = most_votes > 0.0 ? addOffset(center, first) : center;
   result.covariance = second / total - first * first.transpose();
   return result;
 }
@@ -171,7 +168,8 @@ Refinement ProgressiveRefiner::refine(const OccupancyGrid& grid, const Points& p
     const LevelEstimate estimate =
         bestCandidate(grid, level, thinned(points, kPoints[static_cast<std::size_t>(level)]), pose,
                       space, stage == 0 ? coarse_ : fine_, config_.beams);
-    // The distance between candidates limits the last level, which nothing refines further.
+    // The mean is more accurate than the spacing of the candidates. It matters for the last level,
+    // which is not refined further.
     const Pose2 next = level == 0 ? estimate.mean : estimate.pose;
     const Pose2 correction = pose.inverse() * next;
     result.spreads[stage] = space;

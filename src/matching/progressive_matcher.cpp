@@ -9,7 +9,7 @@
 namespace kestrel {
 namespace {
 
-/// A window of the other matchers' searches ends at so many sigmas of the candidates.
+/// A search window of the other matchers corresponds to this many sigmas of the candidates.
 constexpr double kWindowSigmas = 2.0;
 
 }  // namespace
@@ -27,8 +27,9 @@ MatchResult ProgressiveMatcher::match(const Submap& map, const MatchRequest& req
   if (best.fit.score < config_.search_score) search(map, request, result, best);
   result.pose = best.pose;
   result.converged = !best.refinement.stopped && best.refinement.finest.vote > 0.0;
-  // Two independent errors: that of the candidates' maximum, and that of the scan itself, with what
-  // it does not constrain: the spread of the candidates cannot exceed the space they come from.
+  // The covariance has two independent parts: the error of the maximum over the candidates, and the
+  // error of the scan, including unobservable directions. The spread of the candidates alone is
+  // limited by the candidate space.
   const auto scale = static_cast<float>(config_.score_scale_m);
   const NormalEquations distances =
       linearizeDistance(map.surface(), request.points, result.pose, scale);
@@ -42,8 +43,9 @@ ProgressiveMatcher::Candidate ProgressiveMatcher::refine(const Submap& map,
                                                          const MatchRequest& request,
                                                          const Pose2& initial_guess) const {
   Candidate result;
-  result.refinement = refiner_.refine(map.grid(), request.points, initial_guess,
-                                      motionSpread(request.last, initial_guess, config_.progressive));
+  result.refinement =
+      refiner_.refine(map.grid(), request.points, initial_guess,
+                      motionSpread(request.last, initial_guess, config_.progressive));
   result.pose = result.refinement.poses.back();
   result.fit = fitOf(map, request.points, result.pose, config_.score_scale_m);
   return result;

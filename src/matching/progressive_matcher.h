@@ -7,9 +7,9 @@
 
 namespace kestrel {
 
-/// Paper 002: sampled candidates of the motion model vote on 20, 10 and 5 cm; from the other
-/// initial guesses and from wide samples where that fits poorly, which the paper does not need on
-/// the road.
+/// Sampled candidates of the motion model vote on 20, 10 and 5 cm [Xie 2010]. If the fit is poor,
+/// the other initial guesses and then wider samples are tried. The paper does not need this,
+/// because its vehicle drives on roads.
 class ProgressiveMatcher : public Matcher {
  public:
   explicit ProgressiveMatcher(const MatcherConfig& config)

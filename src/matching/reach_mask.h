@@ -9,26 +9,27 @@
 
 namespace kestrel {
 
-/// Which blocks of kSide × kSide cells the points of a scan can reach in a search.
+/// The blocks of kSide × kSide cells that the points of a scan can reach in a search.
 class ReachMask {
  public:
   static constexpr int kShift = 4;
   static constexpr int kSide = 1 << kShift;
   static_assert(kShift <= kTileShift, "a block lies in one tile of the surface");
 
-  /// Blocks needed for `cells` cells, wherever in its block the first one is.
+  /// Number of blocks for `cells` cells, for any position of the first cell in its block.
   static constexpr int blocksFor(int cells) { return (cells + kSide - 1) >> kShift; }
 
-  /// The blocks that hold a point at any angle of `grid` or `margin` angles more, and those from
-  /// `before` blocks ahead of them to `after` behind them, in x and y.
+  /// Blocks with a point at any angle of `grid` plus `margin` angles, extended by `before` blocks
+  /// to the lower left and `after` blocks to the upper right.
   ReachMask(const SearchGrid& grid, int margin, int before, int after);
 
-  /// Leaves only the blocks for which `keep(corner)` is true.
+  /// Removes the blocks for which `keep(corner)` is false.
   template <typename Keep>
   void filter(Keep keep) {
     forEach([&](int x, int y) { row(y)[x] = keep(corner(x, y)) ? 1 : 0; });
   }
-  /// Every block marks those from `before` ahead of it to `after` behind it, in x and y.
+  /// Extends every block by `before` blocks to the lower left and `after` blocks to the upper
+  /// right.
   void dilate(int before, int after);
 
   /// Calls `visit(x, y)` for every block of the mask.
@@ -41,12 +42,12 @@ class ReachMask {
     }
   }
 
-  /// The cell at the lower left of a block.
+  /// The lower left cell of a block.
   Cell corner(int x, int y) const { return {low_.x + x * kSide, low_.y + y * kSide}; }
-  /// The smallest box around the mask; empty where the mask is.
+  /// The bounding box of the mask, empty if the mask is empty.
   CellBox box() const;
   int height() const { return height_; }
-  /// First and last + 1 block of a row; equal where there is none.
+  /// First and last + 1 block of a row; equal if the row is empty.
   std::pair<int, int> span(int y) const;
 
  private:

@@ -10,15 +10,15 @@
 namespace kestrel {
 namespace {
 
-/// Points farther away than this many cells (100 m at 5 cm) take no part: the image around them all
-/// would need more memory than there is.
+/// Points farther than this (100 m at 5 cm) are ignored, because the image would need too much
+/// memory.
 constexpr float kMaxRangeCells = 2000.0F;
-/// Every prefix of the points is a sample of the whole scan: first every 16th beam, then those in
-/// the middle between them, and so on.
+/// Order of the points such that every prefix is a sample of the whole scan: first every 16th beam,
+/// then those halfway between them, and so on.
 constexpr std::size_t kSampleStride = 16;
 constexpr std::array<std::size_t, kSampleStride> kSampleOrder = {0, 8, 4, 12, 2, 10, 6, 14,
                                                                  1, 9, 5, 13, 3, 11, 7, 15};
-/// Of a window in steps, so that 0.5 m are ten cells of 5 cm and not eleven.
+/// Rounding tolerance, so that 0.5 m are ten cells of 5 cm and not eleven.
 constexpr double kRounding = 1e-6;
 
 int stepsOf(double window, double step) {
@@ -34,7 +34,7 @@ SearchGrid::SearchGrid(const SurfelField& surface, const Points& points, const P
   for (const std::size_t first : kSampleOrder) {
     for (std::size_t i = first; i < points.size(); i += kSampleStride) {
       const Eigen::Vector2f p = points[i] / surface.resolution();
-      if (!(p.norm() <= kMaxRangeCells)) continue;  // NaN fails
+      if (!(p.norm() <= kMaxRangeCells)) continue;  // also false for NaN
       points_.push_back(p);
       range_ = std::max(range_, p.norm());
     }
@@ -61,7 +61,7 @@ CellBox SearchGrid::reach() const {
 void SearchGrid::rotate(int k, int first, int count, const CellBox& box, PointCell* cells) const {
   const double yaw = center_.yaw + k * angular_step_;
   const auto c = static_cast<float>(std::cos(yaw)), s = static_cast<float>(std::sin(yaw));
-  // Relative to the box first: floats would not do for cells that are far from the origin.
+  // Relative to the box, because floats are not accurate enough far from the origin.
   const auto x = static_cast<float>(center_.x / resolution_ - box.low.x);
   const auto y = static_cast<float>(center_.y / resolution_ - box.low.y);
   const auto width = static_cast<float>(box.high.x - box.low.x - 1);
@@ -70,13 +70,13 @@ void SearchGrid::rotate(int k, int first, int count, const CellBox& box, PointCe
   for (int i = 0; i < count; ++i) {
     const float px = x + c * points[i].x() - s * points[i].y();
     const float py = y + s * points[i].x() + c * points[i].y();
-    // Not negative: truncated is rounded down.
+    // The values are not negative, so truncation rounds down.
     cells[i].x = static_cast<std::int32_t>(std::min(std::max(px, 0.0F), width));
     cells[i].y = static_cast<std::int32_t>(std::min(std::max(py, 0.0F), height));
   }
 }
 
-double SearchGrid::preference(const GridPose& pose, int size) const {
+double SearchGrid::motionPenalty(const GridPose& pose, int size) const {
   const auto nearest = [size](int low) { return low > 0 ? low : std::min(0, low + size - 1); };
   const double x = nearest(pose.dx), y = nearest(pose.dy);
   return config_.linear_preference * resolution_ * std::sqrt(x * x + y * y) +

@@ -8,7 +8,7 @@
 
 namespace kestrel {
 
-/// A pose of the search: steps from the center of the window.
+/// A pose of the search, in steps from the center of the window.
 struct GridPose {
   int k = 0;  ///< angular steps
   int dx = 0, dy = 0;
@@ -24,7 +24,7 @@ struct CellBox {
   Cell low, high;
 };
 
-/// The discretized window and the points that are searched with.
+/// The discretized window and the points of the search.
 class SearchGrid {
  public:
   SearchGrid(const SurfelField& surface, const Points& points, const Pose2& center,
@@ -35,16 +35,17 @@ class SearchGrid {
   double angularStep() const { return angular_step_; }
   double resolution() const { return resolution_; }
   int pointCount() const { return static_cast<int>(points_.size()); }
-  /// Every cell that a point comes to lie in when the scan is turned, not moved.
+  /// All cells that a point can reach if the scan is rotated at the center, without translation.
   CellBox reach() const;
 
-  /// Cells of the points [first, first + count) relative to `box.low` with the center turned by `k`
-  /// steps; points outside of `box` come to lie on its border.
+  /// Cells of the points [first, first + count), relative to `box.low`, with the scan rotated by
+  /// `k` steps at the center. Points outside of `box` are moved to its border.
   void rotate(int k, int first, int count, const CellBox& box, PointCell* cells) const;
 
-  /// What a motion costs; only the least of the block of `size` cells a side from `pose` on.
-  double preference(const GridPose& pose, int size) const;
-  /// The mean likelihood that a sum over all points means.
+  /// Penalty of a motion: the minimum over the block of `size` × `size` cells that begins at
+  /// `pose`.
+  double motionPenalty(const GridPose& pose, int size) const;
+  /// The mean likelihood for a sum over all points.
   double score(int sum) const { return static_cast<double>(sum) * score_of_one_; }
   Pose2 pose(const GridPose& at) const;
 
@@ -53,7 +54,7 @@ class SearchGrid {
   Pose2 center_;
   CorrelativeConfig config_;
   double resolution_;
-  float range_ = 0.0F;  ///< of the farthest point, cells
+  float range_ = 0.0F;  ///< range of the farthest point, cells
   int linear_steps_, angular_steps_;
   double angular_step_;
   double score_of_one_ = 0.0;

@@ -7,7 +7,7 @@
 
 namespace kestrel {
 
-/// The surface from `center` on, ± the steps; the image has to hold that.
+/// The likelihood surface around `center`, ± the given steps. The image must cover it.
 LikelihoodSurface sampleAround(const SearchGrid& grid, const LikelihoodImage& image,
                                const GridPose& center, int linear_steps, int angular_steps);
 

@@ -13,31 +13,32 @@
 
 namespace kestrel {
 
-/// Four floats that the compiler keeps in one register on x86-64 and on ARM, without machine flags.
+/// Four floats in one vector register on x86-64 and ARM, without special compiler flags.
 using Lanes = Eigen::Array<float, 4, 1>;
 constexpr std::size_t kLanes = 4;
 
-/// Four points of a scan, each with the surfel nearest to it: what sums over a scan are made of.
-/// A point far from any wall, or past the end of the scan, has a surfel of zeros.
+/// Four points of a scan with their nearest surfels, for sums over a scan. A point without a surfel
+/// within reach, and lanes past the end of the scan, have a surfel of zeros.
 struct SurfelLanes {
-  Lanes rx, ry;         ///< the points, turned into map but not shifted, m (paper 001 eq. 8)
-  Lanes px, py;         ///< the points in map, m
-  Lanes ex, ey;         ///< from the surfel's mean to the point, m
-  Lanes a11, a12, a22;  ///< of the surfel
+  Lanes rx,
+      ry;  ///< the points rotated to the map frame, but not translated, m [Kohlbrecher 2011, eq. 8]
+  Lanes px, py;         ///< the points in the map frame, m
+  Lanes ex, ey;         ///< from the mean of the surfel to the point, m
+  Lanes a11, a12, a22;  ///< information matrices of the surfels
   std::array<const Surfel*, kLanes> surfels;
 
   Lanes distance2() const { return ex * (a11 * ex + a12 * ey) + ey * (a12 * ex + a22 * ey); }
 
-  /// 1 where there is a surfel (whose trace is never below 1), 0 elsewhere.
+  /// 1 if there is a surfel (its trace is at least 1), else 0.
   Lanes hasSurfel() const { return (a11 + a22).min(1.0F); }
 };
 
-/// Calls `visit(lanes, count)` for every four points of a scan seen from `map_T_base`; the last
-/// time only the first `count` lanes are points.
+/// Calls `visit(lanes, count)` for every four points of a scan at `map_T_base`. In the last call
+/// only the first `count` lanes are points.
 template <typename Points, typename Visit>
 inline void forEachLanes(const SurfelField& surface, const Points& points, const Pose2& map_T_base,
                          Visit visit) {
-  static const Surfel kNothing{Eigen::Vector2f::Zero(), 0.0F, 0.0F, 0.0F, {}};
+  static const Surfel kNoSurfel{Eigen::Vector2f::Zero(), 0.0F, 0.0F, 0.0F, {}};
   const auto c = static_cast<float>(std::cos(map_T_base.yaw));
   const auto s = static_cast<float>(std::sin(map_T_base.yaw));
   const auto x = static_cast<float>(map_T_base.x), y = static_cast<float>(map_T_base.y);
@@ -56,7 +57,7 @@ inline void forEachLanes(const SurfelField& surface, const Points& points, const
     for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(kLanes); ++i) {
       const bool is_point = i < static_cast<Eigen::Index>(count);
       const Surfel* surfel = is_point ? surface.nearest({lanes.px[i], lanes.py[i]}) : nullptr;
-      if (surfel == nullptr) surfel = &kNothing;
+      if (surfel == nullptr) surfel = &kNoSurfel;
       lanes.surfels[static_cast<std::size_t>(i)] = surfel;
       mx[i] = surfel->mean.x();
       my[i] = surfel->mean.y();

@@ -8,18 +8,18 @@ namespace kestrel {
 namespace {
 
 constexpr int kLanes = LikelihoodImage::kLanes;
-/// Points that are summed up before they are added to the rest: values of the coarse levels in
-/// bytes, so that a row of windows of four points costs little more than one of a single point.
+/// Number of points that are summed in bytes before they are added to the total. With values of the
+/// coarse levels, a row of windows of four points then takes little more time than that of one.
 constexpr int kTogether = 4;
 static_assert(kTogether * LikelihoodImage::kCoarseMax <= 0xFF, "the sum of four fits into a byte");
 static_assert(kChunkPoints * LikelihoodImage::kMax <= 0xFFFF, "the sum of a chunk fits");
-/// Rows of windows at a time.
+/// Maximum number of rows of windows at a time.
 constexpr int kMaxRows = 32;
 
 using ChunkSums = std::array<std::uint16_t, kMaxRows * kLanes>;
 
-/// Adds up `lanes` windows a row; four values fit into a `Four`. The loops over the lanes are of a
-/// constant length so that compilers make vector instructions of them, of any processor.
+/// Sums `lanes` windows per row. The sum of four values fits into a `Four`. The loops over lanes
+/// have a constant length, so that compilers use vector instructions on any processor.
 template <int lanes, typename Four>
 void addPoints(const LikelihoodImage& image, const Windows& windows, const PointCell* points,
                int count, ChunkSums& sums) {

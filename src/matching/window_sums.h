@@ -6,15 +6,15 @@
 
 namespace kestrel {
 
-/// Points whose sums are looked at in one go.
+/// Number of points that are summed at once.
 constexpr int kChunkPoints = 32;
 
-/// Windows side by side that a point at (0, 0) sees: from (dx, dy) on, 2^level apart.
+/// A rectangle of adjacent windows for a point at (0, 0): starting at (dx, dy), 2^level apart.
 struct Windows {
   int level, dx, dy, columns, rows;
 };
 
-/// Adds to `sums`, row by row, what `count` points, at most kChunkPoints, see at every window.
+/// Adds to `sums`, row by row, the window values of `count` points (at most kChunkPoints).
 void addWindows(const LikelihoodImage& image, const Windows& windows, const PointCell* points,
                 int count, int* sums);
 

@@ -15,6 +15,13 @@ namespace kestrel {
 namespace {
 
 constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// A near return hides a farther one, and any return hides a ray that only clears.
+float nearer(float before, float range) {
+  return std::isnan(before) ? range : std::min(before, range);
+}
 
 /// Throws where the value is infinite, or only a part of it is absent.
 bool isPresent(const Eigen::VectorXd& value, const char* name) {

@@ -202,6 +202,12 @@ class Runner {
     last_counted_ = pose;
   }
 
+  void finishFilter() {
+    run_.filter = pipeline_.filter().status(recording_.imu().samples.back().stamp);
+    if (pipeline_.filter().output()) return;
+    run_.warnings.push_back("the pose filter does not run: " + run_.filter->message);
+  }
+
   std::string placeOf(const PipelineScan& scan) const {
     return placeText(scan.time.value_or(0.0) - first_time_.value_or(0.0), scan.number);
   }
@@ -226,9 +232,7 @@ class Runner {
     run_.map = pipeline_.mapper().snapshot();
     run_.map_memory_bytes = pipeline_.mapper().memoryBytes();
     run_.peak_memory_mb = peakMemoryMb();
-    if (config_.use_filter && !config_.level) {
-      run_.filter = pipeline_.filter().status(recording_.imu().samples.back().stamp);
-    }
+    if (config_.use_filter && !config_.level) finishFilter();
   }
 
   Recording& recording_;

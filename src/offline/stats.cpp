@@ -38,6 +38,16 @@ Json matchOf(const MatchSummary& match, std::size_t scans) {
           {"share_lost", shareOf(match.lost, scans)}};
 }
 
+Json filterOf(const OfflineRun& run) {
+  if (!run.filter) return "none";
+  const SensorCounts& poses = run.filter->of(FilterSensor::kPose);
+  return {{"health", toString(run.filter->health)},
+          {"states", run.filter->imu.accepted},
+          {"poses_used", poses.accepted},
+          {"poses_refused", poses.received - poses.accepted},
+          {"resets", Json(run.filter->resets)}};
+}
+
 Json mapOf(const OfflineRun& run) {
   const MapSnapshot& map = run.map;
   return {
@@ -135,6 +145,7 @@ nlohmann::ordered_json statsOf(const OfflineRun& run, const RunInfo& info) {
   Json stats = {{"version", kVersion},
                 {"recording", {{"name", info.recording}, {"description", info.description}}},
                 {"odometry", info.odometry ? "use" : "none"},
+                {"filter", filterOf(run)},
                 {"scans", scansOf(run, match)},
                 {"match", matchOf(match, run.scans.size())},
                 {"distance_m", rounded(run.distance_m, kFine)},

@@ -36,13 +36,14 @@ void Pipeline::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_i
                       double arrival) {
   advance(arrival);
   if (config_.level) return;
-  projection_.addImu(sample, base_T_imu);
-  if (config_.use_filter) updateFilter(sample, base_T_imu);
+  const CheckedImu reading = imu_check_.check(sample, base_T_imu);
+  projection_.addImu(reading);
+  if (config_.use_filter) updateFilter(reading);
   processQueue();
 }
 
-void Pipeline::updateFilter(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
-  if (!filter_.addImu(sample, base_T_imu)) return;
+void Pipeline::updateFilter(const CheckedImu& reading) {
+  if (!filter_.addImu(reading)) return;
   const FilterOutput& output = *filter_.output();
   FilteredMotion motion = motionOf(output);
   motion.gives_attitude &= config_.coupling.attitude;

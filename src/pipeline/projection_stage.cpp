@@ -65,9 +65,7 @@ ProjectionStage::ProjectionStage(const ProjectionStageConfig& config)
       motions_(config.attitude.buffer),
       heights_(heightConfigOf(config.projector)) {}
 
-bool ProjectionStage::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
-  return tracker_.add(sample, Eigen::Quaterniond(base_T_imu.linear()));
-}
+bool ProjectionStage::addImu(const CheckedImu& reading) { return tracker_.add(reading); }
 
 bool ProjectionStage::addMotion(const FilteredMotion& motion) {
   if (motion.height_m) heights_.addFiltered({motion.stamp, *motion.height_m});

@@ -17,15 +17,15 @@ namespace {
 constexpr std::size_t kTime = 0, kLeftTicks = 2, kRightTicks = 3, kFirstRange = 24;
 constexpr std::size_t kBeams = 682;
 constexpr std::size_t kMinColumns = kFirstRange + kBeams, kMaxColumns = kMinColumns + 1;
-constexpr double kMicrosecondsPerSecond = 1e6;  // divided by: a stamp is rounded only once
+constexpr double kMicrosecondsPerSecond = 1e6;  // used as divisor, so that a stamp is rounded once
 constexpr double kMillimetersPerMeter = 1e3;
 constexpr double kRateHz = 10.0;  // of a URG-04LX
 
 // The rover, as documented in BreezySLAM (examples/mines.py).
-constexpr double kWheelRadius = 0.077, kHalfAxle = 0.165, kLaserAhead = 0.145;  // m
+constexpr double kWheelRadius = 0.077, kHalfAxle = 0.165, kLaserX = 0.145;  // m
 constexpr double kTicksPerTurn = 2000.0;
 
-/// All numbers of a line; empty where it has anything else.
+/// The numbers of a line; empty if a field is not a number.
 std::vector<double> columnsOf(const std::string& line) {
   std::istringstream fields(line);
   std::vector<double> columns;
@@ -64,8 +64,8 @@ bool BreezyLog::next(RecordedScan& scan) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     if (fill(line, scan)) return true;
     if (++skipped_["broken line"] > 1) continue;
-    warnings_.push_back("line " + std::to_string(line_number_) + ": broken line skipped: it has " +
-                        "not the " + std::to_string(kMinColumns) + " numbers of a scan");
+    warnings_.push_back("line " + std::to_string(line_number_) + ": broken line skipped: a scan " +
+                        "has " + std::to_string(kMinColumns) + " numbers");
   }
   if (stream_->bad()) reportCutOff();
   return false;
@@ -85,7 +85,7 @@ bool BreezyLog::fill(const std::string& line, RecordedScan& scan) {
   scan.scan = scanOf(fanOf(kBeams), kBeams, kRateHz);
   scan.scan.stamp = columns[kTime] / kMicrosecondsPerSecond;
   scan.time = monotone_time_.repair(scan.scan.stamp);
-  scan.base_T_laser.translation().x() = kLaserAhead;
+  scan.base_T_laser.translation().x() = kLaserX;
   scan.odom_T_base = odom_T_base_;
   for (std::size_t i = 0; i < kBeams; ++i) {
     const double mm = columns[kFirstRange + i];
@@ -95,23 +95,23 @@ bool BreezyLog::fill(const std::string& line, RecordedScan& scan) {
   return true;
 }
 
-/// Dead reckoning of a vehicle with two driven wheels, along the chord of its arc.
+/// Dead reckoning of a differential drive, along the chord of each arc.
 void BreezyLog::drive(const std::array<double, 2>& ticks) {
   if (last_ticks_) {
-    constexpr double kMetresPerTick = 2.0 * kPi * kWheelRadius / kTicksPerTurn;
-    const double left = kMetresPerTick * (ticks[0] - (*last_ticks_)[0]);
-    const double right = kMetresPerTick * (ticks[1] - (*last_ticks_)[1]);
+    constexpr double kMetersPerTick = 2.0 * kPi * kWheelRadius / kTicksPerTurn;
+    const double left = kMetersPerTick * (ticks[0] - (*last_ticks_)[0]);
+    const double right = kMetersPerTick * (ticks[1] - (*last_ticks_)[1]);
     const double turn = (right - left) / (2.0 * kHalfAxle);
-    const double way = (left + right) / 2.0;
-    odom_T_base_ =
-        odom_T_base_ * Pose2(way * std::cos(turn / 2.0), way * std::sin(turn / 2.0), turn);
+    const double distance = (left + right) / 2.0;
+    odom_T_base_ = odom_T_base_ *
+                   Pose2(distance * std::cos(turn / 2.0), distance * std::sin(turn / 2.0), turn);
   }
   last_ticks_ = ticks;
 }
 
 std::string BreezyLog::description() const {
   return "BreezySLAM log, " + std::to_string(scan_count_) +
-         " scans of a URG-04LX, with odometry from the wheels";
+         "  scans of a URG-04LX, with wheel odometry";
 }
 
 }  // namespace kestrel

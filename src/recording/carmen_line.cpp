@@ -17,7 +17,7 @@ namespace {
 constexpr double kMaxBeams = 1e7;
 constexpr double kFrontFanDeg = 180.0;
 
-/// Walks through the blank-separated fields of a line.
+/// Parses the blank-separated fields of a line one by one.
 class Fields {
  public:
   explicit Fields(const std::string& line) : position_(line.c_str()) { word("message name"); }
@@ -36,7 +36,7 @@ class Fields {
   std::size_t count(const char* what) {
     const double value = number(what);
     if (value < 0.0 || value > kMaxBeams || value != std::floor(value)) {
-      throw std::invalid_argument(std::string(what) + " is not a sensible count");
+      throw std::invalid_argument(std::string(what) + "  is not a valid count");
     }
     return static_cast<std::size_t>(value);
   }
@@ -70,19 +70,19 @@ class Fields {
   }
   std::string missing(const char* what) {
     skipBlanks();
-    return *position_ == '\0' ? "ends before the " + std::string(what)
+    return *position_ == '\0' ? "the line ends before the " + std::string(what)
                               : std::string(what) + " is not a number";
   }
 
   const char* position_;
 };
 
-/// The angles of a SICK LMS, which a FLASER line does not say.
+/// Sets the angles of a SICK LMS, because a FLASER line does not contain them.
 ///
-/// 360 beams start at -90 degrees and lack the last one, they are not centerd (-89.75): with this
-/// start, matched scans of fr079 on straight stretches move in the same direction as its relations
-/// do (0.33 +- 0.02 and 0.31 degrees left of forward; centerd it would be 0.58). The wheels alone
-/// cannot tell: lasers with known fans are mounted up to a degree off.
+/// 360 beams start at -90 degrees and omit the beam at +90 degrees. They are not centered (start at
+/// -89.75 degrees). This was checked with fr079 on straight drives: matched scans and the relations
+/// of the data set then agree on the driving direction in the laser frame. Odometry cannot decide
+/// this, because lasers are mounted with yaw errors of up to a degree.
 void setFrontFan(CarmenScan& result, std::size_t beams) {
   double step_deg = 0.0;
   if (beams == 180 || beams == 181) {
@@ -97,14 +97,14 @@ void setFrontFan(CarmenScan& result, std::size_t beams) {
   result.scan.angle_increment = degToRad(step_deg);
 }
 
-/// Volatile, because GCC 12 folds two neighboring conversions double -> float -> double to
-/// nothing.
+/// Uses volatile because GCC 12 removes the conversion double -> float -> double.
 double roundToFloat(double value) {
   const volatile float rounded = static_cast<float>(value);
   return rounded;
 }
 
-/// The angles of a LaserScan message are floats: log and converted bag shall agree to the bit.
+/// Rounds the angles to float, as in a LaserScan message, so that a log and a bag that was
+/// converted from it give identical scans.
 void roundAngles(LaserScan& scan) {
   scan.angle_min = roundToFloat(scan.angle_min);
   scan.angle_increment = roundToFloat(scan.angle_increment);

@@ -15,13 +15,13 @@ namespace {
 const std::string kFrontLaser = "FLASER";
 const std::string kRobotLaser = "ROBOTLASER1";
 const std::string kBrokenLine = "broken line";
-// Fields from the laser's pose to the end: two poses, stamp, host, stamp; ROBOTLASER1 has five
-// more.
+// Number of fields from the laser pose to the end: two poses, stamp, host, stamp; ROBOTLASER1 has
+// five more.
 constexpr std::size_t kFrontTrailingFields = 9;
 constexpr std::size_t kRobotTrailingFields = 14;
 constexpr std::size_t kPoseNumbers = 6;
 
-/// The last fields of a line, without a walk through all its ranges.
+/// The last fields of a line. Does not parse the ranges, which is faster.
 std::vector<std::string> lastFields(const std::string& line, std::size_t count) {
   std::size_t begin = line.find_last_not_of(" \t\r");
   for (std::size_t i = 0; i < count && begin != std::string::npos; ++i) {
@@ -34,7 +34,7 @@ std::vector<std::string> lastFields(const std::string& line, std::size_t count) 
   return fields;
 }
 
-/// The laser's and the robot's pose at the end of a laser line; false where they are unreadable.
+/// Reads the poses of laser and robot at the end of a laser line; false if they are not readable.
 bool trailingPoses(const std::string& line, std::size_t field_count, Pose2& odom_T_laser,
                    Pose2& odom_T_base) {
   const std::vector<std::string> fields = lastFields(line, field_count);
@@ -59,7 +59,7 @@ bool endsWith(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-/// To the six decimals that the log has: a laser at the center is at 0, not at -1e-14.
+/// Rounds to the six decimals of the log, so that a laser at the center is exactly at 0.
 Pose2 roundPose(const Pose2& pose) {
   constexpr double kDecimals = 1e6;
   const auto rounded = [](double v) { return std::round(v * kDecimals) / kDecimals + 0.0; };
@@ -85,11 +85,11 @@ bool looksLikeCarmenLog(const std::string& path) {
   return false;
 }
 
-/// What the first pass learns.
+/// Results of the first pass.
 struct CarmenLog::Survey {
   std::map<std::string, std::size_t> counts;  ///< messages by name
-  std::optional<Pose2> base_T_laser;          ///< from the first readable laser line
-  bool constant = true;                       ///< all the other lines agree
+  std::optional<Pose2> base_T_laser;          ///< from the first valid laser line
+  bool constant = true;                       ///< all other lines give the same
 };
 
 CarmenLog::CarmenLog(const std::string& path) : path_(path) {
@@ -110,7 +110,7 @@ void CarmenLog::survey() {
   laser_message_ = survey.counts.count(kFrontLaser) > 0 ? kFrontLaser : kRobotLaser;
   scan_count_ = survey.counts[laser_message_];
   if (scan_count_ == 0) {
-    throw std::runtime_error(path_ + ": CARMEN log without a laser; give one that has FLASER or " +
+    throw std::runtime_error(path_ + ": this CARMEN log has no laser; use a log with FLASER or " +
                              "ROBOTLASER1 lines");
   }
   chooseMounting(survey);
@@ -127,7 +127,8 @@ void CarmenLog::surveyParameter(const std::string& line) {
 }
 
 void CarmenLog::surveyMounting(const std::string& line, Survey& survey) {
-  constexpr double kTolerance = 0.002;  // m and rad: the poses have six decimals, but see fr079
+  constexpr double kTolerance =
+      0.002;  // m and rad; larger than rounding to six decimals, as fr079 needs
   const bool front = carmenMessageName(line) == kFrontLaser;
   Pose2 odom_T_laser, odom_T_base;
   if (!trailingPoses(line, front ? kFrontTrailingFields : kRobotTrailingFields, odom_T_laser,
@@ -150,8 +151,9 @@ void CarmenLog::chooseMounting(const Survey& survey) {
     base_T_laser_ = roundPose(*survey.base_T_laser);
   } else if (survey.base_T_laser) {
     warnings_.push_back(
-        "the log does not say where the laser is mounted (no PARAM robot_frontlaser_offset, and "
-        "the laser's pose moves relative to the robot's): taken to be at the robot's center");
+        "the log does not give the mounting of the laser (it has no PARAM robot_frontlaser_offset, "
+        "and the laser pose is not constant in the robot frame): the laser is assumed to be at "
+        "the center of the robot");
   }
 }
 
@@ -196,7 +198,7 @@ void CarmenLog::warnAboutFan(std::size_t beams) {
   if (!unknown_fans_.insert(beams).second) return;
   warnings_.push_back("line " + std::to_string(line_number_) + ": FLASER with " +
                       std::to_string(beams) +
-                      " beams does not say its field of view: taken to be 180 degrees");
+                      " beams does not give its field of view: 180 degrees are assumed");
 }
 
 void CarmenLog::reportEnd() {

@@ -15,13 +15,13 @@
 namespace kestrel {
 namespace {
 
-constexpr std::size_t kNuScenesValues = 5, kKittiValues = 4;  // of each point
+constexpr std::size_t kNuScenesValues = 5, kKittiValues = 4;  // per point
 
 bool endsWith(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-/// The lines of a PCD file before its points.
+/// The header of a PCD file.
 struct PcdHeader {
   std::vector<std::string> names, types;
   std::vector<std::uint64_t> sizes, counts;
@@ -53,7 +53,7 @@ PcdHeader readHeader(std::istream& file) {
   if (count == 0 || header.sizes.size() != count || header.types.size() != count ||
       header.counts.size() != count || header.data.empty()) {
     throw std::invalid_argument(
-        "its PCD header is broken: FIELDS, SIZE, TYPE and COUNT must have the same number of "
+        "the PCD header is invalid: FIELDS, SIZE, TYPE and COUNT must have the same number of "
         "entries, and DATA must follow");
   }
   return header;
@@ -77,7 +77,7 @@ PointBuffer layoutOf(const PcdHeader& header) {
   PointBuffer buffer;
   for (std::size_t i = 0; i < header.names.size(); ++i) {
     if (header.sizes[i] == 0 || header.sizes[i] > kMaxSize || header.counts[i] > kMaxCount) {
-      throw std::invalid_argument("field " + header.names[i] + " of its PCD header is broken");
+      throw std::invalid_argument("field " + header.names[i] + " of the PCD header is invalid");
     }
     buffer.fields.push_back(
         {header.names[i], buffer.point_step, typeOf(header.types[i], header.sizes[i])});
@@ -95,7 +95,7 @@ PointCloud unpackBytes(PointBuffer buffer, const std::vector<std::uint8_t>& byte
   return unpackPoints(buffer, 0.0);
 }
 
-/// Text becomes float64, whatever the header says: numbers of a text have no size.
+/// Reads all numbers as float64, because the sizes of the header have no meaning for text.
 PointCloud readAscii(std::istream& file, const PcdHeader& header) {
   PointBuffer buffer;
   for (std::size_t i = 0; i < header.names.size(); ++i) {
@@ -123,8 +123,8 @@ PointCloud readPcd(std::istream& file) {
   const PcdHeader header = readHeader(file);
   if (header.data == "ascii") return readAscii(file, header);
   if (header.data == "binary") return unpackBytes(layoutOf(header), restOf(file));
-  throw std::invalid_argument("its points are " + header.data +
-                              "; convert it with `pcl_convert_pcd_ascii_binary FILE OUT 1`");
+  throw std::invalid_argument("the points are stored as " + header.data +
+                              "; convert the file with `pcl_convert_pcd_ascii_binary FILE OUT 1`");
 }
 
 PointCloud readNumbers(std::istream& file, std::size_t values_per_point) {
@@ -137,8 +137,8 @@ PointCloud readNumbers(std::istream& file, std::size_t values_per_point) {
   }
   buffer.point_step = values_per_point * sizeof(float);
   if (bytes.size() % buffer.point_step != 0) {
-    throw std::invalid_argument("its " + std::to_string(bytes.size()) +
-                                " bytes are no whole number of points of " +
+    throw std::invalid_argument("the size of " + std::to_string(bytes.size()) +
+                                " bytes is not a multiple of the point size of " +
                                 std::to_string(buffer.point_step) + " bytes");
   }
   buffer.width = bytes.size() / buffer.point_step;
@@ -158,7 +158,7 @@ PointCloud readAny(const std::string& path) {
   if (pcd) return readPcd(file);
   if (endsWith(path, ".pcd.bin")) return readNumbers(file, kNuScenesValues);
   if (endsWith(path, ".bin")) return readNumbers(file, kKittiValues);
-  throw std::invalid_argument("is no cloud: give a rosbag, a .pcd, .pcd.bin or .bin file");
+  throw std::invalid_argument("is not a point cloud; use a rosbag, a .pcd, .pcd.bin or .bin file");
 }
 
 }  // namespace

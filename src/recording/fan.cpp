@@ -8,7 +8,7 @@
 namespace kestrel {
 namespace {
 
-// Data sheets of Hokuyo.
+// From the data sheets of Hokuyo.
 constexpr double kUtmStepsPerTurn = 1440.0, kUrgStepsPerTurn = 1024.0;
 constexpr double kUtmMinRange = 0.1, kUtmMaxRange = 30.0;
 constexpr double kUrgMinRange = 0.02, kUrgMaxRange = 5.6;

@@ -13,7 +13,7 @@
 namespace kestrel {
 namespace {
 
-constexpr std::size_t kMinBeams = 8;  // fewer numbers in a line are no scan
+constexpr std::size_t kMinBeams = 8;  // a line with fewer numbers is not a scan
 
 std::size_t beamsIn(const std::string& line) {
   return 1 + static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));
@@ -23,7 +23,7 @@ bool isBlank(const std::string& line) {
   return line.find_first_not_of(" \t\r") == std::string::npos;
 }
 
-/// Reads numbers with commas between them, `nan` and `inf` too; false where anything else is there.
+/// Parses comma-separated numbers, including `nan` and `inf`; false if the line has anything else.
 bool parseRanges(const std::string& line, std::vector<float>& ranges) {
   ranges.clear();
   const char* at = line.c_str();
@@ -52,8 +52,9 @@ bool looksLikeRangeTable(const std::string& path) {
 
 RangeTable::RangeTable(const std::string& path, double rate_hz) : path_(path), rate_hz_(rate_hz) {
   if (!std::isfinite(rate_hz) || rate_hz <= 0.0) {
-    throw std::runtime_error(path + ": has no stamps, so it needs a rate above 0 Hz, not " +
-                             std::to_string(rate_hz));
+    throw std::runtime_error(
+        path + ": a table of ranges has no stamps, so it needs a rate above 0 Hz, not " +
+        std::to_string(rate_hz));
   }
   survey();
   stream_ = openText(path_);
@@ -70,7 +71,7 @@ void RangeTable::survey() {
   model_ = scanOf(fan, beams_, rate_hz_);
   if (fan.known) return;
   warnings_.push_back("a table with " + std::to_string(beams_) +
-                      " ranges a line does not say its field of view: taken to be 270 degrees");
+                      " ranges per line does not give its field of view: 270 degrees are assumed");
 }
 
 bool RangeTable::next(RecordedScan& scan) {
@@ -102,7 +103,7 @@ bool RangeTable::fill(const std::string& line, RecordedScan& scan) {
 void RangeTable::skipLine(std::size_t ranges) {
   if (++skipped_["broken line"] > 1) return;
   warnings_.push_back("line " + std::to_string(line_number_) + ": broken line skipped: " +
-                      (ranges == beams_ ? "not all of it are numbers"
+                      (ranges == beams_ ? "a field is not a number"
                                         : "it has " + std::to_string(ranges) + " ranges, not " +
                                               std::to_string(beams_)));
 }

@@ -20,8 +20,8 @@ std::unique_ptr<Recording> openBag(const std::string& path,
   return std::make_unique<BagRecording>(path, options);
 #else
   throw std::runtime_error(path +
-                           ": is a rosbag, which this build without ROS cannot read; build with "
-                           "-DKESTREL_WITH_ROS=ON or give a CARMEN log");
+                           ": this build has no ROS and cannot read a rosbag; build with "
+                           "-DKESTREL_WITH_ROS=ON or use a CARMEN log");
 #endif
 }
 
@@ -32,10 +32,10 @@ std::unique_ptr<Recording> openRecording(const std::string& path, const Recordin
   if (looksLikeCarmenLog(path)) return std::make_unique<CarmenLog>(path);
   if (looksLikeBreezyLog(path)) return std::make_unique<BreezyLog>(path);
   if (looksLikeRangeTable(path)) return std::make_unique<RangeTable>(path, options.rate_hz);
-  throw std::runtime_error(path +
-                           ": is neither a rosbag nor a CARMEN log, a BreezySLAM log or a table of "
-                           "ranges (plain, .bz2, .gz or .xz); give a recording in one of these "
-                           "formats");
+  throw std::runtime_error(
+      path +
+      ": unknown format; use a rosbag, a CARMEN log, a BreezySLAM log or a table of "
+      "ranges (plain, .bz2, .gz or .xz)");
 }
 
 }  // namespace kestrel

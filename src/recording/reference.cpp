@@ -18,15 +18,15 @@ bool isBag(const std::string& path) {
 Trajectory readReference(const std::string& path, const std::string& topic) {
   if (!isBag(path)) {
     if (topic.empty()) return readTum(path);
-    throw std::runtime_error(path + ": is no rosbag, so it has no topic " + topic +
-                             "; leave the topic out or give a bag");
+    throw std::runtime_error(path + ": is not a rosbag, so it has no topic " + topic +
+                             "; omit the topic or use a bag");
   }
 #ifdef KESTREL_WITH_ROS
   return readBagReference(path, topic);
 #else
   throw std::runtime_error(path +
-                           ": is a rosbag, which this build without ROS cannot read; build with "
-                           "-DKESTREL_WITH_ROS=ON or give a trajectory in the TUM format");
+                           ": this build has no ROS and cannot read a rosbag; build with "
+                           "-DKESTREL_WITH_ROS=ON or use a trajectory in the TUM format");
 #endif
 }
 

@@ -10,8 +10,8 @@
 namespace kestrel {
 namespace {
 
-/// The vehicle with the one scanner that is read. What is in the messages of a sensor does not
-/// depend on the other sensors.
+/// The vehicle with only the scanner that is read. This does not change its messages, because they
+/// do not depend on the other sensors.
 VehicleModel scannerOnly(VehicleModel vehicle) {
   if (vehicle.laser) vehicle.lidar.reset();
   vehicle.imu.reset();
@@ -21,7 +21,8 @@ VehicleModel scannerOnly(VehicleModel vehicle) {
   return vehicle;
 }
 
-/// All but the work of the scanner, whose messages come empty at their own stamps.
+/// The vehicle with a scanner whose scans are empty, which avoids the expensive ray casting. Stamps
+/// and all other messages are unchanged.
 VehicleModel blindScanner(VehicleModel vehicle) {
   if (vehicle.laser) {
     vehicle.laser->beams = 0;
@@ -61,20 +62,20 @@ struct SimulatedRecording::State {
 SimulatedRecording::SimulatedRecording(const Place& place, const VehicleModel& vehicle,
                                        std::uint64_t seed) {
   if (!vehicle.laser && !vehicle.lidar) {
-    throw std::invalid_argument("a simulated recording needs a laser or a lidar on board");
+    throw std::invalid_argument("a simulated recording needs a vehicle with a laser or a lidar");
   }
   state_ = std::make_unique<State>(place, vehicle, seed);
   imu_.base_T_imu = Eigen::Isometry3d(vehicle.base_R_imu);
   imu_.topic = vehicle.imu ? "simulated" : "";
-  FlightSimulator early(state_->world, *state_->motion, blindScanner(vehicle), seed);
+  FlightSimulator first_pass(state_->world, *state_->motion, blindScanner(vehicle), seed);
   FlightEvent event;
-  while (early.next(event)) recordEarly(event);
+  while (first_pass.next(event)) recordFirstPass(event);
 }
 
 SimulatedRecording::~SimulatedRecording() = default;
 
-/// Keeps what has to be known before the first scan is read.
-void SimulatedRecording::recordEarly(const FlightEvent& event) {
+/// Stores the data that must be available before the first scan is read.
+void SimulatedRecording::recordFirstPass(const FlightEvent& event) {
   if (const auto* sample = std::get_if<ImuSample>(&event.message)) {
     imu_.samples.push_back(*sample);
   } else if (const auto* height = std::get_if<HeightSample>(&event.message)) {
@@ -105,7 +106,7 @@ bool SimulatedRecording::readScan(const FlightEvent& event, RecordedScan& scan) 
     scan.scan.stamp = cloud->stamp;
     scan.base_T_laser = state_->vehicle.base_T_lidar;
   } else {
-    return false;  // people
+    return false;  // positions of people
   }
   scan.time = state_->monotone_time.repair(event.stamp);
   return true;

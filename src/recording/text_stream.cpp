@@ -30,10 +30,10 @@ bool startsWith(const std::string& text, const std::string& start) {
 void requireFile(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
-    throw std::runtime_error(path + ": no such file; check the path");
+    throw std::runtime_error(path + ": the file does not exist; check the path");
   }
   if (std::filesystem::is_directory(path, error)) {
-    throw std::runtime_error(path + ": is a folder; give the path of a file in it");
+    throw std::runtime_error(path + ": is a folder, not a file");
   }
 }
 
@@ -82,7 +82,7 @@ std::string readHead(const std::string& path) {
 
 std::string cutOffText(std::size_t line) {
   return "the compressed data are damaged or cut off after line " + std::to_string(line) +
-         ": only the scans up to there are used";
+         ": only the scans before it are used";
 }
 
 bool parseFinite(const std::string& text, double& value) {

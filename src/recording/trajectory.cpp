@@ -27,7 +27,7 @@ std::string format(const char* pattern, Values... values) {
   return text;
 }
 
-/// With the fewest decimals, at least six, that give the same double when read again.
+/// The shortest text, with at least six decimals, that gives the same double when it is read.
 std::string stampText(double stamp) {
   for (const int decimals : {6, 9, 12}) {
     const std::string text = format("%.*f", decimals, stamp);
@@ -97,7 +97,7 @@ Trajectory readTum(const std::string& path) {
   }
   if (trajectory.empty()) {
     throw std::runtime_error(path +
-                             ": has no poses; give a trajectory in the TUM format, a line "
+                             ": has no poses; use a trajectory in the TUM format, with a line "
                              "`stamp x y z qx qy qz qw` for each pose");
   }
   return trajectory;

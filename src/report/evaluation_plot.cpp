@@ -8,7 +8,7 @@
 namespace kestrel {
 namespace {
 
-constexpr double kMapShare = 2.5;  // height of the map relative to an error chart
+constexpr double kMapShare = 2.5;  // height of the map panel relative to an error panel
 
 std::vector<Eigen::Vector2d> positions(const Trajectory& trajectory) {
   std::vector<Eigen::Vector2d> points;
@@ -29,7 +29,7 @@ PlotPanel trajectoryPanel(const Trajectory& trajectory,
   return panel;
 }
 
-/// The errors over the time since `start`: meters and degrees in a panel each.
+/// Adds two panels with the errors over the time since `start`: one in meters, one in degrees.
 void addErrorPanels(const std::string& title, const std::vector<PoseError>& errors, double start,
                     PlotSeries::Style style, std::vector<PlotPanel>& panels) {
   PlotSeries translation{"", {}, style}, rotation{"", {}, style};
@@ -49,12 +49,12 @@ void plotEvaluation(const std::string& path, const Trajectory& trajectory,
   const double start = trajectory.empty() ? 0.0 : trajectory.front().stamp;
   std::vector<PlotPanel> panels = {trajectoryPanel(trajectory, reference)};
   if (relations) {
-    addErrorPanels("Each relation, at its first stamp", relations->errors, start,
+    addErrorPanels("Error of each relation, at its first stamp", relations->errors, start,
                    PlotSeries::Style::kDots, panels);
   }
   if (reference) {
-    addErrorPanels("Each pose after alignment", reference->ate, start, PlotSeries::Style::kLine,
-                   panels);
+    addErrorPanels("Error of each pose after alignment", reference->ate, start,
+                   PlotSeries::Style::kLine, panels);
   }
   writePlot(path, panels);
 }

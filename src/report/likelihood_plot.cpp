@@ -15,12 +15,12 @@
 namespace kestrel {
 namespace {
 
-/// What is shown, as shares of the best score.
+/// Levels that are shown, relative to the best score.
 constexpr std::array<float, 4> kLevels = {0.5F, 0.7F, 0.85F, 0.95F};
 constexpr double kEllipseSigmas = 3.0;
-constexpr double kSquare = 3.4;  // height of a panel that is about as high as wide
+constexpr double kSquare = 3.4;  // height that makes a panel about square
 
-/// The poses of each level, without those of the next.
+/// Adds the poses between each level and the next higher one.
 std::vector<PlotSeries> levelsOf(const LikelihoodSurface& surface) {
   const std::vector<float> image = bestOverYaws(surface);
   const float best = *std::max_element(image.begin(), image.end());
@@ -43,7 +43,7 @@ std::vector<PlotSeries> levelsOf(const LikelihoodSurface& surface) {
 
 PlotSeries ellipseOf(const MapperResult& result) {
   constexpr int kCorners = 72;
-  PlotSeries ellipse{"claimed 3 sigma", {}, PlotSeries::Style::kLine};
+  PlotSeries ellipse{"3 sigma ellipse", {}, PlotSeries::Style::kLine};
   const Eigen::Matrix2d covariance = result.match.covariance.topLeftCorner<2, 2>();
   const Eigen::Matrix2d root = covariance.llt().matrixL();
   for (int i = 0; i <= kCorners; ++i) {
@@ -56,14 +56,15 @@ PlotSeries ellipseOf(const MapperResult& result) {
 
 }  // namespace
 
-LikelihoodWatch::LikelihoodWatch(const MapperConfig& mapper, std::size_t scan)
+LikelihoodRecorder::LikelihoodRecorder(const MapperConfig& mapper, std::size_t scan)
     : mapper_(mapper), wanted_(scan), map_(mapper.grid) {
   if (scan == 0) {
-    throw std::invalid_argument("scan 0 defines the map: there is nothing to compare it with");
+    throw std::invalid_argument(
+        "scan 0 defines the map, so it has no likelihood; choose a later scan");
   }
 }
 
-void LikelihoodWatch::add(const PlanarScan& scan, const MapperResult& result) {
+void LikelihoodRecorder::add(const PlanarScan& scan, const MapperResult& result) {
   if (scans_++ == wanted_) {
     result_ = result;
     surface_ = sampleLikelihood(map_.surface(), hitsOf(scan), result.pose,
@@ -72,19 +73,19 @@ void LikelihoodWatch::add(const PlanarScan& scan, const MapperResult& result) {
   if (result.inserted) map_.insert(scan, result.pose);
 }
 
-void LikelihoodWatch::write(const std::string& path) const {
+void LikelihoodRecorder::write(const std::string& path) const {
   if (surface_.score.empty()) {
-    throw std::runtime_error("scan " + std::to_string(wanted_) + " has no likelihood: there were " +
-                             std::to_string(scans_) + " scans, or it has no hits");
+    throw std::runtime_error("scan " + std::to_string(wanted_) + " cannot be shown: the run has " +
+                             std::to_string(scans_) + " scans, or this scan has no hits");
   }
   PlotPanel panel;
-  panel.title = "likelihood of scan " + std::to_string(wanted_) + ", share of the best";
+  panel.title = "likelihood of scan " + std::to_string(wanted_) + ", relative to the best pose";
   panel.x_label = "x in map (m)";
   panel.y_label = "y in map (m)";
   panel.series = levelsOf(surface_);
   panel.series.push_back(ellipseOf(result_));
   panel.series.push_back(
-      {"found pose", {result_.match.pose.translation()}, PlotSeries::Style::kDots});
+      {"matched pose", {result_.match.pose.translation()}, PlotSeries::Style::kDots});
   panel.equal_axes = true;
   panel.height = kSquare;
   writePlot(path, {panel});

@@ -17,11 +17,12 @@ using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy
 
 void check(cairo_status_t status) {
   if (status != CAIRO_STATUS_SUCCESS) {
-    throw std::runtime_error(std::string("cannot draw the map: ") + cairo_status_to_string(status));
+    throw std::runtime_error(std::string("cannot render the map: ") +
+                             cairo_status_to_string(status));
   }
 }
 
-/// The most certain cell of a block, which must lie inside the map at least in part.
+/// The value of a block: occupied before free before unknown. The block must overlap the map.
 unsigned char grayOf(const MapSnapshot& map, int first_column, int first_row, int size) {
   std::int8_t value = MapSnapshot::kUnknown;
   for (int row = first_row; row < std::min(first_row + size, map.height); ++row) {
@@ -48,7 +49,7 @@ MapImage renderMap(const MapSnapshot& map, int max_side_pixels) {
   image.cells_per_pixel = block;
   image.width = (map.width + block - 1) / block;
   image.height = (map.height + block - 1) / block;
-  // The alpha-only format, because cairo writes it as a gray PNG of one byte a pixel.
+  // The alpha-only format, because cairo writes it as a gray PNG with one byte per pixel.
   const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_A8, image.width, image.height),
                         &cairo_surface_destroy);
   check(cairo_surface_status(surface.get()));
@@ -81,7 +82,7 @@ std::string base64(const std::string& bytes) {
       text.push_back(kAlphabet[group >> shift & kSixBits]);
     }
   }
-  // The bytes that are missing in the last group of three.
+  // Padding of the last group of three bytes.
   for (std::size_t missing = (3 - bytes.size() % 3) % 3, i = 1; i <= missing; ++i) {
     text[text.size() - i] = '=';
   }

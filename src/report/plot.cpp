@@ -24,7 +24,7 @@ constexpr double kTickLength = 5.0, kLabelGap = 8.0;
 constexpr double kFontSize = 14.0, kTitleSize = 16.0;
 constexpr double kDotRadius = 1.5, kLineWidth = 1.3;
 constexpr double kWantedTicks = 7.0;
-constexpr double kMargin = 0.04;  // of the data's extent, around it
+constexpr double kMargin = 0.04;  // margin around the data, relative to its extent
 
 using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
@@ -56,13 +56,13 @@ struct Range {
   }
 };
 
-/// Where a panel lies in the picture, and which data it shows.
+/// The position of a panel in the image and the data range that it shows.
 struct Frame {
   double left = 0.0, top = 0.0, width = 0.0, height = 0.0;
   Range x, y;
-  bool log_y = false;  ///< `y` is that of the logarithms
+  bool log_y = false;  ///< `y` is the range of the logarithms
 
-  /// Not finite where there is no place for it.
+  /// Not finite if the value cannot be shown.
   double onScale(double value) const { return log_y ? std::log10(value) : value; }
   double px(double value) const { return left + (value - x.min) / x.size() * width; }
   double py(double value) const {
@@ -137,7 +137,8 @@ void drawTickY(cairo_t* cr, const Frame& frame, double value, const std::string&
   drawText(cr, frame.left - kLabelGap, y + kFontSize / 3.0, text, Align::kRight);
 }
 
-/// Ticks of a logarithmic axis: powers of ten, with 2 and 5 between where there are few.
+/// Ticks of a logarithmic axis: powers of ten, and also their multiples by 2 and 5 if there are
+/// few.
 void drawPowers(cairo_t* cr, const Frame& frame) {
   constexpr double kFewDecades = 3.0;
   for (double decade = std::floor(frame.y.min); decade <= frame.y.max; ++decade) {
@@ -207,7 +208,7 @@ void drawSeries(cairo_t* cr, const PlotSeries& series, const Frame& frame) {
   cairo_stroke(cr);
 }
 
-/// Above the frame, right-aligned, in the colors of the series.
+/// Draws the legend above the frame, right-aligned, in the colors of the series.
 void drawLegend(cairo_t* cr, const PlotPanel& panel, const Frame& frame) {
   constexpr double kGap = 20.0;
   double right = frame.left + frame.width;
@@ -265,7 +266,7 @@ void writePlot(const std::string& path, const std::vector<PlotPanel>& panels) {
   const cairo_status_t status = cairo_surface_write_to_png(surface.get(), path.c_str());
   if (status != CAIRO_STATUS_SUCCESS) {
     throw std::runtime_error(path + ": cannot be written (" + cairo_status_to_string(status) +
-                             "); check folder and permissions");
+                             "); check that the folder exists and is writable");
   }
 }
 

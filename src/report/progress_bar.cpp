@@ -56,7 +56,7 @@ void ProgressBar::update(const OfflineProgress& progress) {
   if (terminal_) {
     if (share < 1.0 && elapsed_s - last_drawn_s_ < kRedrawInterval_s) return;
     last_drawn_s_ = elapsed_s;
-    // Back to the start of the line, and afterwards clear what an older, longer text left.
+    // Return to the start of the line; then clear the rest of an older, longer text.
     std::fprintf(stream_, "\r%s%s\033[K", barOf(share).c_str(), text(progress, elapsed_s).c_str());
     std::fflush(stream_);
     return;

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The page in four parts, each a raw string, so that any build can compile them in.
+// The page consists of four files, which are raw string literals and compiled into the library.
 constexpr const char* kStyle =
 #include "page/style.css.inc"
     ;
@@ -26,7 +26,7 @@ constexpr const char* kPageScript =
 #include "page/page.js.inc"
     ;
 
-constexpr std::size_t kMaxPoints = 5000;  // of one curve
+constexpr std::size_t kMaxPoints = 5000;  // per curve
 constexpr int kMillimeter = 3;            // decimals
 
 struct Cell {
@@ -51,7 +51,7 @@ std::string droppedText(const OfflineRun& run) {
   return result;
 }
 
-/// Spelt out, because nlohmann takes a list of pairs for an object.
+/// Adds an array of two strings. (A brace list would be parsed as an object by nlohmann::json.)
 void addRow(Json& rows, const std::string& first, const std::string& second) {
   rows.push_back(Json::array({first, second}));
 }
@@ -76,11 +76,11 @@ void addMatchRows(Json& rows, const OfflineRun& run) {
 std::string mapText(const MapSnapshot& map) {
   return text({map.width * map.resolution_m, 1, " × "}) +
          text({map.height * map.resolution_m, 1, " m, "}) +
-         text({knownArea(map), 0, " m² known, cells of "}) +
+         text({knownArea(map), 0, " m² known, cell size "}) +
          text({map.resolution_m, kMillimeter, " m"});
 }
 
-/// The figures at the top: [value, label].
+/// The main numbers at the top of the page: [value, label].
 Json headlinesOf(const OfflineRun& run, const RunInfo& info) {
   Json headlines = Json::array();
   addRow(headlines, std::to_string(run.scans.size()), "scans");
@@ -98,7 +98,7 @@ Json rowsOf(const OfflineRun& run, const RunInfo& info) {
   Json rows = Json::array();
   addMatchRows(rows, run);
   addRow(rows, "Map", mapText(run.map));
-  addRow(rows, "Odometry", info.odometry ? "used" : "not used: laser only");
+  addRow(rows, "Odometry", info.odometry ? "used" : "not used (laser only)");
   if (info.timing) {
     const Distribution ms = scanTimes(run);
     addRow(rows, "Time per scan",
@@ -123,7 +123,7 @@ Json parameterRows(SlamConfig config) {
   return rows;
 }
 
-/// The curves' common abscissa: seconds since the first scan.
+/// The time axis of all charts: seconds since the first scan.
 std::vector<double> timesOf(const OfflineRun& run) {
   std::vector<double> times;
   for (const ScanRecord& scan : run.scans) times.push_back(scan.time - run.scans.front().time);
@@ -152,11 +152,11 @@ Json chartsOf(const OfflineRun& run, const RunInfo& info, const std::vector<doub
   Json charts = Json::array({chartOf("Match quality", "", times, score, 3)});
   if (info.timing) charts.push_back(chartOf("Time per scan", "ms", times, ms, 3));
   charts.push_back(chartOf("Speed", "m/s", times, speeds.linear_m_s, 3));
-  charts.push_back(chartOf("Turn rate", "rad/s", times, speeds.angular_rad_s, 3));
+  charts.push_back(chartOf("Yaw rate", "rad/s", times, speeds.angular_rad_s, 3));
   return charts;
 }
 
-/// Every k-th pose, and each one where the match state changes.
+/// Every k-th pose, and also every pose at which the match state changes.
 Json pathOf(const OfflineRun& run, const std::vector<double>& times) {
   Json t = Json::array(), x = Json::array(), y = Json::array(), yaw = Json::array(),
        state = Json::array();
@@ -179,12 +179,13 @@ Json imageOf(const MapSnapshot& map) {
   return {{"png", "data:image/png;base64," + base64(image.png)},
           {"width", image.width},
           {"height", image.height},
-          {"metresPerPixel", map.resolution_m * image.cells_per_pixel},
+          {"metersPerPixel", map.resolution_m * image.cells_per_pixel},
           {"originX", map.origin_x},
           {"originY", map.origin_y}};
 }
 
-/// JSON that can stand inside a script element: "</script>" in a file's name would end it.
+/// JSON that is safe inside a script element. It escapes '<', because "</script>" in a file name
+/// would end the element.
 std::string embedded(const Json& data) {
   std::string result;
   for (const char c : data.dump(-1, ' ', false, Json::error_handler_t::replace)) {

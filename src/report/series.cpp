@@ -24,7 +24,7 @@ std::vector<std::size_t> minMaxIndices(const std::vector<double>& values, std::s
   const auto begin = values.begin();
   indices.push_back(0);
   for (std::size_t s = 0; s < stretches; ++s) {
-    // Between the first and the last value, which are always there.
+    // Between the first and the last value, which are always selected.
     const auto first = static_cast<std::ptrdiff_t>(1 + s * (n - 2) / stretches);
     const auto last = static_cast<std::ptrdiff_t>(1 + (s + 1) * (n - 2) / stretches);
     const auto [low, high] = std::minmax_element(begin + first, begin + last);

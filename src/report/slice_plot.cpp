@@ -8,10 +8,10 @@ namespace kestrel {
 void writeSlicePlot(const std::string& path, const std::string& title, const PointCloud& cloud,
                     const Eigen::Isometry3d& base_T_lidar, const PlanarScan& slice,
                     double radius_m) {
-  constexpr double kSquare = 3.4;  // height of a panel that is about as high as wide
+  constexpr double kSquare = 3.4;  // height that makes a panel about square
   PlotSeries whole{"cloud", {}, PlotSeries::Style::kDots};
   PlotSeries hits{"hits of the slice", {}, PlotSeries::Style::kDots};
-  PlotSeries clears{"free up to here", {}, PlotSeries::Style::kDots};
+  PlotSeries clears{"end of free space", {}, PlotSeries::Style::kDots};
   for (const PointCloud::Point& point : cloud.points) {
     const Eigen::Vector3d p = base_T_lidar * Eigen::Vector3d(point.x, point.y, point.z);
     if (p.allFinite() && p.head<2>().norm() <= radius_m) whole.points.emplace_back(p.head<2>());

@@ -10,17 +10,18 @@
 namespace kestrel {
 namespace {
 
-/// Cosine of the pitch below which the nose points straight up or down: yaw has no meaning there.
+/// Smallest cosine of the pitch for the yaw rate. Below it the nose points straight up or down, and
+/// the yaw is undefined.
 constexpr double kMinPitchCosine = 1e-3;
 
-/// Rate of the base's yaw (ZYX Euler angles, paper 001 eq. 1), rad/s.
+/// Yaw rate of the base for ZYX Euler angles [Kohlbrecher 2011, eq. 1], rad/s.
 double yawRate(const Eigen::Quaterniond& stabilized_R_base, const Eigen::Vector3d& rate) {
   const Eigen::Matrix3d r = stabilized_R_base.toRotationMatrix();
   const double cosine = std::max(std::hypot(r(2, 1), r(2, 2)), kMinPitchCosine);
   return (r(2, 1) * rate.y() + r(2, 2) * rate.z()) / (cosine * cosine);
 }
 
-/// The size of what an accelerometer feels on a vehicle that flies, m/s². NaN is not.
+/// Whether the norm is one that an accelerometer measures in flight, m/s². False for NaN.
 bool isPlausible(const Eigen::Vector3d& specific_force) {
   constexpr double kSmallest = 3.0, kLargest = 30.0;
   const double size = specific_force.norm();
@@ -78,26 +79,27 @@ bool AttitudeBuffer::add(double stamp, const Eigen::Quaterniond& world_R_base,
 
 void AttitudeBuffer::integrateFrom(std::size_t index) {
   if (index == 0 && entries_.size() > 1) {
-    // Yaws that were handed out stay as they are: a new first one is fitted to the second.
-    entries_[0].integrated_yaw = entries_[1].integrated_yaw - turnBetween(entries_[0], entries_[1]);
+    // Values that were returned before must not change. Therefore a new first entry is computed
+    // backwards from the second.
+    entries_[0].integrated_yaw = entries_[1].integrated_yaw - yawChange(entries_[0], entries_[1]);
     entries_[0].integrated_acceleration =
-        entries_[1].integrated_acceleration - gainBetween(entries_[0], entries_[1]);
+        entries_[1].integrated_acceleration - velocityChange(entries_[0], entries_[1]);
     return;
   }
   for (std::size_t i = std::max<std::size_t>(index, 1); i < entries_.size(); ++i) {
     entries_[i].integrated_yaw =
-        entries_[i - 1].integrated_yaw + turnBetween(entries_[i - 1], entries_[i]);
+        entries_[i - 1].integrated_yaw + yawChange(entries_[i - 1], entries_[i]);
     entries_[i].integrated_acceleration =
-        entries_[i - 1].integrated_acceleration + gainBetween(entries_[i - 1], entries_[i]);
+        entries_[i - 1].integrated_acceleration + velocityChange(entries_[i - 1], entries_[i]);
   }
 }
 
-double AttitudeBuffer::turnBetween(const Entry& a, const Entry& b) {
+double AttitudeBuffer::yawChange(const Entry& a, const Entry& b) {
   if (!a.yaw_rate || !b.yaw_rate) return normalizeAngle(b.yaw - a.yaw);
   return 0.5 * (*a.yaw_rate + *b.yaw_rate) * (b.stamp - a.stamp);
 }
 
-Eigen::Vector2d AttitudeBuffer::gainBetween(const Entry& a, const Entry& b) {
+Eigen::Vector2d AttitudeBuffer::velocityChange(const Entry& a, const Entry& b) {
   if (!a.acceleration || !b.acceleration) return Eigen::Vector2d::Zero();
   const Eigen::Vector2d before = Eigen::Rotation2Dd(a.integrated_yaw) * *a.acceleration;
   const Eigen::Vector2d after = Eigen::Rotation2Dd(b.integrated_yaw) * *b.acceleration;
@@ -125,7 +127,7 @@ AttitudeError AttitudeBuffer::lookup(double time, Attitude& attitude) const {
         a.integrated_acceleration +
         elapsed / span * (b.integrated_acceleration - a.integrated_acceleration);
   }
-  if (a.yaw_rate && b.yaw_rate) {  // the rate changes evenly between two readings
+  if (a.yaw_rate && b.yaw_rate) {  // linear rate between two readings
     const double change = (*b.yaw_rate - *a.yaw_rate) / span;
     attitude.integrated_yaw = a.integrated_yaw + elapsed * (*a.yaw_rate + 0.5 * change * elapsed);
   } else {

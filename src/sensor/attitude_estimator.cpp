@@ -11,32 +11,36 @@
 namespace kestrel {
 namespace {
 
-constexpr double kStart_s = 0.25;  // readings of this long give the first attitude
+constexpr double kStart_s = 0.25;  // the first attitude is the mean over this time
 constexpr std::size_t kMinStartReadings = 3;
-constexpr double kStartGate = 0.4;  // share by which their mean may differ from gravity
+constexpr double kStartGate = 0.4;  // allowed relative difference between that mean and gravity
 
-constexpr double kMaxStep_s = 0.5;     // the gyro is not integrated over longer gaps
-constexpr double kSmooth_s = 0.1;      // of the specific force: takes the motors' vibrations out
-constexpr double kModerateRate = 3.0;  // rad/s; beyond, an IMU off the axis feels the turn itself
+constexpr double kMaxStep_s = 0.5;  // the gyro is not integrated over longer gaps
+constexpr double kSmooth_s = 0.1;  // smoothing time of the specific force; removes motor vibrations
+// Rad/s; above, an IMU off the rotation axis measures centripetal acceleration.
+constexpr double kModerateRate = 3.0;
 
-// The first corrections are fast, like a mean over all that came since the start.
+// The first corrections are fast, as if averaging all readings since the initialization.
 constexpr double kFastestCorrection_s = 0.5;
-// A coordinated acceleration of 2 m/s² for 2 s costs kErrorLimit * (exp(2 / kLimitGrowth_s) - 1) *
-// kLimitGrowth_s / gravity_time: 1.1 degrees with a gravity_time of 4 s.
+// An acceleration of 2 m/s² for 2 s causes a tilt error of kErrorLimit * (exp(2 / kLimitGrowth_s) -
+// 1) * kLimitGrowth_s / gravity_time: 1.1 degrees with a gravity_time of 4 s.
 const double kErrorLimit = degToRad(1.5);
-constexpr double kLimitGrowth_s = 3.0;  // a limited correction may be e times larger after this
-constexpr double kLimitRelease = 2.0;   // how much faster the limit shrinks again
-constexpr double kMaxGrowth = 120.0;    // 180 degrees
+constexpr double kLimitGrowth_s = 3.0;  // the limit grows by a factor e in this time
+constexpr double kLimitRelease = 2.0;   // the limit shrinks this many times faster than it grows
+constexpr double kMaxGrowth = 120.0;    // allows 180 degrees
 
-constexpr double kFastestBias = 4.0;     // time of the first bias estimates in gravity_times
-constexpr double kMaxBias = 0.2;         // rad/s; more is a turn, or a broken gyro
-constexpr double kStandstillGain = 0.3;  // least share of a standstill's mean that the bias takes
+// Time constant of the first bias estimates, in units of gravity_time.
+constexpr double kFastestBias = 4.0;
+constexpr double kMaxBias = 0.2;  // rad/s; more is a rotation or a broken gyro
+// Smallest gain with which the mean of a standstill changes the bias.
+constexpr double kStandstillGain = 0.3;
 
-/// The rotation vector in world that turns `up` to the world's z axis.
-Eigen::Vector3d turnUp(const Eigen::Vector3d& up) {
+/// Rotation vector in `world` that aligns `up` with the z axis of `world`, rad.
+Eigen::Vector3d rotationToVertical(const Eigen::Vector3d& up) {
   const double sine = std::hypot(up.x(), up.y());
   const double angle = std::atan2(sine, up.z());
-  if (sine <= std::numeric_limits<double>::min()) return {angle, 0.0, 0.0};  // any axis does
+  if (sine <= std::numeric_limits<double>::min())
+    return {angle, 0.0, 0.0};  // any horizontal axis is right
   return Eigen::Vector3d(up.y(), -up.x(), 0.0) * (angle / sine);
 }
 
@@ -91,7 +95,7 @@ void AttitudeEstimator::step(const Reading& reading, double dt) {
     collect(reading);
     return;
   }
-  if (dt > config_.buffer.max_gap_s) settled_s_ = 0.0;  // much can have happened meanwhile
+  if (dt > config_.buffer.max_gap_s) settled_s_ = 0.0;  // the attitude is uncertain after a gap
   force_ += blend(dt, kSmooth_s) * (world_R_base_ * reading.force - force_);
   correct(reading.rate - bias_, dt);
   if (!world_R_base_.coeffs().allFinite() || !force_.allFinite()) {
@@ -103,7 +107,7 @@ void AttitudeEstimator::step(const Reading& reading, double dt) {
 
 void AttitudeEstimator::integrate(const Reading& reading, double dt) {
   const Eigen::Vector3d before = last_->rate - bias_, now = reading.rate - bias_;
-  // The second term is that of an axis that turns itself (Magnus expansion): coning.
+  // The second term corrects for a rotation axis that changes (coning; Magnus expansion).
   constexpr double kConing = 1.0 / 12.0;
   const Eigen::Vector3d turn = 0.5 * dt * (before + now) + kConing * dt * dt * before.cross(now);
   world_R_base_ = (world_R_base_ * rotationBy(turn)).normalized();
@@ -148,12 +152,13 @@ void AttitudeEstimator::correct(const Eigen::Vector3d& rate, double dt) {
   settled_s_ += dt;
   const double time_s =
       std::min(config_.gravity_time_s, std::max(kFastestCorrection_s, settled_s_));
-  const Eigen::Vector3d error = limited(turnUp(force_), time_s, dt);
+  const Eigen::Vector3d error = limited(rotationToVertical(force_), time_s, dt);
   const Eigen::Quaterniond correction = rotationBy(blend(dt, time_s) * error);
   world_R_base_ = (correction * world_R_base_).normalized();
   force_ = correction * force_;
-  if (settled_s_ < config_.gravity_time_s) return;  // still the error of the start, not the gyro's
-  // Slower than gravity's correction, or the two would swing against each other.
+  if (settled_s_ < config_.gravity_time_s)
+    return;  // the error is still that of the initialization, not of the gyro
+  // The bias estimate must be slower than the attitude correction, or the two oscillate.
   const double bias_time_s =
       std::min(config_.bias_time_s, std::max(kFastestBias * config_.gravity_time_s, settled_s_));
   const double gain = std::min(dt / (config_.gravity_time_s * bias_time_s), 1.0);

@@ -12,7 +12,7 @@
 namespace kestrel {
 namespace {
 
-// So many readings in a row that cannot be used make the IMU invalid; a single one does not.
+// The IMU is invalid after this many unusable readings in a row. A single one does not matter.
 constexpr int kInvalidAfter = 3;
 
 std::string seconds(double duration_s) {
@@ -46,15 +46,11 @@ const char* toString(ImuHealth health) {
 
 struct AttitudeTracker::State {
   explicit State(const AttitudeConfig& c)
-      : config(c),
-        buffer(c.buffer),
-        estimator(c),
-        frozen_check(c.frozen_s),
-        monitor(c.gravity_gate) {}
+      : config(c), buffer(c.buffer), estimator(c), monitor(c.gravity_gate) {}
 
-  std::optional<ImuFault> addSample(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu);
+  std::optional<ImuFault> addReading(const CheckedImu& reading);
   std::optional<ImuFault> addAttitude(double stamp, const Eigen::Quaterniond& world_R_base);
-  std::optional<ImuFault> checkStamp(double stamp);
+  std::optional<ImuFault> judgeOrder(StampCheck::Verdict order, double jump_s);
   std::optional<ImuFault> useOrientation(const ImuSample& sample,
                                          const Eigen::Quaterniond& base_R_imu);
   std::optional<ImuFault> useRaw(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu);
@@ -68,13 +64,13 @@ struct AttitudeTracker::State {
   AttitudeBuffer buffer;
   AttitudeEstimator estimator;
   StampCheck stamp_check;
-  FrozenCheck frozen_check;
+  ImuCheck imu_check;
   MountingMonitor monitor;
 
-  ImuStatus status;  ///< what is counted
+  ImuStatus status;  ///< only the counters are kept up to date
   std::optional<double> last_received;
   bool frozen = false;
-  bool is_late = false;  ///< the reading that is being added
+  bool is_late = false;  ///< of the reading that is being added
   int rejected_in_a_row = 0;
   std::string last_fault;
 };
@@ -88,7 +84,15 @@ AttitudeTracker& AttitudeTracker::operator=(AttitudeTracker&&) noexcept = defaul
 const AttitudeBuffer& AttitudeTracker::buffer() const { return state_->buffer; }
 
 bool AttitudeTracker::add(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu) {
-  return state_->count(sample.stamp, state_->addSample(sample, base_R_imu));
+  const auto fault = faultOf(base_R_imu, "the mounting of the IMU (tf)");
+  const Eigen::Quaterniond mounting = fault ? Eigen::Quaterniond::Identity() : base_R_imu;
+  CheckedImu reading = state_->imu_check.check(sample, Eigen::Isometry3d(mounting.normalized()));
+  if (!reading.fault) reading.fault = fault;
+  return add(reading);
+}
+
+bool AttitudeTracker::add(const CheckedImu& reading) {
+  return state_->count(reading.sample.stamp, state_->addReading(reading));
 }
 
 bool AttitudeTracker::addAttitude(double stamp, const Eigen::Quaterniond& world_R_base) {
@@ -98,12 +102,12 @@ bool AttitudeTracker::addAttitude(double stamp, const Eigen::Quaterniond& world_
 void AttitudeTracker::restart() {
   state_->forget();
   state_->stamp_check.restart();
+  state_->imu_check.restart();
 }
 
 void AttitudeTracker::State::forget() {
   buffer.clear();
   estimator.restart();
-  frozen_check.restart();
   monitor.restart();
   frozen = false;
 }
@@ -122,39 +126,39 @@ bool AttitudeTracker::State::count(double stamp, const std::optional<ImuFault>& 
   return true;
 }
 
-std::optional<ImuFault> AttitudeTracker::State::checkStamp(double stamp) {
-  if (const std::optional<ImuFault> fault = faultOfStamp(stamp)) return fault;
-  const StampCheck::Verdict verdict = stamp_check.check(stamp);
-  is_late = verdict == StampCheck::Verdict::kLate;
-  if (verdict == StampCheck::Verdict::kSetBack) forget();
-  if (verdict != StampCheck::Verdict::kJump) return std::nullopt;
-  return ImuFault{"stamp jumps", "the stamp jumps by " + seconds(stamp_check.jump()) +
-                                     "; it is used once several in a row agree"};
+std::optional<ImuFault> AttitudeTracker::State::judgeOrder(StampCheck::Verdict order,
+                                                           double jump_s) {
+  is_late = order == StampCheck::Verdict::kLate;
+  if (order == StampCheck::Verdict::kSetBack) forget();
+  if (order != StampCheck::Verdict::kJump) return std::nullopt;
+  return ImuFault{"stamp jumps",
+                  "the stamp jumps by " + seconds(jump_s) +
+                      "; stamps after the jump are used once several in a row agree"};
 }
 
-std::optional<ImuFault> AttitudeTracker::State::addSample(const ImuSample& sample,
-                                                          const Eigen::Quaterniond& base_R_imu) {
-  std::optional<ImuFault> fault = checkStamp(sample.stamp);
-  if (!fault) fault = faultOf(sample);
-  if (!fault) fault = faultOf(base_R_imu, "the mounting of the IMU (tf)");
-  if (fault) return fault;
-  if (!is_late) frozen = frozen_check.add(sample);
+std::optional<ImuFault> AttitudeTracker::State::addReading(const CheckedImu& reading) {
+  if (reading.fault) return reading.fault;
+  if (const auto fault = judgeOrder(reading.order, reading.jump_s)) return fault;
+  if (!is_late) frozen = reading.frozen_s >= config.frozen_s;
   if (frozen) {
-    return ImuFault{"frozen", "the IMU has given the very same reading for " +
-                                  seconds(frozen_check.duration()) +
-                                  ": it hangs; restart it or its driver"};
+    return ImuFault{"frozen", "the IMU has sent the same reading for " + seconds(reading.frozen_s) +
+                                  "; restart the IMU or its driver"};
   }
-  const Eigen::Quaterniond mounting = base_R_imu.normalized();
+  const ImuSample& sample = reading.sample;
+  const Eigen::Quaterniond mounting = Eigen::Quaterniond(reading.base_T_imu.linear()).normalized();
   const bool takes_orientation =
       config.source == "orientation" || (config.source != "raw" && sample.world_R_imu);
-  return takes_orientation ? useOrientation(sample, mounting) : useRaw(sample, mounting);
+  if (!takes_orientation) return useRaw(sample, mounting);
+  if (reading.orientation_fault) return reading.orientation_fault;
+  return useOrientation(sample, mounting);
 }
 
 std::optional<ImuFault> AttitudeTracker::State::addAttitude(
     double stamp, const Eigen::Quaterniond& world_R_base) {
-  std::optional<ImuFault> fault = checkStamp(stamp);
-  if (!fault) fault = faultOf(world_R_base, "the attitude");
-  if (fault) return fault;
+  if (const auto fault = faultOfStamp(stamp)) return fault;
+  if (const auto fault = faultOf(world_R_base, "the attitude")) return fault;
+  const StampCheck::Verdict order = stamp_check.check(stamp);
+  if (const auto fault = judgeOrder(order, stamp_check.jump())) return fault;
   status.estimated = false;
   return put(stamp, world_R_base.normalized(), std::nullopt, std::nullopt);
 }
@@ -164,7 +168,7 @@ std::optional<ImuFault> AttitudeTracker::State::useOrientation(
   if (!sample.world_R_imu) {
     return ImuFault{"no orientation",
                     "the IMU gives no orientation (its covariance begins with "
-                    "-1): take the attitude from its raw readings"};
+                    "-1); set the attitude source to auto or raw"};
   }
   const auto toBase = [&](const std::optional<Eigen::Vector3d>& in_imu) {
     return in_imu ? std::make_optional<Eigen::Vector3d>(base_R_imu * *in_imu) : std::nullopt;
@@ -183,7 +187,7 @@ std::optional<ImuFault> AttitudeTracker::State::useRaw(const ImuSample& sample,
   if (!sample.linear_acceleration) {
     return ImuFault{"no accelerometer", "the IMU gives neither an orientation nor an acceleration"};
   }
-  if (is_late) return ImuFault{"late", "a reading of the gyro came twice or after newer ones"};
+  if (is_late) return ImuFault{"late", "a gyro reading arrived twice or after newer ones"};
   status.estimated = true;
   const Eigen::Vector3d force = base_R_imu * *sample.linear_acceleration;
   for (const EstimatedAttitude& attitude :
@@ -213,7 +217,7 @@ ImuStatus AttitudeTracker::status(double now) const {
   ImuStatus status = state.status;
   if (status.received == 0) {
     status.health = ImuHealth::kNoData;
-    status.message = "no reading of the IMU has come yet";
+    status.message = "no reading of the IMU yet";
   } else if (state.last_received && now - *state.last_received > state.config.silent_s) {
     status.health = ImuHealth::kSilent;
     status.message = "no reading of the IMU for " + seconds(now - *state.last_received) +

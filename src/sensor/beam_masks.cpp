@@ -27,7 +27,7 @@ double angleOf(const LaserScan& scan, std::size_t i) {
 [[noreturn]] void refuse(const std::string& text) {
   throw std::invalid_argument("'" + text +
                               "' is no list of angles: write from:to, from:to in degrees, with "
-                              "from below to, for example -135:-110, 110:135");
+                              "from < to, for example -135:-110, 110:135");
 }
 
 }  // namespace

@@ -10,12 +10,13 @@
 
 namespace kestrel {
 
-/// Which beams see the vehicle's frame or the mirror; empty where there are none.
+/// True for each beam that hits the frame of the vehicle or a mirror. Empty if neither is
+/// configured.
 std::vector<bool> maskOf(const LaserScan& scan, const std::vector<AngleRange>& ignored,
                          const std::vector<AngleRange>& mirror);
 
-/// Height of the base over the floor by the beams that a mirror bends to the base's -z: the median.
-/// Nothing where there is no mirror, or fewer than three of its beams return.
+/// Height of the base over the floor, m: the median over the beams that a mirror deflects along the
+/// -z axis of the base. Nothing if there is no mirror or if fewer than three of its beams return.
 std::optional<double> mirrorHeight(const LaserScan& scan, const Eigen::Isometry3d& base_T_laser,
                                    const Eigen::Quaterniond& stabilized_R_base,
                                    const std::vector<AngleRange>& mirror,

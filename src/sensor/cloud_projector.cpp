@@ -14,12 +14,12 @@ namespace kestrel {
 namespace {
 
 constexpr std::size_t kMaxPoints = 2'000'000;  // of one sweep; the largest lidars send 300 000
-constexpr double kMaxSweep = 1.0;              // s; per-point times beyond this are broken
+constexpr double kMaxSweep = 1.0;              // s; a sweep whose point times span more is invalid
 
-/// What is known of one direction seen from above.
+/// The points in one azimuth direction.
 struct Bin {
   float hit_distance = std::numeric_limits<float>::infinity();  ///< nearest return in the slice, m
-  float clear_distance = 0.0F;  ///< how far some beam met nothing, m
+  float clear_distance = 0.0F;  ///< largest distance that a beam has cleared, m
   Eigen::Vector2f hit, clear, origin;
 };
 
@@ -40,7 +40,7 @@ class CloudSlicer {
     SensorFrame frame = frames_.at(0.0F);
     float time = first_;
     for (const PointCloud::Point& point : cloud_.points) {
-      if (point.time != time) {  // whole columns share their time
+      if (point.time != time) {  // all points of a column have the same time
         time = point.time;
         frame = frames_.at(duration_ > 0.0F ? (time - first_) / duration_ : 0.0F);
       }
@@ -142,9 +142,9 @@ std::optional<Projection> checkCloud(const PointCloud& cloud,
   }
   const SweepTimes times = sweepTimes(cloud);
   if (!(times.last - times.first <= kMaxSweep)) {
-    return refused(ScanError::kBadGeometry,
-                   "the times of the cloud's points spread over more than " +
-                       std::to_string(kMaxSweep) + " s; is their unit seconds?");
+    return refused(ScanError::kBadGeometry, "the point times of the cloud span more than " +
+                                                std::to_string(kMaxSweep) +
+                                                " s; is their unit seconds?");
   }
   const std::string problem = mountingProblem(base_T_lidar);
   if (!problem.empty()) return refused(ScanError::kBadGeometry, problem);

@@ -13,17 +13,19 @@
 namespace kestrel {
 namespace {
 
-constexpr double kNoise_m = 0.1;         // two readings may differ by this without any motion
-constexpr double kAgreement_m = 0.15;    // of two sensors on the same floor
-const double kMaxTilt = degToRad(45.0);  // a range finder that looks farther aside sees the walls
+constexpr double kNoise_m = 0.1;  // noise of a reading: allowed difference without any motion
+// Allowed difference between two sensors that measure the same height.
+constexpr double kAgreement_m = 0.15;
+const double kMaxTilt = degToRad(45.0);  // at larger tilts the range finder may hit a wall
 
-/// For a sensor that knows the floor from a table.
+/// The same configuration for a sensor that measures the floor itself, so that no step detection is
+/// needed.
 HeightConfig withoutSteps(HeightConfig config) {
   config.max_climb_m_s = std::numeric_limits<double>::infinity();
   return config;
 }
 
-/// Cosine of the tilt at `stamp`, or at the nearest time that has an attitude.
+/// Cosine of the tilt at `stamp`, or at the newest attitude if there is none at `stamp`.
 double tiltCosine(double stamp, const AttitudeBuffer* attitude) {
   Attitude at;
   if (attitude == nullptr || !attitude->latest()) return 1.0;
@@ -70,13 +72,13 @@ void LevelFollower::add(double stamp, double distance_m) {
   while (readings_.front().stamp < stamp - config_.max_age_s) readings_.pop_front();
 }
 
-void LevelFollower::hear(double stamp, double height_m) {
+void LevelFollower::addReference(double stamp, double height_m) {
   if (readings_.empty() || std::abs(stamp - readings_.back().stamp) > config_.max_age_s) return;
   if (std::abs(height_m - distance_m_) <= kAgreement_m) {
     step_m_ = 0.0;
     readings_.back().height_m = distance_m_;
   } else if (std::abs(height_m - distance_m_ - step_m_) <= kAgreement_m) {
-    step_since_s_ = stamp;  // it is a table indeed, however long
+    step_since_s_ = stamp;  // the reference confirms the step, so it does not expire
   }
 }
 
@@ -98,7 +100,7 @@ struct HeightTracker::State {
   explicit State(const HeightConfig& c)
       : config(c), filter(c), range_finder(c), mirror(c), floor(withoutSteps(c)) {}
 
-  /// "used", or why not.
+  /// Return "used", or the reason why the reading is rejected.
   std::string addRange(const HeightSample& sample, const AttitudeBuffer* attitude);
   std::string addFiltered(const HeightSample& sample);
   std::string faultOf(const HeightSample& sample, StampCheck& stamps);
@@ -182,7 +184,8 @@ std::string HeightTracker::State::addSeen(double stamp, double height_m, LevelFo
   const std::string fault = faultOf(height_m);
   if (!fault.empty()) return fault;
   source.add(stamp, height_m);
-  for (LevelFollower* other : {&filter, &range_finder}) other->hear(stamp, *source.height(stamp));
+  for (LevelFollower* other : {&filter, &range_finder})
+    other->addReference(stamp, *source.height(stamp));
   return "used";
 }
 

@@ -7,8 +7,8 @@
 namespace kestrel {
 namespace {
 
-constexpr double kMaxNormError = 0.05;    // of a quaternion; less is rounding
-constexpr double kMaxRate = 100.0;        // rad/s; three times what any gyro can measure
+constexpr double kMaxNormError = 0.05;    // of a quaternion; smaller errors are rounding
+constexpr double kMaxRate = 100.0;        // rad/s; three times the range of any gyro
 constexpr double kMaxAcceleration = 1e3;  // m/s², about 100 g
 constexpr double kMaxStamp = 1e11;        // s, about 3000 years
 
@@ -52,7 +52,7 @@ bool areSame(const ImuSample& a, const ImuSample& b) {
 
 std::optional<ImuFault> faultOfStamp(double stamp) {
   if (std::abs(stamp) <= kMaxStamp) return std::nullopt;
-  return ImuFault{"bad stamp", text("a stamp of ", stamp, " s is no time; check the driver")};
+  return ImuFault{"bad stamp", text("a stamp of ", stamp, " s is not valid; check the driver")};
 }
 
 std::optional<ImuFault> faultOf(const Eigen::Quaterniond& orientation, const std::string& whose) {
@@ -62,7 +62,7 @@ std::optional<ImuFault> faultOf(const Eigen::Quaterniond& orientation, const std
   }
   const double norm = values.stableNorm();
   if (std::abs(norm - 1.0) <= kMaxNormError) return std::nullopt;
-  return ImuFault{"bad quaternion", whose + " is no rotation: x y z w = " + text(values) +
+  return ImuFault{"bad quaternion", whose + " is not a rotation: x y z w = " + text(values) +
                                         text(" has the norm ", norm, " instead of 1")};
 }
 
@@ -70,7 +70,7 @@ std::optional<ImuFault> faultOf(const ImuSample& sample) {
   std::optional<ImuFault> fault;
   if (sample.world_R_imu) {
     fault = faultOf(*sample.world_R_imu, "the IMU's orientation");
-    if (fault) fault->message += "; check its driver, or take the attitude from its raw readings";
+    if (fault) fault->message += "; check its driver, or set the attitude source to raw";
   }
   if (!fault && sample.angular_velocity) {
     fault =
@@ -87,6 +87,37 @@ bool FrozenCheck::add(const ImuSample& sample) {
   if (!first_ || !areSame(*first_, sample) || sample.stamp < first_->stamp) first_ = sample;
   duration_s_ = sample.stamp - first_->stamp;
   return duration_s_ >= frozen_s_;
+}
+
+namespace {
+
+std::optional<ImuFault> faultOfMounting(const Eigen::Isometry3d& base_T_imu) {
+  const Eigen::Quaterniond rotation(base_T_imu.linear());
+  if (auto fault = kestrel::faultOf(rotation, "the mounting of the IMU (tf)")) return fault;
+  if (base_T_imu.translation().allFinite()) return std::nullopt;
+  return ImuFault{"not finite",
+                  "the mounting of the IMU (tf) has a translation that is not finite"};
+}
+
+}  // namespace
+
+CheckedImu ImuCheck::check(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
+  CheckedImu checked;
+  checked.sample = sample;
+  checked.base_T_imu = base_T_imu;
+  ImuSample orientation, raw = sample;
+  orientation.world_R_imu = sample.world_R_imu;
+  raw.world_R_imu.reset();
+  checked.orientation_fault = faultOf(orientation);
+  checked.fault = faultOfStamp(sample.stamp);
+  if (!checked.fault) checked.fault = faultOf(raw);
+  if (!checked.fault) checked.fault = faultOfMounting(base_T_imu);
+  if (checked.fault) return checked;
+  checked.order = stamps_.check(sample.stamp);
+  checked.jump_s = stamps_.jump();
+  if (checked.order != StampCheck::Verdict::kLate) frozen_.add(sample);
+  checked.frozen_s = frozen_.duration();
+  return checked;
 }
 
 }  // namespace kestrel

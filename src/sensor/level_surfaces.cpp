@@ -11,20 +11,20 @@
 namespace kestrel {
 namespace {
 
-constexpr double kLookEvery = 0.045;  // s
-constexpr double kMemory = 1.0;       // s, of lines
-constexpr double kMoment = 0.3;       // s, for which a height over the base is remembered
+constexpr double kObservationPeriod = 0.045;  // s
+constexpr double kMemory = 1.0;               // s; older lines are removed
+constexpr double kRecent = 0.3;               // s; how long a height over the base is valid
 
-constexpr double kMinTilt = degToRad(2.0);  // flatter, and floor and ceiling are too far away
-constexpr std::size_t kOutliers = 2;        // stray returns beyond the surface
-constexpr std::size_t kMinReturns = 6;      // of a line
-constexpr float kThickness = 0.04F;         // m
+constexpr double kMinTilt = degToRad(2.0);  // below, floor and ceiling are too far away
+constexpr std::size_t kOutliers = 2;        // number of outliers allowed beyond the surface
+constexpr std::size_t kMinReturns = 6;      // returns of a line
+constexpr float kThickness = 0.04F;         // m; height range of the returns of a line
 
 constexpr std::size_t kMinLines = 4;
-constexpr double kMinTiltRatio = 1.25;         // of the largest to the smallest tilt of the lines
-constexpr double kMaxHeightDifference = 0.04;  // share of the height
-constexpr double kMinHeight = 0.4;             // m; what is closer may be anything
-constexpr std::size_t kCeilings = 15;          // of which the median is the ceiling
+constexpr double kMinTiltRatio = 1.25;  // ratio of the largest to the smallest tilt of the lines
+constexpr double kMaxHeightDifference = 0.04;  // relative to the height
+constexpr double kMinHeight = 0.4;             // m; nearer lines are ambiguous
+constexpr std::size_t kCeilings = 15;          // the ceiling is the median of this many heights
 
 }  // namespace
 
@@ -55,7 +55,7 @@ std::optional<double> LevelSurface::add(double time, const std::optional<LevelLi
   entries_.erase(std::remove_if(entries_.begin(), entries_.end(), stale), entries_.end());
   if (!line) return std::nullopt;
   entries_.push_back({time, *line});
-  // How far back do the lines agree in height, and what tilts did they span?
+  // Go back in time while the heights agree, and find the range of the tilts.
   const double height = std::abs(line->height_m);
   double min_tilt = line->tilt_rad, max_tilt = min_tilt;
   std::size_t agreeing = 0;
@@ -71,13 +71,13 @@ std::optional<double> LevelSurface::add(double time, const std::optional<LevelLi
 }
 
 bool LevelSurfaces::isDue(double time) const {
-  return !last_look_ || std::abs(time - *last_look_) > kLookEvery;
+  return !last_observation_ || std::abs(time - *last_observation_) > kObservationPeriod;
 }
 
 void LevelSurfaces::observe(double time, const std::vector<Eigen::Vector3f>& returns,
                             const Eigen::Quaterniond& stabilized_R_base,
                             const std::optional<double>& height_m) {
-  last_look_ = time;
+  last_observation_ = time;
   const auto floor = floor_.add(time, outermostLine(returns, stabilized_R_base, -1));
   if (floor) floor_over_base_ = Seen{time, *floor};
   const auto ceiling = ceiling_.add(time, outermostLine(returns, stabilized_R_base, +1));
@@ -90,7 +90,7 @@ void LevelSurfaces::observe(double time, const std::vector<Eigen::Vector3f>& ret
 }
 
 std::optional<double> LevelSurfaces::floorHeight(double time) const {
-  if (!floor_over_base_ || std::abs(time - floor_over_base_->time) > kMoment) return std::nullopt;
+  if (!floor_over_base_ || std::abs(time - floor_over_base_->time) > kRecent) return std::nullopt;
   return -floor_over_base_->height_m;
 }
 
@@ -107,7 +107,7 @@ std::optional<double> LevelSurfaces::ceilingHeight(double time,
     std::nth_element(sorted.begin(), middle, sorted.end());
     return *middle - *height_m;
   }
-  if (!ceiling_over_base_ || std::abs(time - ceiling_over_base_->time) > kMoment) {
+  if (!ceiling_over_base_ || std::abs(time - ceiling_over_base_->time) > kRecent) {
     return std::nullopt;
   }
   return ceiling_over_base_->height_m;

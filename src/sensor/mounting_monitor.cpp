@@ -13,18 +13,19 @@
 namespace kestrel {
 namespace {
 
-constexpr double kMaxStep_s = 0.5;  // one reading stands for no longer
-constexpr double kTipped_s = 0.5;   // a moment; a flip takes less
+constexpr double kMaxStep_s = 0.5;  // largest weight of one reading
+constexpr double kTipped_s = 0.5;   // a flip takes less time
 const double kLyingTilt = degToRad(60.0);
-constexpr double kLying_s = 5.0;    // no vehicle flies like this for so long
-constexpr double kMean_s = 5.0;     // time constant of the means: accelerations cancel out
-constexpr double kMinMean_s = 3.0;  // judged after this long
+constexpr double kLying_s = 5.0;    // no vehicle flies at this tilt for so long
+constexpr double kMean_s = 5.0;     // time constant of the means; accelerations average out
+constexpr double kMinMean_s = 3.0;  // the means are used after this time
 const double kMaxAngle = degToRad(30.0);
 const double kReversed = degToRad(150.0);
-constexpr double kMinShare = 0.5;  // of the force must point in one direction to be gravity
+// Share of the force that must have a constant direction to be gravity.
+constexpr double kMinShare = 0.5;
 constexpr double kUnitTolerance = 0.2;
 
-const char kAskMounting[] = "is tf from the vehicle's base frame to the IMU's frame right?";
+const char kAskMounting[] = "is the tf from the vehicle's base frame to the IMU's frame correct?";
 
 std::string degrees(double angle) {
   return std::to_string(std::lround(radToDeg(angle))) + " degrees";
@@ -75,11 +76,11 @@ MountingMonitor::Judgement MountingMonitor::judge() const {
 MountingMonitor::Judgement MountingMonitor::judgeTilt() const {
   const bool is_upside_down = tipped_s_ > kTipped_s;
   if (!is_upside_down && lying_s_ <= kLying_s) return {};
-  std::string message = "by its IMU the vehicle is " +
+  std::string message = "according to the IMU the vehicle is " +
                         std::string(is_upside_down ? "upside down" : "lying on its side") +
                         " (tilted by " + degrees(tilt_) + "): " + kAskMounting;
   if (estimated_ && is_upside_down) {
-    message += " Or has its accelerometer the wrong sign? At rest it must read +9.8 upwards";
+    message += " Or does the accelerometer have the wrong sign? At rest it must read +9.8 upwards";
   }
   return {is_upside_down ? ImuHealth::kUpsideDown : ImuHealth::kContradiction, message};
 }
@@ -91,23 +92,25 @@ MountingMonitor::Judgement MountingMonitor::judgeDirection() const {
   const double angle = std::atan2(std::hypot(mean_force_.x(), mean_force_.y()), mean_force_.z());
   if (angle <= kMaxAngle) return {};
   std::string message = "the IMU's accelerometer and its orientation disagree by " +
-                        degrees(angle) + " on where down is: ";
-  message += angle >= kReversed ? "the accelerometer has the wrong sign (at rest it must read +9.8 "
-                                  "upwards), or the orientation's z axis points down"
-                                : std::string(kAskMounting) +
-                                      " Are both in that frame, with z of the world upwards?";
+                        degrees(angle) + " on the direction of gravity: ";
+  message += angle >= kReversed
+                 ? "the accelerometer has the wrong sign (at rest it must read +9.8 "
+                   "upwards), or the orientation's z axis points down"
+                 : std::string(kAskMounting) +
+                       " Are both given in that frame, with the world's z axis pointing up?";
   return {ImuHealth::kContradiction, message};
 }
 
 MountingMonitor::Judgement MountingMonitor::judgeSize() const {
   if (force_s_ < kMinMean_s) return {};
   const double size = estimated_ ? mean_force_.norm() : mean_size_;
-  // The driver's own filter knows its accelerometer: there only another unit is worth a word.
+  // The driver's own filter handles its accelerometer. A wrong unit is the only size error that is
+  // reported.
   const double gate = estimated_ ? gravity_gate_ : 1.0 - kMinShare;
   if (std::abs(size - kGravity) <= gate * kGravity) return {};
   const std::string message = "the IMU's accelerometer reads " + describeSize(size);
   if (!estimated_) return {ImuHealth::kOk, message};
-  return {ImuHealth::kContradiction, message + "; gravity does not correct the attitude"};
+  return {ImuHealth::kContradiction, message + "; the attitude is not corrected by gravity"};
 }
 
 }  // namespace kestrel

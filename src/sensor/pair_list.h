@@ -8,7 +8,8 @@
 
 namespace kestrel {
 
-/// Reads "a:b, c:d" with any number of pairs, also none; nothing where the text is anything else.
+/// Parses "a:b, c:d" with any number of pairs. An empty text gives an empty list, an invalid text
+/// nothing.
 std::optional<std::vector<std::pair<double, double>>> parsePairs(const std::string& text);
 
 }  // namespace kestrel

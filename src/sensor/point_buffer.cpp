@@ -32,8 +32,7 @@ std::size_t sizeOf(int type) {
   }
 }
 
-/// The bytes of a number in the order of this machine, which is little-endian as all that ROS 1
-/// supports.
+/// Reads a number. This machine is little-endian, as are all platforms of ROS 1.
 template <typename T>
 T numberAt(const std::uint8_t* bytes, bool big_endian) {
   T value;
@@ -41,9 +40,9 @@ T numberAt(const std::uint8_t* bytes, bool big_endian) {
     std::memcpy(&value, bytes, sizeof value);
     return value;
   }
-  std::array<std::uint8_t, sizeof(T)> turned;
-  std::reverse_copy(bytes, bytes + sizeof(T), turned.begin());
-  std::memcpy(&value, turned.data(), sizeof value);
+  std::array<std::uint8_t, sizeof(T)> swapped;
+  std::reverse_copy(bytes, bytes + sizeof(T), swapped.begin());
+  std::memcpy(&value, swapped.data(), sizeof value);
   return value;
 }
 
@@ -109,7 +108,7 @@ void requireBytes(const PointBuffer& buffer) {
   if (buffer.width == 0 || buffer.height == 0) {
     throw std::invalid_argument("the cloud has zero points");
   }
-  // Divisions instead of products: a broken header may hold anything.
+  // Divisions instead of products: the values of a corrupt header may overflow.
   if (buffer.point_step == 0 || buffer.row_step / buffer.point_step < buffer.width) {
     throw std::invalid_argument("a row of the cloud has " + std::to_string(buffer.row_step) +
                                 " bytes, too few for " + std::to_string(buffer.width) +
@@ -122,7 +121,7 @@ void requireBytes(const PointBuffer& buffer) {
   }
 }
 
-/// The field with the points' time; of a type in which nobody sends one, it means something else.
+/// The field with the time of the points. A field with a smaller type is not a time.
 std::optional<PointField> timeField(const PointBuffer& buffer) {
   for (const char* name : {"time", "t", "timestamp", "time_offset", "offset_time"}) {
     const PointField* field = findField(buffer, name);
@@ -133,12 +132,12 @@ std::optional<PointField> timeField(const PointBuffer& buffer) {
   return std::nullopt;
 }
 
-/// Turns what a time field holds into seconds after the stamp of the cloud.
+/// Converts the values of a time field to seconds after the stamp of the cloud.
 class PointClock {
  public:
   PointClock(const PointField& field, double stamp, double example) : stamp_(stamp) {
     const bool integer = field.type == PointField::kInt32 || field.type == PointField::kUint32;
-    // No clock has counted 1e15 s yet; in ns that was reached after eleven days.
+    // No clock shows 1e15 s. In ns this value is reached after eleven days.
     constexpr double kMaxSeconds = 1e15;
     if (integer || std::abs(example) > kMaxSeconds) unit_ = kNanosecond;
     const double seconds = unit_ * example;
@@ -156,7 +155,7 @@ class PointClock {
   bool absolute_ = false;
 };
 
-/// Organized clouds fill the places of missing returns with NaN or zeros, their times too.
+/// Organized clouds mark missing returns with NaN or zeros. Their times are not valid either.
 bool isReturn(const PointCloud::Point& point) {
   return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z) &&
          (point.x != 0.0F || point.y != 0.0F || point.z != 0.0F);
@@ -191,11 +190,11 @@ PointCloud unpackPoints(const PointBuffer& buffer, double stamp) {
   PointCloud cloud;
   cloud.stamp = stamp;
   cloud.points.reserve(static_cast<std::size_t>(buffer.width * buffer.height));
-  const bool turned = buffer.big_endian;
+  const bool big_endian = buffer.big_endian;
   forEachPoint(buffer, [&, &fx = x, &fy = y, &fz = z](const std::uint8_t* point) {
-    cloud.points.push_back({static_cast<float>(valueAt(point, fx, turned)),
-                            static_cast<float>(valueAt(point, fy, turned)),
-                            static_cast<float>(valueAt(point, fz, turned)), 0.0F});
+    cloud.points.push_back({static_cast<float>(valueAt(point, fx, big_endian)),
+                            static_cast<float>(valueAt(point, fy, big_endian)),
+                            static_cast<float>(valueAt(point, fz, big_endian)), 0.0F});
   });
   if (const std::optional<PointField> time = timeField(buffer)) readTimes(buffer, *time, cloud);
   return cloud;

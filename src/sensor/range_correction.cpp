@@ -20,7 +20,7 @@ RangeCorrection::RangeCorrection(const std::string& text) {
   }
   if (valid) return;
   throw std::invalid_argument("'" + text +
-                              "' is no list of corrections: write range:correction, "
+                              "' is not a list of corrections: write range:correction, "
                               "range:correction in meters, with ascending ranges above 0, for "
                               "example 4:0.14, 5.5:0.2");
 }

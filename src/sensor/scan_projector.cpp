@@ -16,9 +16,9 @@
 namespace kestrel {
 namespace {
 
-/// The directions of the beams in the laser's plane, one after the other. Turning the last one
-/// costs a tenth of a sine and a cosine; over a full turn of beams the rounding adds up to some
-/// 1e-13.
+/// The directions of the beams in the laser plane, one after the other. Each is the previous one,
+/// rotated by the angle increment: ten times faster than a sine and a cosine. Rounding errors add
+/// up to about 1e-13 over a full turn.
 class BeamDirections {
  public:
   explicit BeamDirections(const LaserScan& scan)
@@ -41,16 +41,16 @@ class BeamDirections {
   double cos_, sin_;
 };
 
-/// Beams farther apart than this do not overlap at an edge, rad.
+/// rad; beams farther apart than this do not overlap at an edge
 constexpr double kMaxMixedIncrement = 0.0075;
 
-/// The directions of some neighboring beams in base_stabilized, and where the laser was.
+/// The directions of some neighboring beams in base_stabilized, and the position of the laser.
 struct BeamBlock {
   static constexpr std::size_t kSize = 64;
   std::array<float, kSize> x, y, z;
   Eigen::Vector3f origin, origin_step;
 
-  /// Within the few milliseconds of a block all changes evenly from beam to beam.
+  /// A block takes a few milliseconds. Within it, rotation and position change linearly.
   void fill(const SensorFrame& first, const SensorFrame& end, std::size_t count,
             BeamDirections& beam) {
     std::array<float, kSize> cosine, sine;
@@ -66,7 +66,7 @@ struct BeamBlock {
       const float forward_step = change(row, 0), left_step = change(row, 1);
       float* const target = rows[row]->data();
       for (std::size_t i = 0; i < count; ++i) {
-        const auto k = static_cast<float>(static_cast<int>(i));  // int: there is a fast conversion
+        const auto k = static_cast<float>(static_cast<int>(i));  // the conversion from int is fast
         target[i] = cosine[i] * (forward + k * forward_step) + sine[i] * (left + k * left_step);
       }
     }
@@ -75,7 +75,7 @@ struct BeamBlock {
   }
 };
 
-/// Adds up the rays of one sweep.
+/// Collects the rays of one sweep.
 class BeamProjector {
  public:
   BeamProjector(const LaserScan& scan, const ProjectorConfig& config, const SweepFrames& frames,
@@ -108,7 +108,7 @@ class BeamProjector {
   }
 
  private:
-  /// When a beam was measured, as a share of the whole sweep.
+  /// Time of a beam as a share of the sweep, 0 to 1.
   float shareOf(std::size_t beam) const {
     const std::size_t last = std::max<std::size_t>(scan_.ranges.size() - 1, 1);
     return static_cast<float>(beam) / static_cast<float>(last);
@@ -158,11 +158,11 @@ class BeamProjector {
     result_.scan.rays.push_back({origin.head<2>(), end.head<2>(), hit});
   }
 
-  /// A beam that meets an edge measures something between the two surfaces: its range lies between
-  /// those of its neighbors, far from both. So does one on a wall that is seen at a flat angle,
-  /// but there the ranges go on to grow on both sides.
+  /// Whether a beam is a mixed pixel: at an edge it measures a range between the two surfaces, far
+  /// from both neighbors. On a wall at a grazing angle the neighbors differ as much, but there the
+  /// ranges keep growing on both sides.
   bool isMixed(std::size_t i, float range) const {
-    constexpr float kFlat = 0.5F;  // share of the jump below which the next range is no jump
+    constexpr float kFlat = 0.5F;  // relative to the jump; a smaller next step is not a jump
     if (i < 2 || i + 2 >= scan_.ranges.size()) return false;
     const float* r = scan_.ranges.data() + i;
     const float rise = range - r[-1], further = r[1] - range;
@@ -184,8 +184,8 @@ class BeamProjector {
   BeamCounts counts_;
 };
 
-/// Some returns of a sweep, in base_stabilized, with the base as origin. The attitude at the middle
-/// of the sweep is exact enough to find floor and ceiling.
+/// Some returns of a sweep in base_stabilized, origin at the base, m. One attitude for the whole
+/// sweep is accurate enough to find floor and ceiling.
 std::vector<Eigen::Vector3f> someReturns(const LaserScan& scan, const SweepFrames& frames,
                                          const ProjectorConfig& config) {
   constexpr std::size_t kBeams = 135;

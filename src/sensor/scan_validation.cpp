@@ -12,9 +12,9 @@
 namespace kestrel {
 namespace {
 
-/// Beams may lie at most this far apart; farther, two of them already cover more than a turn.
+/// Largest angle increment, rad. With a larger one two beams cover more than a full turn.
 constexpr double kMaxIncrement = kPi;
-/// Rounding of a float32 increment, summed over a full turn of beams, rad.
+/// Rounding error of a float32 increment, summed over a full turn, rad.
 constexpr double kFieldOfViewTolerance = 1e-3;
 
 /// What is wrong with the angles of a scan, or an empty text.
@@ -26,7 +26,7 @@ std::string angleProblem(const LaserScan& scan) {
     text << "angle_min is " << scan.angle_min << ", must be finite";
   } else if (!std::isfinite(step) || step == 0.0 || step > kMaxIncrement) {
     text << "angle_increment is " << scan.angle_increment
-         << " rad, must not be 0 and at most pi in size";
+         << " rad, its size must be above 0 and at most pi";
   } else if (field_of_view > 2.0 * kPi + step + kFieldOfViewTolerance) {
     text << scan.ranges.size() << " beams at angle_increment " << scan.angle_increment
          << " rad make " << field_of_view << " rad, more than a full turn";
@@ -80,7 +80,7 @@ RangeLimits limitsOf(const LaserScan& scan, const BeamFilterConfig& config) {
   const double sensor_max = scan.range_max == 0.0 ? config.max_range_m : scan.range_max;
   const double max = std::min(config.max_range_m, sensor_max);
   const double min = std::max(config.min_range_m, scan.range_min);
-  // Some lasers send 0 where they have no reading, whatever their range_min is.
+  // Some lasers send 0 for a missing reading, also if range_min is 0.
   return {std::max(static_cast<float>(min), std::numeric_limits<float>::min()),
           static_cast<float>(max),
           static_cast<float>(std::max(0.0, std::min(config.clear_range_m, max)))};
@@ -94,7 +94,7 @@ Projection refused(ScanError error, const std::string& message) {
 }
 
 std::string mountingProblem(const Eigen::Isometry3d& base_T_laser) {
-  // In the type of the rays: what overflows a float is as bad as what is infinite.
+  // Checked as float, the type of the rays: a value that overflows a float is invalid too.
   const bool finite = base_T_laser.matrix().cast<float>().allFinite();
   return finite ? "" : "the transform from laser to base is not finite";
 }

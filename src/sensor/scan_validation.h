@@ -11,25 +11,25 @@
 
 namespace kestrel {
 
-/// The limits of one scan, in the type of its ranges so that equal numbers compare equal.
+/// Range limits of one scan, m. Floats as the ranges are, so that equal numbers compare equal.
 struct RangeLimits {
-  float min;    ///< closer is too close
-  float max;    ///< here and beyond is no return
-  float clear;  ///< a beam without a return clears up to here; 0: not at all
+  float min;    ///< closer returns are invalid
+  float max;    ///< ranges from here on are no return
+  float clear;  ///< a beam without a return clears free space up to here; 0: never
 };
 
 RangeLimits limitsOf(const LaserScan& scan, const BeamFilterConfig& config);
 
 Projection refused(ScanError error, const std::string& message);
 
-/// The reason to refuse a scan before looking at its ranges.
+/// Checks everything except the ranges. Returns a rejected projection, or nothing if all is valid.
 std::optional<Projection> checkHeader(const LaserScan& scan, const Eigen::Isometry3d& base_T_laser,
                                       const BeamFilterConfig& config);
 
-/// What is wrong with a mounting, or an empty text.
+/// What is wrong with a mounting; empty if it is valid.
 std::string mountingProblem(const Eigen::Isometry3d& base_T_sensor);
 
-/// The sentence for a scan without any usable beam.
+/// The message for a scan without any usable beam.
 std::string noValidBeamText(const BeamCounts& counts);
 
 }  // namespace kestrel

@@ -6,8 +6,8 @@
 namespace kestrel {
 namespace {
 
-constexpr double kMaxStep_s = 1.0;  // more is a jump
-constexpr int kConfirming = 3;      // jumped stamps in a row that agree are believed
+constexpr double kMaxStep_s = 1.0;  // a larger difference is a jump
+constexpr int kConfirming = 3;      // this many consecutive stamps after a jump must agree
 
 }  // namespace
 

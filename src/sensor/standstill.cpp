@@ -8,12 +8,12 @@ namespace {
 
 constexpr double kBlock_s = 1.0;
 constexpr int kMinReadings = 5;
-// Noise of a cheap IMU at rest; motors that turn shake it more than that.
+// Noise of a cheap IMU at rest. Running motors cause more.
 constexpr double kRateNoise = 0.02;  // rad/s, all axes together
 constexpr double kForceNoise = 0.2;  // m/s²
-// A slow turn about the vertical looks the same: only less than this can be a bias.
+// A slow rotation about the vertical looks like a bias. Therefore only small values are accepted.
 constexpr double kMaxTurn = 0.02;  // rad/s
-// About the horizontal, gravity would show a turn.
+// About the horizontal axes a rotation would change the direction of gravity, so more is accepted.
 constexpr double kMaxBias = 0.1;  // rad/s
 
 }  // namespace

@@ -14,8 +14,8 @@ namespace kestrel {
 namespace {
 
 constexpr double kInterval = 4e-3;       // s
-constexpr double kMaxIntervals = 200.0;  // of a sweep
-constexpr float kClearance = 0.05F;      // m; the laser is always that much above the floor
+constexpr double kMaxIntervals = 200.0;  // per sweep
+constexpr float kClearance = 0.05F;      // m; smallest distance of the laser to floor and ceiling
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 }  // namespace
@@ -77,7 +77,8 @@ Slice sliceOf(const ProjectorConfig& config, const std::optional<double>& height
       !height_m && config.height_m > 0.0 ? config.height_m : height_m;
   const std::optional<double> ceiling =
       height && config.ceiling_m > 0.0 ? config.ceiling_m - *height : ceiling_m;
-  // A vehicle on the ground still sees along it, and one under the ceiling along that.
+  // The limits keep a clearance to the laser, so that a vehicle on the ground or below the ceiling
+  // still gets its horizontal beams.
   if (height) {
     slice.floor =
         std::min(static_cast<float>(config.floor_margin_m - *height), laser_z - kClearance);

@@ -10,15 +10,15 @@
 
 namespace kestrel {
 
-/// Where the sensor was at one moment of its sweep, seen from `base_stabilized` at the reference
-/// time. Floats: a sweep's beams are projected by the hundred thousand a second.
+/// Pose of the sensor at one time of its sweep, in `base_stabilized` at the reference time. Floats
+/// for speed: hundreds of thousands of beams per second are projected.
 struct SensorFrame {
   Eigen::Matrix3f rotation;
-  Eigen::Vector3f origin;  ///< of the sensor
+  Eigen::Vector3f origin;  ///< position of the sensor, m
 };
 
-/// The sensor's frame at a few times of a sweep, close enough that all between them is a straight
-/// line: over one interval even a fast vehicle turns by less than 0.2 degrees.
+/// Poses of the sensor at some times of a sweep. They are close enough for linear interpolation: in
+/// one interval even a fast vehicle turns by less than 0.2 degrees.
 class SweepFrames {
  public:
   /// `times` in s; `stamp` is the reference time.
@@ -28,7 +28,7 @@ class SweepFrames {
   std::size_t intervals() const { return frames_.size() - 1; }
   const SensorFrame& frame(std::size_t i) const { return frames_[i]; }
 
-  /// The frame at a share of the whole sweep, 0 to 1.
+  /// The interpolated frame at a share of the sweep, 0 to 1.
   SensorFrame at(float share) const;
 
   AttitudeError error() const { return error_; }
@@ -46,23 +46,24 @@ class SweepFrames {
   AttitudeError error_ = AttitudeError::kNone;
   double max_tilt_ = 0.0;                                   ///< rad
   std::optional<double> integrated_yaw_;                    ///< at the reference time
-  std::optional<Eigen::Vector2d> integrated_acceleration_;  ///< the same; see Attitude
+  std::optional<Eigen::Vector2d> integrated_acceleration_;  ///< at the reference time; see Attitude
   Eigen::Quaterniond attitude_ = Eigen::Quaterniond::Identity();
 };
 
-/// The vertical limits of the slice, relative to the plane of the base, m.
+/// Vertical limits of the slice, relative to the horizontal plane through the base, m.
 struct Slice {
-  float lowest, highest;  ///< end points below or above are left out
-  float floor;            ///< below this it is the floor; -inf: unknown
-  float ceiling;          ///< above this it is the ceiling; +inf: unknown
+  float lowest, highest;  ///< end points below or above are not mapped
+  float floor;            ///< end points below are on the floor; -inf: unknown
+  float ceiling;          ///< end points above are on the ceiling; +inf: unknown
 };
 
 /// `height_m`: of the base over the floor; `ceiling_m`: of the ceiling over the base; `laser_z`: of
-/// the laser over the plane of the base, m.
+/// the laser over the base; all in m.
 Slice sliceOf(const ProjectorConfig& config, const std::optional<double>& height_m,
               const std::optional<double>& ceiling_m, float laser_z);
 
-/// How far a beam from height `origin_z` that rises by `rise` a meter stays in the slice, m.
+/// Length of the part of a beam inside the slice, m. `origin_z`: height of its origin, `rise`:
+/// vertical component of its unit direction.
 inline float lengthInSlice(const Slice& slice, float origin_z, float rise) {
   constexpr float kLevel = 1e-6F;
   constexpr float kFar = 1e9F;
@@ -71,7 +72,7 @@ inline float lengthInSlice(const Slice& slice, float origin_z, float rise) {
   return kFar;
 }
 
-/// The reason not to project with these frames, or nothing.
+/// A rejected projection if the attitude is missing or too tilted, else nothing.
 std::optional<Projection> checkAttitude(const SweepFrames& frames, double stamp,
                                         const ProjectorConfig& config);
 

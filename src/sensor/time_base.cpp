@@ -29,20 +29,22 @@ double MonotoneTime::repair(double stamp) {
 }
 
 bool MonotoneTime::continues(double time) const {
-  // A stamp back by less is late (intel.clf: up to 0.9 s), ahead by less it follows a pause.
+  // Smaller steps back are late stamps (intel.clf: up to 0.9 s). Smaller steps ahead follow a
+  // pause.
   constexpr double kMaxLate = 5.0, kMaxGap = 60.0;
   const double step = time - last_time_;
   return step > -kMaxLate && step <= kMaxGap;
 }
 
 double MonotoneTime::follow(double time, bool late) {
-  // Where stamps jump back they say when a scan was logged, not when it was taken: the scans of
-  // intel.clf are evenly spaced, their stamps 0.001 to 1.4 s apart. There the time goes on evenly
-  // and is only drawn slowly to the stamps.
-  constexpr int kDistrusted = 500;  // scans from a late one on
+  // Stamps that go back show when a scan was logged, not when it was taken. The scans of intel.clf
+  // are evenly spaced, but their stamps are 0.001 to 1.4 s apart. Therefore the times are evenly
+  // spaced, and are only slowly corrected towards the stamps.
+  constexpr int kDistrusted = 500;  // number of scans after a late stamp
   constexpr double kGain = 0.02;
-  constexpr double kMinShare = 0.2;  // of a typical step, where time waits for the stamps
-  constexpr double kMaxPause = 5.0;  // s; a stamp farther ahead follows a pause of the laser
+  // Smallest step, relative to the typical one, while the times are ahead of the stamps.
+  constexpr double kMinShare = 0.2;
+  constexpr double kMaxPause = 5.0;  // s; a larger step is a pause of the laser
 
   if (late) distrusted_ = kDistrusted;
   if (distrusted_ > 0) --distrusted_;
@@ -61,7 +63,7 @@ double MonotoneTime::jump(double stamp) {
 }
 
 double MonotoneTime::advance(double step) {
-  // At a stamp of 1e300 a step of 0.1 s is lost in rounding: the next number is all that is left.
+  // At a stamp of 1e300 a step of 0.1 s is lost in rounding. Then the next larger number is used.
   const double next = std::nextafter(last_time_, std::numeric_limits<double>::infinity());
   return last_time_ = std::max(last_time_ + step, next);
 }

@@ -5,7 +5,7 @@
 
 namespace kestrel {
 
-// The places of places(), each built anew.
+// The built-in places that places() lists. Each call builds a new one.
 Place laboratory();
 Place cluttered();
 Place glassOffice();

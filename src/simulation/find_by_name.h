@@ -7,7 +7,8 @@
 
 namespace kestrel {
 
-/// The item with this `name`. Throws std::invalid_argument that lists the names there are.
+/// The item called `name`. Throws std::invalid_argument, which lists the valid names. `kind` says
+/// in the message what the items are.
 template <typename T>
 const T& findByName(const std::vector<T>& items, const std::string& kind, const std::string& name) {
   std::string names;
@@ -15,7 +16,7 @@ const T& findByName(const std::vector<T>& items, const std::string& kind, const 
     if (item.name == name) return item;
     names += (names.empty() ? "" : ", ") + item.name;
   }
-  throw std::invalid_argument("unknown " + kind + " '" + name + "'; there are " + names);
+  throw std::invalid_argument("unknown " + kind + " '" + name + "'; known: " + names);
 }
 
 }  // namespace kestrel

@@ -15,10 +15,10 @@ namespace {
 
 using Waypoint = FlightPlan::Waypoint;
 
-constexpr double kClearance = 0.6;               // m, along the straight legs of a random flight
-constexpr double kLowest = 0.7, kHighest = 2.2;  // m over the floor
+constexpr double kClearance = 0.6;               // m, on the straight legs of a random flight
+constexpr double kLowest = 0.7, kHighest = 2.2;  // m above the floor
 
-std::vector<Eigen::Vector3d> directionsAllAround() {
+std::vector<Eigen::Vector3d> sphereDirections() {
   constexpr int kAzimuths = 16;
   std::vector<Eigen::Vector3d> directions = {Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitZ()};
   for (const double elevation : {-kPi / 4.0, 0.0, kPi / 4.0}) {
@@ -31,7 +31,8 @@ std::vector<Eigen::Vector3d> directionsAllAround() {
   return directions;
 }
 
-/// A place with everything solid, also the glass, to keep away from; people by where they walk.
+/// The space of a place that is free for flying. Glass counts as solid, and so do the paths of
+/// people.
 class FreeSpace {
  public:
   explicit FreeSpace(World::Parts parts)
@@ -39,7 +40,7 @@ class FreeSpace {
 
   bool isFree(const Eigen::Vector3d& point) const {
     for (const Walker& walker : walkers_) {
-      if (walker.distanceToWay(point.head<2>()) < kClearance + kWalkerRadius) return false;
+      if (walker.distanceToPath(point.head<2>()) < kClearance + kWalkerRadius) return false;
     }
     for (const Eigen::Vector3d& direction : directions_) {
       if (world_.cast(point, direction, 0.0, kClearance).distance < kClearance) return false;
@@ -68,22 +69,22 @@ class FreeSpace {
 
   std::vector<Walker> walkers_;
   World world_;
-  std::vector<Eigen::Vector3d> directions_ = directionsAllAround();
+  std::vector<Eigen::Vector3d> directions_ = sphereDirections();
 };
 
-/// Where to fly next; nothing where no free way was found.
+/// A random next waypoint that can be reached along a free straight line; none if none was found.
 std::optional<Waypoint> nextWaypoint(const FreeSpace& space, const Waypoint& from, Random& random) {
   constexpr int kTries = 300;
   constexpr double kShortest = 0.8, kLongest = 6.0;  // m
-  constexpr double kLargestClimb = 0.3;              // share of the way
+  constexpr double kLargestClimb = 0.3;              // m per horizontal m
   constexpr double kLargestTurn = kPi / 2.0;
   for (int i = 0; i < kTries; ++i) {
     const double azimuth = random.uniform(-kPi, kPi);
-    const double way = random.uniform(kShortest, kLongest);
+    const double distance = random.uniform(kShortest, kLongest);
     Waypoint to;
     to.position = from.position;
-    to.position.head<2>() += way * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
-    to.position.z() += way * random.uniform(-kLargestClimb, kLargestClimb);
+    to.position.head<2>() += distance * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
+    to.position.z() += distance * random.uniform(-kLargestClimb, kLargestClimb);
     to.position.z() = std::clamp(to.position.z(), kLowest, kHighest);
     to.yaw = from.yaw + random.uniform(-kLargestTurn, kLargestTurn);
     if (space.isFree(from.position, to.position)) return to;
@@ -91,8 +92,8 @@ std::optional<Waypoint> nextWaypoint(const FreeSpace& space, const Waypoint& fro
   return std::nullopt;
 }
 
-/// Adds the way to `to` in short pieces: so the spline rounds corners closely.
-void addWay(std::vector<Waypoint>& waypoints, const Waypoint& to) {
+/// Adds the straight line to `to` in short pieces. The spline then stays close to the corners.
+void addLine(std::vector<Waypoint>& waypoints, const Waypoint& to) {
   constexpr double kPiece = 0.8;  // m
   const Waypoint from = waypoints.back();
   const int pieces = std::max(1, static_cast<int>((to.position - from.position).norm() / kPiece));
@@ -105,14 +106,15 @@ void addWay(std::vector<Waypoint>& waypoints, const Waypoint& to) {
   }
 }
 
-/// Climbs to the lowest free height above the start, where that itself is too close to the floor.
+/// If the first waypoint is not free (too close to the floor), adds a climb to the lowest free
+/// height above it.
 void climbToFreeHeight(std::vector<Waypoint>& waypoints, const FreeSpace& space) {
   constexpr double kStep = 0.1;  // m
   Waypoint above = waypoints.front();
   if (space.isFree(above.position)) return;
   for (above.position.z() = kLowest; above.position.z() <= kHighest; above.position.z() += kStep) {
     if (!space.isFree(above.position)) continue;
-    addWay(waypoints, above);
+    addLine(waypoints, above);
     return;
   }
 }
@@ -123,8 +125,9 @@ FlightPlan randomPlan(const Place& place, double duration_s, std::uint64_t seed)
   constexpr double kSlowest = 0.3, kFastest = 1.0;         // m/s
   constexpr double kHoverProbability = 0.2, kHover = 1.0;  // s
   if (place.plan.waypoints.empty() || !std::isfinite(duration_s)) {
-    throw std::invalid_argument("place '" + place.name +
-                                "': a random flight needs a place with a plan, and a duration");
+    throw std::invalid_argument(
+        "place '" + place.name +
+        "': a random flight needs a place with a plan and a finite duration");
   }
   const FreeSpace space(place.parts);
   Random random(seed);
@@ -138,11 +141,11 @@ FlightPlan randomPlan(const Place& place, double duration_s, std::uint64_t seed)
     const Eigen::Vector3d from = plan.waypoints.back().position;
     const std::optional<Waypoint> next = nextWaypoint(space, plan.waypoints.back(), random);
     if (!next) break;
-    addWay(plan.waypoints, *next);
+    addLine(plan.waypoints, *next);
     if (random.uniform() < kHoverProbability) plan.waypoints.back().hover_s = kHover;
     planned_s += plan.waypoints.back().hover_s + (next->position - from).norm() / plan.speed_m_s;
   }
-  // Where no way is free, all that can be done is to stay.
+  // If no waypoint can be reached, the vehicle hovers for the remaining time.
   plan.waypoints.back().hover_s += std::max(0.0, duration_s - planned_s);
   return plan;
 }

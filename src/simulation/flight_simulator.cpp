@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Numbers the random streams. Fixed: another number is another flight.
+/// Numbers of the random streams. They must not change, because they determine the flights.
 enum StreamId : std::uint64_t {
   kTruth,
   kWalkers,
@@ -27,7 +27,7 @@ enum StreamId : std::uint64_t {
   kSecondLaser
 };
 
-/// Well mixed seeds for the streams of one flight (splitmix64).
+/// Independent seeds for the streams of one flight, by the hash function splitmix64.
 std::uint64_t mix(std::uint64_t seed, std::uint64_t stream) {
   std::uint64_t z = seed + (stream + 1) * 0x9e3779b97f4a7c15ULL;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -43,21 +43,21 @@ void setStamp(Barometer& barometer, double stamp) { barometer.sample.stamp = sta
 void setStamp(TruePose&, double) {}
 void setStamp(TrueWalkers&, double) {}
 
-/// The messages of one source, one after the other.
+/// The message sequence of one sensor.
 struct Stream {
   std::function<FlightMessage(double time)> measure;  ///< time after the start, s
   double rate_hz = 0.0;
-  double phase = 0.0;    ///< of a period, of the first message
+  double phase = 0.0;    ///< time of the first message, in periods
   double delay_s = 0.0;  ///< from the stamp to the arrival
   double jitter_s = 0.0;
   double loss_probability = 0.0;
   bool second_laser = false;
-  Random channel = Random(0);  ///< what happens to the messages, apart from what is in them
+  Random channel = Random(0);  ///< draws stamp errors and losses; independent of the sensor noise
   std::size_t count = 0;
   std::size_t index = 0;
   std::optional<FlightEvent> pending;
 
-  /// Makes the next message that is not lost `pending`, if there is one.
+  /// Stores the next message that is not lost in `pending`, if there is one.
   void prepare() {
     while (!pending && index < count) {
       const double time = (phase + static_cast<double>(index++)) / rate_hz;
@@ -133,7 +133,8 @@ struct FlightSimulator::State {
   const VehicleModel vehicle;
   const std::uint64_t seed;
   std::unique_ptr<ImuSimulator> imu;
-  std::vector<Stream> streams;  ///< of messages that arrive at once, that of the first comes first
+  std::vector<Stream>
+      streams;  ///< if messages arrive at the same time, the first stream goes first
 };
 
 void FlightSimulator::State::add(StreamId id, double rate_hz, double delay_s,
@@ -149,12 +150,13 @@ void FlightSimulator::State::add(StreamId id, double rate_hz, double delay_s,
   stream.jitter_s = is_truth ? 0.0 : vehicle.stamp_jitter_s;
   stream.loss_probability = is_truth ? 0.0 : vehicle.loss_probability;
   stream.channel = Random(mix(seed, 2 * id + 1));
-  constexpr double kRounding = 1e-9;  // of a period: the last message may fall on the end
+  constexpr double kRounding =
+      1e-9;  // in periods; keeps a last message that falls exactly on the end
   stream.count = static_cast<std::size_t>(motion.duration() * rate_hz + kRounding) + 1;
-  // Sweeps take time: the last ones are left out, so that attitudes are known until after the end.
-  constexpr std::size_t kSweepsLeftOut = 2;
+  // The last sweeps are omitted, so that attitudes are available until the end of every sweep.
+  constexpr std::size_t kOmittedSweeps = 2;
   if (id == kLaser || id == kLidar || id == kSecondLaser) {
-    stream.count -= std::min(stream.count, kSweepsLeftOut);
+    stream.count -= std::min(stream.count, kOmittedSweeps);
   }
   if (id == kSecondLaser) {
     stream.phase = 0.5;

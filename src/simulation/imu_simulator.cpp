@@ -32,7 +32,7 @@ Eigen::Vector3d ImuSimulator::normal(double sigma) {
   return result;
 }
 
-double ImuSimulator::wander(double value, double sigma) {
+double ImuSimulator::gaussMarkovStep(double value, double sigma) {
   const double decay = std::exp(-1.0 / (model_.rate_hz * model_.attitude_time_s));
   return decay * value + sigma * std::sqrt(1.0 - decay * decay) * random_.gaussian();
 }
@@ -40,7 +40,7 @@ double ImuSimulator::wander(double value, double sigma) {
 ImuSample ImuSimulator::next(const TrueState& truth) {
   const Eigen::Quaterniond world_R_base(truth.world_T_base.linear());
   const Eigen::Quaterniond imu_R_base = base_R_imu_.conjugate();
-  // A density over the bandwidth of a reading; a walk over the time between two.
+  // White noise grows with the root of the rate; a random walk with the root of the time step.
   const double noise = std::sqrt(model_.rate_hz), walk = 1.0 / noise;
   ImuSample sample;
   sample.angular_velocity =
@@ -57,9 +57,9 @@ ImuSample ImuSimulator::next(const TrueState& truth) {
   if (model_.gives_orientation) {
     sample.world_R_imu = (yaw_error * world_R_base * tilt_error * base_R_imu_).normalized();
   }
-  attitude_error_.x() = wander(attitude_error_.x(), model_.attitude_sigma_rad);
-  attitude_error_.y() = wander(attitude_error_.y(), model_.attitude_sigma_rad);
-  attitude_error_.z() = wander(attitude_error_.z(), model_.yaw_sigma_rad);
+  attitude_error_.x() = gaussMarkovStep(attitude_error_.x(), model_.attitude_sigma_rad);
+  attitude_error_.y() = gaussMarkovStep(attitude_error_.y(), model_.attitude_sigma_rad);
+  attitude_error_.z() = gaussMarkovStep(attitude_error_.z(), model_.yaw_sigma_rad);
   return sample;
 }
 

@@ -6,13 +6,13 @@
 namespace kestrel {
 namespace {
 
-// Matt walls send something back down to this angle between beam and surface.
+// Smallest angle between beam and surface at which a matt wall still gives a return.
 const double kFlattestCosine = std::sin(degToRad(2.0));
 
 LaserModel idealLaser() {
   LaserModel laser;
   laser.name = "ideal";
-  laser.description = "the beams of the UTM-30LX without any error";
+  laser.description = "UTM-30LX without measurement errors";
   laser.beams = 1081;
   laser.angle_min = degToRad(-135.0);
   laser.angle_increment = degToRad(0.25);
@@ -32,7 +32,7 @@ LaserModel utm30lx() {
   laser.errors.sigma_per_m = 0.00094;
   laser.errors.resolution_m = 0.001;
   laser.errors.dropout_probability = 0.005;
-  laser.errors.divergence_rad = degToRad(0.25);  // the core of the spot, which decides at edges
+  laser.errors.divergence_rad = degToRad(0.25);  // core of the spot, relevant at edges
   laser.errors.min_cosine = kFlattestCosine;
   return laser;
 }
@@ -76,7 +76,7 @@ LaserModel sick180() {
 LaserModel alasca() {
   LaserModel laser;
   laser.name = "alasca";
-  laser.description = "IBEO Alasca, one of its layers: 481 beams, 240 deg, 12.5 Hz, 200 m";
+  laser.description = "IBEO Alasca, one layer: 481 beams, 240 deg, 12.5 Hz, 200 m";
   laser.beams = 481;
   laser.angle_min = degToRad(-120.0);
   laser.angle_increment = degToRad(0.5);
@@ -101,7 +101,7 @@ LidarModel vlp16() {
   lidar.rate_hz = 10.0;
   lidar.range_min = 0.5;
   lidar.range_max = 100.0;
-  // Accuracy: 30 mm, better up close.
+  // Accuracy of the data sheet: 30 mm; better at short range.
   lidar.errors.sigma_m = 0.01;
   lidar.errors.sigma_per_m = 0.00028;
   lidar.errors.resolution_m = 0.002;

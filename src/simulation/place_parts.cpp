@@ -12,13 +12,14 @@ namespace {
 constexpr double kDoorHeight = 2.1;  // m
 constexpr double kLeafThickness = 0.05;
 
-/// A point of something turned by `yaw` around `center`.
-Eigen::Vector2d turned(const Eigen::Vector2d& center, double yaw, double x, double y) {
+/// The point (x, y) of an object with position `center` and orientation `yaw`, in world.
+Eigen::Vector2d toWorld(const Eigen::Vector2d& center, double yaw, double x, double y) {
   return {center.x() + std::cos(yaw) * x - std::sin(yaw) * y,
           center.y() + std::sin(yaw) * x + std::cos(yaw) * y};
 }
 
-/// The wall's own box from `from` to `to` along it, between the heights `bottom` and `top`.
+/// Adds the piece of the wall between the distances `from` and `to` along its line and between the
+/// heights `bottom` and `top`.
 void addPiece(World::Parts& parts, const WallLine& line, double from, double to, double bottom,
               double top) {
   addBlock(parts, line.at((from + to) / 2.0, -line.thickness / 2.0),
@@ -27,8 +28,8 @@ void addPiece(World::Parts& parts, const WallLine& line, double from, double to,
 
 }  // namespace
 
-Eigen::Vector2d WallLine::at(double along, double aside) const {
-  return turned(from, yaw(), along, aside);
+Eigen::Vector2d WallLine::at(double along, double left) const {
+  return toWorld(from, yaw(), along, left);
 }
 
 double WallLine::yaw() const { return std::atan2(to.y() - from.y(), to.x() - from.x()); }
@@ -74,8 +75,8 @@ void addTable(World::Parts& parts, const Eigen::Vector2d& center, const Eigen::V
   addBlock(parts, center, {size.x(), size.y(), kThickness}, yaw, kTop - kThickness);
   const double x = size.x() / 2.0 - kLegInset, y = size.y() / 2.0 - kLegInset;
   for (const double side : {-1.0, 1.0}) {
-    addPole(parts, turned(center, yaw, x, side * y), kLegRadius, kTop);
-    addPole(parts, turned(center, yaw, -x, side * y), kLegRadius, kTop);
+    addPole(parts, toWorld(center, yaw, x, side * y), kLegRadius, kTop);
+    addPole(parts, toWorld(center, yaw, -x, side * y), kLegRadius, kTop);
   }
 }
 
@@ -83,11 +84,11 @@ void addChair(World::Parts& parts, const Eigen::Vector2d& center, double yaw) {
   constexpr double kSeat = 0.45, kWidth = 0.44, kThickness = 0.04, kBack = 0.9;  // m
   constexpr double kLegRadius = 0.02, kLegOffset = 0.19;
   addBlock(parts, center, {kWidth, kWidth, kThickness}, yaw, kSeat - kThickness);
-  addBlock(parts, turned(center, yaw, -(kWidth - kThickness) / 2.0, 0.0),
+  addBlock(parts, toWorld(center, yaw, -(kWidth - kThickness) / 2.0, 0.0),
            {kThickness, kWidth, kBack - kSeat}, yaw, kSeat);
   for (const double side : {-1.0, 1.0}) {
-    addPole(parts, turned(center, yaw, kLegOffset, side * kLegOffset), kLegRadius, kSeat);
-    addPole(parts, turned(center, yaw, -kLegOffset, side * kLegOffset), kLegRadius, kSeat);
+    addPole(parts, toWorld(center, yaw, kLegOffset, side * kLegOffset), kLegRadius, kSeat);
+    addPole(parts, toWorld(center, yaw, -kLegOffset, side * kLegOffset), kLegRadius, kSeat);
   }
 }
 

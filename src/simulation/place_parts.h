@@ -8,58 +8,58 @@
 
 namespace kestrel {
 
-/// A straight wall; what is set against it, and where one looks at it from, is to its left.
+/// A straight wall. The room is on the left side of the line.
 struct WallLine {
   Eigen::Vector2d from, to;
   double height = 3.0;     ///< m
-  double thickness = 0.3;  ///< to the right of the line; deeper than a closed door lies
+  double thickness = 0.3;  ///< to the right of the line; more than the depth of a closed door
   Material material = Material::kMatt;
 
-  /// The point `along` the line and `aside` to its left, m.
-  Eigen::Vector2d at(double along, double aside) const;
+  /// The point at distance `along` the line and `left` of it, m.
+  Eigen::Vector2d at(double along, double left) const;
   double yaw() const;
   double length() const { return (to - from).norm(); }
 };
 
-/// A gap in a wall up to the height of a door.
+/// An opening in a wall with the height of a door.
 struct Opening {
-  double at;           ///< of its middle, along the wall, m
+  double at;           ///< position of its middle along the wall, m
   double width = 1.0;  ///< m
-  double leaf_depth =
-      0.0;  ///< of the closed door behind the wall's face, m; 0: one can fly through
+  /// Depth of the closed door behind the face of the wall, m; 0: open.
+  double leaf_depth = 0.0;
 };
 
-/// The wall with openings that do not overlap, in the order along it.
+/// Adds a wall. The openings must not overlap and must be sorted along the wall.
 void addWall(World::Parts& parts, const WallLine& line, const std::vector<Opening>& openings = {});
 
-/// Something of the size (along the wall, off the wall, upwards) against the wall, its middle at
-/// `along`, its underside at `bottom`.
+/// Adds a box that touches the wall. `size`: along the wall, away from the wall, upwards. Its
+/// middle is at `along`, its bottom at `bottom`.
 void addAgainst(World::Parts& parts, const WallLine& line, double along,
                 const Eigen::Vector3d& size, double bottom = 0.0,
                 Material material = Material::kMatt);
 
-/// A closed room: walls along the polygon `corners`, counterclockwise. The result are its walls.
+/// Adds a closed room with walls along the counterclockwise polygon `corners`. Returns the walls.
 std::vector<WallLine> addRoom(World::Parts& parts, const std::vector<Eigen::Vector2d>& corners,
                               double height);
 
-/// A box that stands on the floor or hangs at `bottom`; `size` along its own axes.
+/// Adds a box. `size` is along the axes of the box, `bottom` is its height above the floor.
 void addBlock(World::Parts& parts, const Eigen::Vector2d& center, const Eigen::Vector3d& size,
               double yaw = 0.0, double bottom = 0.0, Material material = Material::kMatt);
 
-/// A table with a flat top at the height of 0.74 m and four legs.
+/// Adds a table with a flat top 0.74 m high and four legs.
 void addTable(World::Parts& parts, const Eigen::Vector2d& center, const Eigen::Vector2d& size,
               double yaw = 0.0);
-/// A chair that looks along `yaw`: a seat, a back and four legs.
+/// Adds a chair that faces `yaw`: a seat, a back and four legs.
 void addChair(World::Parts& parts, const Eigen::Vector2d& center, double yaw);
-/// A lamp on a cord; its shade begins at `bottom`.
+/// Adds a lamp on a cord; the lower end of its shade is at `bottom`.
 void addLamp(World::Parts& parts, const Eigen::Vector2d& center, double bottom);
 void addPole(World::Parts& parts, const Eigen::Vector2d& center, double radius, double top);
 
-/// Waypoints on the straight lines from corner to corner, about `spacing` apart: a smooth path
-/// through them keeps to the lines and rounds the corners.
+/// Waypoints on the straight lines between the corners, about `spacing` apart. A smooth path
+/// through them stays close to the lines and rounds the corners.
 std::vector<FlightPlan::Waypoint> alongLines(const std::vector<Eigen::Vector3d>& corners,
                                              double spacing);
-/// The same, back to the first corner.
+/// As alongLines(), and back to the first corner.
 std::vector<FlightPlan::Waypoint> aroundLoop(std::vector<Eigen::Vector3d> corners, double spacing);
 
 }  // namespace kestrel

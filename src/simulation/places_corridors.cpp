@@ -10,14 +10,14 @@ namespace {
 
 constexpr double kFlightHeight = 1.0;  // m
 
-/// A door that is closed, a little behind the face of its wall.
+/// A closed door, slightly behind the face of its wall.
 Opening closedDoor(double at, Random& random) {
   constexpr double kDoorWidths[] = {0.9, 1.0, 1.2, 1.6};
   const double width = kDoorWidths[static_cast<std::size_t>(random.uniform(0.0, 4.0))];
   return {at, width, random.uniform(0.08, 0.25)};
 }
 
-/// One of the things that stand or hang at the walls of corridors.
+/// Adds a random object that stands at or hangs on a corridor wall.
 void addFitting(World::Parts& parts, const WallLine& line, double at, Random& random) {
   constexpr int kKinds = 5;
   switch (static_cast<int>(random.uniform(0.0, kKinds))) {
@@ -25,7 +25,7 @@ void addFitting(World::Parts& parts, const WallLine& line, double at, Random& ra
       addAgainst(parts, line, at,
                  {random.uniform(0.3, 0.6), random.uniform(0.12, 0.3), line.height});
       break;
-    case 1:  // a radiator; the slice at the height of the flight passes over its top
+    case 1:  // a radiator; its top is just above the flight height
       addAgainst(parts, line, at, {random.uniform(0.8, 1.4), 0.12, 1.15}, 0.1);
       break;
     case 2:  // a cabinet
@@ -40,15 +40,15 @@ void addFitting(World::Parts& parts, const WallLine& line, double at, Random& ra
   }
 }
 
-/// A wall of a corridor with a door or a fitting every few meters, none in the first and last
+/// Adds a corridor wall with a door or a fitting every few meters, but none in the first and last
 /// `ends` meters.
 void addCorridorWall(World::Parts& parts, const WallLine& line, double ends, Random& random) {
   constexpr double kShortestStep = 2.2, kLongestStep = 4.2;  // m
-  constexpr double kDoors = 0.5;                             // of all
+  constexpr double kDoorShare = 0.5;
   std::vector<Opening> doors;
   for (double at = ends + random.uniform(0.0, 1.0); at < line.length() - ends;
        at += random.uniform(kShortestStep, kLongestStep)) {
-    if (random.uniform() < kDoors) {
+    if (random.uniform() < kDoorShare) {
       doors.push_back(closedDoor(at, random));
     } else {
       addFitting(parts, line, at, random);
@@ -69,7 +69,7 @@ std::vector<Eigen::Vector2d> square(double half_width) {
 
 Place corridorRing() {
   constexpr double kOuter = 25.0, kInner = 22.5, kCenterLine = 23.75;  // m from the middle
-  constexpr double kCorner = 3.8;  // m of the outer walls that other corridors take up
+  constexpr double kCorner = 3.8;  // m of the outer walls that belong to the neighboring corridors
   constexpr std::uint64_t kSeed = 5;
   Place ring;
   ring.name = "ring";
@@ -82,7 +82,7 @@ Place corridorRing() {
     addCorridorWall(ring.parts, {outer[i], outer[next], ring.parts.ceiling_m}, kCorner, random);
     addCorridorWall(ring.parts, {inner[next], inner[i], ring.parts.ceiling_m}, 1.0, random);
   }
-  // Once around from the middle of one side, and on to see again where it began.
+  // One loop from the middle of one side, and 8 m more, so that the first part is seen again.
   const double c = kCenterLine, z = kFlightHeight;
   ring.plan.waypoints = alongLines(
       {{0, -c, z}, {c, -c, z}, {c, c, z}, {-c, c, z}, {-c, -c, z}, {0, -c, z}, {8, -c, z}}, 1.0);
@@ -113,7 +113,8 @@ Place hall() {
   constexpr double kHalfWidth = 40.0, kPillar = 0.6, kPillarsEvery = 20.0;  // m
   Place hall;
   hall.name = "hall";
-  hall.description = "hall of 80 m x 80 m with few pillars: along a wall, away from it and back";
+  hall.description =
+      "hall of 80 m x 80 m with few pillars; the flight leaves the wall and returns to it";
   hall.parts.ceiling_m = 8.0;
   const std::vector<WallLine> walls = addRoom(hall.parts, square(kHalfWidth), hall.parts.ceiling_m);
   for (double x = -kHalfWidth + kPillarsEvery; x < kHalfWidth; x += kPillarsEvery) {

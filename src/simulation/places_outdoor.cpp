@@ -11,49 +11,49 @@ namespace kestrel {
 namespace {
 
 constexpr double kLaserHeight = 1.0;  // m
-/// Buildings, trees and cars keep away from the crossings, m from their middle.
+/// Distance of buildings, trees and cars from the middle of the crossings, m.
 constexpr double kCrossing = 12.0;
 
-/// Houses one after the other with gaps between them; their fronts are not quite in line.
-void addHouses(World::Parts& parts, const WallLine& road, double aside, Random& random) {
+/// Adds a row of houses with gaps between them. Their fronts are not exactly aligned.
+void addHouses(World::Parts& parts, const WallLine& road, double offset, Random& random) {
   constexpr double kShortest = 12.0, kLongest = 34.0, kDeepest = 18.0, kLeastDepth = 9.0;  // m
   constexpr double kNarrowest = 3.0, kWidest = 16.0;                                       // gaps
   constexpr double kSetback = 4.0, kHighest = 15.0, kLowest = 5.0;
-  const double side = aside > 0.0 ? 1.0 : -1.0;
+  const double side = offset > 0.0 ? 1.0 : -1.0;
   for (double at = kCrossing; at < road.length() - kCrossing;) {
     const double length = random.uniform(kShortest, kLongest);
     const double depth = random.uniform(kLeastDepth, kDeepest);
-    const double front = aside + side * random.uniform(0.0, kSetback);
+    const double front = offset + side * random.uniform(0.0, kSetback);
     addBlock(parts, road.at(at + 0.5 * length, front + side * 0.5 * depth),
              {length, depth, random.uniform(kLowest, kHighest)}, road.yaw());
-    // A porch or a staircase before the house.
+    // A porch or a staircase in front of the house.
     addBlock(parts, road.at(at + random.uniform(0.2, 0.8) * length, front - side * 0.5),
              {random.uniform(1.5, 3.0), 1.0, 2.8}, road.yaw());
     at += length + random.uniform(kNarrowest, kWidest);
   }
 }
 
-/// Trees in a row, and cars that are parked between them.
-void addTreesAndCars(World::Parts& parts, const WallLine& road, double aside, Random& random) {
-  constexpr double kSlot = 6.0, kTreeShare = 0.3, kCarShare = 0.45;  // m, and of all slots
-  const double side = aside > 0.0 ? 1.0 : -1.0;
+/// Adds a row of trees with parked cars between them.
+void addTreesAndCars(World::Parts& parts, const WallLine& road, double offset, Random& random) {
+  constexpr double kSlot = 6.0, kTreeShare = 0.3, kCarShare = 0.45;  // m; shares of all slots
+  const double side = offset > 0.0 ? 1.0 : -1.0;
   for (double at = kCrossing; at < road.length() - kCrossing; at += kSlot) {
     const double kind = random.uniform(), along = at + random.uniform(0.0, 1.2);
     if (kind < kTreeShare) {
-      addPole(parts, road.at(along, aside + side * random.uniform(1.0, 2.0)),
+      addPole(parts, road.at(along, offset + side * random.uniform(1.0, 2.0)),
               random.uniform(0.12, 0.35), 5.0);
     } else if (kind < kTreeShare + kCarShare) {
-      addBlock(parts, road.at(along, aside + random.uniform(-0.2, 0.2)),
+      addBlock(parts, road.at(along, offset + random.uniform(-0.2, 0.2)),
                {random.uniform(3.6, 4.8), random.uniform(1.6, 1.9), random.uniform(1.4, 2.0)},
                road.yaw() + random.uniform(-0.03, 0.03));
     }
   }
 }
 
-/// A park in the middle: trees, and some sheds.
+/// Adds a park with trees and sheds in the middle.
 void addPark(World::Parts& parts, Random& random) {
   constexpr int kTrees = 150, kSheds = 12;
-  constexpr double kHalf = 105.0;  // m, of its width
+  constexpr double kHalf = 105.0;  // m, half of its width
   const auto somewhere = [&] {
     return Eigen::Vector2d(random.uniform(-kHalf, kHalf), random.uniform(-kHalf, kHalf));
   };
@@ -65,11 +65,11 @@ void addPark(World::Parts& parts, Random& random) {
   }
 }
 
-/// `half_width`: of the square that the road's middle follows, m.
+/// `half_width`: half the side length of the square formed by the center line of the road, m.
 Place townOf(const std::string& name, const std::string& description, double half_width) {
   constexpr double kInnerFront = 12.0, kOuterFront = -13.0;  // m from the middle of the road
   constexpr double kInnerCars = 4.5, kOuterCars = -4.5;
-  constexpr double kSpacing = 8.0;  // m, of the waypoints: bends of about that radius
+  constexpr double kSpacing = 8.0;  // m between waypoints; about the radius of the curves
   constexpr std::uint64_t kSeed = 2;
   Place town;
   town.name = name;
@@ -105,7 +105,7 @@ Place town() {
 }
 
 Place largeTown() {
-  return townOf("large_town", "the same around 600 m x 600 m, one loop of 2.4 km", 300.0);
+  return townOf("large_town", "as town, but around 600 m x 600 m, one loop of 2.4 km", 300.0);
 }
 
 }  // namespace kestrel

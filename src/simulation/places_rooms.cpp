@@ -54,7 +54,7 @@ Place laboratory() {
   addBlock(parts, {-1.2, -0.4}, {0.6, 0.3, 0.4}, -0.2, 0.9);
   addPole(parts, {1.2, 1.95}, 0.06, parts.ceiling_m);
   addPole(parts, {0.8, -1.95}, 0.12, 1.6);  // gas bottle
-  // Around the bench and the desks: a C, 25 m long.
+  // Around the bench and the desks: a C-shaped loop of 25 m.
   const double o = 2.68, n = 1.2, z = kFlightHeight;
   lab.plan.waypoints = aroundLoop({{-o, 0, z},
                                    {-o, -o, z},
@@ -74,7 +74,9 @@ Place laboratory() {
 Place cluttered() {
   Place room;
   room.name = "cluttered";
-  room.description = "10 m x 8 m, different at each height: tables, chairs, shelves, lamps; climbs";
+  room.description =
+      "10 m x 8 m with tables, chairs, shelves and lamps, so that every height looks different; "
+      "the flight climbs by 1.5 m";
   World::Parts& parts = room.parts;
   const std::vector<WallLine> walls = addRoom(parts, rectangle(-5, -4, 5, 4), parts.ceiling_m);
   for (const double along : {1.5, 2.9, 4.3}) addAgainst(parts, walls[0], along, {1.2, 0.4, 2.0});
@@ -100,7 +102,7 @@ Place cluttered() {
   for (const double x : {-1.0, 1.3}) addLamp(parts, {x, 0.2}, 1.9);
   addLamp(parts, {4.3, 3.3}, 2.0);
   addLamp(parts, {-4.3, -3.3}, 2.05);
-  // Twice around the tables, up by 1.5 m and down again on the way.
+  // Two rounds around the tables; climbs by 1.5 m and descends again.
   const double x = 3.3, y = 2.2, low = 0.5, middle = 1.25, high = 2.0;
   room.plan.waypoints = alongLines({{-x, -y, low},
                                     {0, -y, low},
@@ -120,7 +122,7 @@ Place cluttered() {
 Place glassOffice() {
   Place office;
   office.name = "glass";
-  office.description = "12 m x 10 m office around a meeting room of glass, with black cabinets";
+  office.description = "12 m x 10 m office around a glass meeting room, with black cabinets";
   World::Parts& parts = office.parts;
   const std::vector<WallLine> walls = addRoom(parts, rectangle(-6, -5, 6, 5), parts.ceiling_m);
   const std::vector<Eigen::Vector2d> meeting_room = rectangle(-2, -1.5, 2, 1.5);
@@ -141,7 +143,7 @@ Place glassOffice() {
   addAgainst(parts, walls[1], 2.2, {0.5, 0.3, parts.ceiling_m});
   addAgainst(parts, walls[1], 5.0, {2.2, 0.04, 1.6}, 0.6, Material::kBlack);  // a screen
   addAgainst(parts, walls[1], 8.0, {1.0, 0.4, 1.8});
-  // A front of glass, with frames, and the night behind it.
+  // A window front with frames; it is dark outside, so nothing is seen through it.
   addAgainst(parts, walls[2], 6.0, {6.0, 0.04, parts.ceiling_m}, 0.0, Material::kBlack);
   addBlock(parts, walls[2].at(6.0, 0.06), {6.0, 0.02, parts.ceiling_m}, walls[2].yaw(), 0.0,
            Material::kGlass);
@@ -164,7 +166,7 @@ Place glassOffice() {
 Place peopleRoom() {
   Place room;
   room.name = "people";
-  room.description = "14 m x 10 m with furniture and four people who walk around the flight";
+  room.description = "14 m x 10 m with furniture and four people who walk around the vehicle";
   World::Parts& parts = room.parts;
   const std::vector<WallLine> walls = addRoom(parts, rectangle(-7, -5, 7, 5), parts.ceiling_m);
   for (const double along : {1.8, 5.0, 9.2, 12.0}) {
@@ -193,11 +195,11 @@ Place peopleRoom() {
 Place fourRooms() {
   Place rooms;
   rooms.name = "doors";
-  rooms.description = "four rooms of 6 m x 5 m, through the doors between them and back";
+  rooms.description = "four rooms of 6 m x 5 m; the flight passes all doors and returns";
   World::Parts& parts = rooms.parts;
   const std::vector<WallLine> outer = addRoom(parts, rectangle(-6, -5, 6, 5), parts.ceiling_m);
   const double door = 1.4, half_thickness = 0.15;
-  // The inner walls stand astride of the axes.
+  // The inner walls are centered on the axes.
   addWall(parts, {{-6, half_thickness}, {6, half_thickness}}, {{3.2, door}, {8.6, door}});
   addWall(parts, {{-half_thickness, -5}, {-half_thickness, 5}}, {{2.2, door}, {7.6, door}});
   addAgainst(parts, outer[0], 1.4, {1.2, 0.5, 1.8});

@@ -13,16 +13,17 @@ namespace {
 using Waypoint = FlightPlan::Waypoint;
 
 constexpr double kHoverAtEnds = 1.0;  // s
-constexpr double kSamePlace = 1e-3;   // m; closer waypoints ask for a turn on the spot
+constexpr double kSamePlace = 1e-3;   // m; closer waypoints mean a turn on the spot
 constexpr double kSameYaw = 1e-4;     // rad
 
 void validate(const FlightPlan& plan, double yaw_acceleration) {
-  if (plan.waypoints.empty()) throw std::invalid_argument("a flight plan needs a waypoint");
+  if (plan.waypoints.empty())
+    throw std::invalid_argument("a flight plan needs at least one waypoint");
   for (const Waypoint& waypoint : plan.waypoints) {
     if (!waypoint.position.allFinite() || !std::isfinite(waypoint.yaw) ||
         !(waypoint.hover_s >= 0.0 && std::isfinite(waypoint.hover_s))) {
       throw std::invalid_argument(
-          "the waypoints of a flight plan must be finite, and no hover_s negative");
+          "the waypoints of a flight plan must be finite, and hover_s must not be negative");
     }
   }
   for (const double limit :
@@ -46,8 +47,8 @@ Eigen::Vector4d withYaw(const Waypoint& waypoint) {
   return (Eigen::Vector4d() << waypoint.position, waypoint.yaw).finished();
 }
 
-/// Points of the spline (x, y, z, yaw) in small steps of its parameter. A mirrored control point
-/// beyond either end makes it begin and end exactly in the waypoints.
+/// Points of the spline (x, y, z, yaw) in small steps of its parameter. A mirrored control point at
+/// both ends makes the spline begin and end exactly at a waypoint.
 std::vector<Eigen::Vector4d> splinePoints(const std::vector<Waypoint>& waypoints, std::size_t first,
                                           std::size_t last) {
   constexpr int kPointsPerSegment = 128;
@@ -68,10 +69,11 @@ std::vector<Eigen::Vector4d> splinePoints(const std::vector<Waypoint>& waypoints
   return points;
 }
 
-/// Speeds from rest to rest that stay below `limits` and change by `acceleration` at most.
+/// The highest speeds at equally spaced points that start and end at rest, stay below `limits` and
+/// need at most `acceleration`.
 std::vector<double> restToRest(std::vector<double> limits, double acceleration, double spacing) {
   limits.front() = limits.back() = 0.0;
-  const double gain = 2.0 * acceleration * spacing;  // of the squared speed
+  const double gain = 2.0 * acceleration * spacing;  // largest change of the squared speed
   for (std::size_t i = 1; i < limits.size(); ++i) {
     limits[i] = std::min(limits[i], std::sqrt(limits[i - 1] * limits[i - 1] + gain));
   }
@@ -81,10 +83,11 @@ std::vector<double> restToRest(std::vector<double> limits, double acceleration, 
   return limits;
 }
 
-double directionOf(const Eigen::Vector3d& tangent, double otherwise) {
-  constexpr double kMinHorizontal = 1e-3;  // share; a climb straight up keeps the yaw
-  if (tangent.head<2>().norm() < kMinHorizontal) return otherwise;
-  return otherwise + normalizeAngle(std::atan2(tangent.y(), tangent.x()) - otherwise);
+/// Yaw of the tangent, unwrapped to be close to `previous`.
+double yawAlong(const Eigen::Vector3d& tangent, double previous) {
+  constexpr double kMinHorizontal = 1e-3;  // of the unit tangent; in a vertical climb the yaw stays
+  if (tangent.head<2>().norm() < kMinHorizontal) return previous;
+  return previous + normalizeAngle(std::atan2(tangent.y(), tangent.x()) - previous);
 }
 
 }  // namespace
@@ -113,12 +116,12 @@ bool PlanPath::legEndsAt(std::size_t waypoint) const {
   return same(waypoint) || same(waypoint - 1);
 }
 
-/// Points (x, y, z, yaw) at equal distances along the line through `points`; none where it has no
-/// length.
+/// Points (x, y, z, yaw) at equal distances along the line through `points`; none if the line has
+/// no length.
 std::vector<PlanPath::Sample> PlanPath::resample(const std::vector<Eigen::Vector4d>& points,
                                                  double& spacing) {
   constexpr double kSpacing = 0.01;       // m
-  constexpr std::size_t kMinSamples = 5;  // a short leg needs some, too, to speed up and slow down
+  constexpr std::size_t kMinSamples = 5;  // even a short leg needs some to accelerate and brake
   std::vector<double> traveled = {0.0};
   for (std::size_t i = 1; i < points.size(); ++i) {
     traveled.push_back(traveled.back() + (points[i] - points[i - 1]).head<3>().norm());
@@ -139,7 +142,7 @@ std::vector<PlanPath::Sample> PlanPath::resample(const std::vector<Eigen::Vector
   return samples;
 }
 
-/// The way from one waypoint to another, with its direction and yaw.
+/// The path from one waypoint to another, with tangent and yaw.
 std::vector<PlanPath::Sample> PlanPath::sampleLeg(std::size_t first, std::size_t last,
                                                   double& spacing) const {
   std::vector<Sample> samples = resample(splinePoints(plan_.waypoints, first, last), spacing);
@@ -147,7 +150,7 @@ std::vector<PlanPath::Sample> PlanPath::sampleLeg(std::size_t first, std::size_t
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, samples.size() - 1);
     samples[i].tangent = (samples[after].position - samples[before].position).normalized();
-    yaw = directionOf(samples[i].tangent, yaw);
+    yaw = yawAlong(samples[i].tangent, yaw);
     if (plan_.nose_forward) samples[i].yaw = yaw;
   }
   return samples;
@@ -155,7 +158,7 @@ std::vector<PlanPath::Sample> PlanPath::sampleLeg(std::size_t first, std::size_t
 
 std::vector<double> PlanPath::speedsAlong(const std::vector<Sample>& samples,
                                           double spacing) const {
-  constexpr double kMinSpeed = 0.02;  // m/s: around a corner without a radius
+  constexpr double kMinSpeed = 0.02;  // m/s, in a corner of radius zero
   std::vector<double> limits;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Sample& before = samples[i > 0 ? i - 1 : 0];
@@ -188,7 +191,8 @@ void PlanPath::fly(std::size_t first, std::size_t last) {
 
 void PlanPath::turnTo(double yaw) {
   constexpr std::size_t kSamples = 101;
-  constexpr double kReserve = 0.8;  // of the acceleration, so that the vehicle can follow
+  constexpr double kReserve =
+      0.8;  // part of the acceleration that is used, so that the vehicle can follow
   const Knot start = knots_.back();
   const double turn = yaw - start.yaw;
   if (std::abs(turn) < kSameYaw) return;
@@ -221,7 +225,7 @@ PathPoint PlanPath::at(double time) const {
     point.yaw = end.yaw;
     return point;
   }
-  // A cubic through positions and velocities of both knots: exact where acceleration is constant.
+  // Cubic Hermite interpolation of the two knots. It is exact for constant acceleration.
   const Knot &from = *(after - 1), &to = *after;
   const double span = to.time - from.time, t = time - from.time, u = t / span;
   const Eigen::Vector3d slope = (to.position - from.position) / span;

@@ -8,7 +8,7 @@
 
 namespace kestrel {
 
-/// Where a vehicle is asked to be at one time.
+/// The planned state of a vehicle at one time.
 struct PathPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in world, m
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
@@ -17,12 +17,12 @@ struct PathPoint {
   double yaw_rate = 0.0;
 };
 
-/// A flight plan as a function of time: legs flown from rest to rest along a B-spline or a straight
-/// line, as fast as the plan's limits of speed, acceleration and yaw rate allow, with turns on the
-/// spot and hovering between them.
+/// A flight plan as a function of time. Each leg begins and ends at rest and follows a B-spline or
+/// a straight line. It is as fast as the plan's limits of speed, acceleration and yaw rate allow.
+/// The vehicle turns on the spot and hovers between the legs.
 class PlanPath {
  public:
-  /// Throws std::invalid_argument on a plan that cannot be flown.
+  /// Throws std::invalid_argument if the plan is invalid.
   PlanPath(const FlightPlan& plan, double yaw_acceleration_rad_s2);
 
   double duration() const { return knots_.back().time; }

@@ -17,7 +17,7 @@ using Sample = SampledMotion::Sample;
 
 constexpr double kStep = 1e-3;  // s
 
-/// Wind as an acceleration: a first-order Gauss-Markov process on each axis.
+/// The acceleration caused by wind: a first-order Gauss-Markov process on each axis.
 class Gusts {
  public:
   Gusts(const QuadrotorConfig& config, std::uint64_t seed)
@@ -36,13 +36,13 @@ class Gusts {
   Eigen::Vector3d wind_ = Eigen::Vector3d::Zero();
 };
 
-/// The controller and the body that it moves.
+/// The controller and the dynamics of the vehicle.
 class Quadrotor {
  public:
   Quadrotor(const QuadrotorConfig& config, double max_yaw_rate)
       : config_(config), max_yaw_rate_(max_yaw_rate) {}
 
-  /// What accelerates position and angles in the state `now`.
+  /// Accelerations of position and angles in the state `now`.
   Vector6d accelerations(const Sample& now, const PathPoint& wanted,
                          const Eigen::Vector3d& wind) const {
     const Eigen::Vector3d force = wantedForce(now, wanted);
@@ -52,7 +52,7 @@ class Quadrotor {
     const double wanted_roll = std::atan2(-left, std::hypot(forward, force.z()));
     const double wanted_pitch = std::atan2(forward, force.z());
 
-    // Thrust keeps the wanted vertical force while the attitude is still on its way.
+    // The thrust keeps the wanted vertical force while the attitude is still changing.
     const double thrust = force.z() / (std::cos(roll) * std::cos(pitch));
     const double horizontal = thrust * std::cos(roll) * std::sin(pitch);
     const double sideways = -thrust * std::sin(roll);
@@ -67,8 +67,7 @@ class Quadrotor {
   }
 
  private:
-  /// Force per mass that the thrust should give, in world, m/s²; within the limits of tilt and
-  /// thrust.
+  /// Wanted force of the thrust per mass, in world, m/s², within the limits of tilt and thrust.
   Eigen::Vector3d wantedForce(const Sample& now, const PathPoint& wanted) const {
     constexpr double kStiffness = 6.0, kDamping = 4.0;                      // 1/s², 1/s
     constexpr double kMinLift = 0.3 * kGravity, kMaxLift = 2.0 * kGravity;  // m/s²
@@ -99,8 +98,9 @@ class Quadrotor {
   double max_yaw_rate_;
 };
 
-/// How much of the wind blows: none where the vehicle stands before and after the flight.
-double windShare(double time, double duration) {
+/// Factor of the wind. It fades to zero at the begin and end of the flight, where the vehicle
+/// rests.
+double windFactor(double time, double duration) {
   constexpr double kFade = 1.0;  // s
   return std::clamp(std::min(time, duration - time) / kFade, 0.0, 1.0);
 }
@@ -118,8 +118,8 @@ void validate(const QuadrotorConfig& config) {
                     config.gust_m_s2 >= 0.0 && config.gust_time_s > 0.0;
   if (!good) {
     throw std::invalid_argument(
-        "a quadrotor needs a largest tilt up to 1.2 rad, a positive attitude response and gust "
-        "time, and gusts that are not negative");
+        "invalid quadrotor: max_tilt_rad must lie in (0, 1.2]; attitude_frequency_rad_s, "
+        "attitude_damping and gust_time_s must be positive; gust_m_s2 must not be negative");
   }
 }
 
@@ -138,8 +138,8 @@ std::unique_ptr<Motion> flyQuadrotor(const FlightPlan& plan, const QuadrotorConf
   motion->push(now);
   for (int i = 1;; ++i) {
     const double time = i * kStep;
-    const Eigen::Vector3d wind = windShare(time, path.duration()) * gusts.next();
-    // The accelerations at the end of a step depend on the state there, which is predicted.
+    const Eigen::Vector3d wind = windFactor(time, path.duration()) * gusts.next();
+    // The accelerations at the end of a step depend on the state there, so it is predicted first.
     const Sample predicted = SampledMotion::advance(now, now.acceleration, kStep);
     now =
         SampledMotion::advance(now, quadrotor.accelerations(predicted, path.at(time), wind), kStep);

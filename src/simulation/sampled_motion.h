@@ -8,8 +8,8 @@
 
 namespace kestrel {
 
-/// A motion by its accelerations at equal steps of time: linear between them, integrated exactly,
-/// so that every member of its state really is the derivative that its name says.
+/// A motion given by accelerations at equal time steps. The acceleration is linear between them and
+/// is integrated exactly, so that the velocity is the exact derivative of the position.
 class SampledMotion : public Motion {
  public:
   /// x, y, z (m, world), roll, pitch, yaw (rad, not wrapped; R = Rz(yaw) Ry(pitch) Rx(roll)).
@@ -20,14 +20,15 @@ class SampledMotion : public Motion {
     Vector6d acceleration = Vector6d::Zero();
   };
 
-  /// `step_s` between samples.
+  /// `step_s`: time between samples.
   explicit SampledMotion(double step_s) : step_s_(step_s) {}
 
-  /// The sample `elapsed` (s) after `from`, when the acceleration has become `acceleration`.
+  /// The sample at `elapsed` (s) after `from`, if the acceleration changes linearly to
+  /// `acceleration`.
   static Sample advance(const Sample& from, const Vector6d& acceleration, double elapsed);
 
   void push(const Sample& sample) { samples_.push_back(sample); }
-  /// Takes roll and pitch away and leaves the path.
+  /// Sets roll and pitch to zero and keeps the path.
   void makeLevel();
 
   double duration() const override;

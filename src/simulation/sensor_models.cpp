@@ -13,7 +13,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// The beams of a sweep: `steps` of the mirror, each with one beam per elevation.
+/// The beams of a sweep: `steps` azimuths, each with one beam per elevation.
 struct Fan {
   double angle_min, angle_increment;  ///< rad
   double seconds_per_step;
@@ -35,16 +35,18 @@ double sigmaAt(double range, const BeamErrors& errors) {
   return std::hypot(errors.sigma_m, errors.sigma_per_m * range);
 }
 
-/// The surface that a beam sees, +inf for none: black ones and flat incidence send nothing back.
+/// The range of the surface that a beam sees; +inf if there is no return, as from black surfaces or
+/// at grazing incidence.
 double seenRange(const RayHit& hit, const BeamErrors& errors) {
   if (hit.material == Material::kBlack || hit.cosine < errors.min_cosine) return kInfinity;
   return hit.distance;
 }
 
-/// The reading of one beam, with REP-117's special values. `edge` is what the beam's border sees.
+/// The reading of one beam, with the special values of REP-117. `edge` is the range that the border
+/// of the beam sees.
 double measure(double range, double edge, const Fan& fan, const BeamErrors& errors,
                Random& random) {
-  // All numbers are drawn for every beam, so that a far wall does not change the next beam.
+  // Every beam draws the same number of random values, so that it cannot change the next beam.
   const bool dropped = random.uniform() < errors.dropout_probability;
   const double edge_share = random.uniform();
   const double noise = random.gaussian();
@@ -59,7 +61,7 @@ double measure(double range, double edge, const Fan& fan, const BeamErrors& erro
   return range < fan.range_max ? range : kInfinity;
 }
 
-/// Casts the beams of one sweep, each from where the sensor is at its own time.
+/// Casts the beams of one sweep, each from the sensor's pose at the time of that beam.
 class BeamCaster {
  public:
   BeamCaster(const Fan& fan, const BeamErrors& errors, const World& world, const Motion& motion,
@@ -72,7 +74,7 @@ class BeamCaster {
         time_(time),
         farthest_(fan.range_max + kSigmas * sigmaAt(fan.range_max, errors)) {}
 
-  /// The readings, step by step and in each step elevation by elevation.
+  /// The readings, ordered by step, then by elevation.
   std::vector<double> readings(Random& random) {
     cast();
     std::vector<double> readings;
@@ -87,8 +89,8 @@ class BeamCaster {
   }
 
  private:
-  static constexpr double kSigmas = 6.0;      // noise brings no farther surface into the range
-  static constexpr double kMixedJump = 0.05;  // m; a smaller step between surfaces is no edge
+  static constexpr double kSigmas = 6.0;      // noise cannot bring farther surfaces into range
+  static constexpr double kMixedJump = 0.05;  // m; smaller steps between surfaces are not edges
 
   std::size_t index(std::size_t step, std::size_t ring) const {
     return step * fan_.elevations.size() + ring;
@@ -121,8 +123,8 @@ class BeamCaster {
     }
   }
 
-  /// What the beam's border sees where a neighbor in the sweep sees another surface; +inf where
-  /// the whole beam lies on one.
+  /// The range that the border of the beam sees if a neighbor in the sweep sees another surface;
+  /// +inf if the whole beam hits one surface.
   double edgeRange(std::size_t step, std::size_t ring) const {
     if (errors_.divergence_rad <= 0.0 || !std::isfinite(seen_[index(step, ring)])) {
       return kInfinity;
@@ -135,13 +137,13 @@ class BeamCaster {
         (step > 0 && differs(step - 1)) || (step + 1 < fan_.steps && differs(step + 1));
     if (!candidate) return kInfinity;
     const double before = borderRange(step, ring, -0.5), after = borderRange(step, ring, 0.5);
-    // Along a wall, however flat it is seen, the inverse range changes evenly with the angle.
+    // Along a flat wall, the inverse range is nearly linear in the angle over a small beam.
     const double bend = middle * middle * std::abs(2.0 / middle - 1.0 / before - 1.0 / after);
     if (bend <= kMixedJump) return kInfinity;
     return std::abs(before - middle) > std::abs(after - middle) ? before : after;
   }
 
-  /// `share`: of the divergence, from the middle of the beam.
+  /// The range at an offset from the middle of the beam; `share` is the offset per divergence.
   double borderRange(std::size_t step, std::size_t ring, double share) const {
     const double azimuth = fan_.azimuth(step) + share * errors_.divergence_rad;
     return castBeam(sensorAt(step), beamDirection(azimuth, fan_.elevations[ring]), step);
@@ -190,7 +192,7 @@ LaserScan sweep(const LaserModel& laser, const World& world, const Motion& motio
 
 PointCloud sweep(const LidarModel& lidar, const World& world, const Motion& motion,
                  const Eigen::Isometry3d& base_T_lidar, double time, Random& random) {
-  // A Velodyne turns clockwise, seen from above; its driver cuts the turns behind the sensor.
+  // A Velodyne turns clockwise, seen from above. Its driver starts each turn behind the sensor.
   const Fan fan = {kPi,
                    -2.0 * kPi / lidar.columns,
                    1.0 / (lidar.rate_hz * lidar.columns),

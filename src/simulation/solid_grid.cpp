@@ -12,16 +12,16 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The steps of a ray along one axis of the grid.
 struct AxisSteps {
-  int cell;         ///< where it is now
+  int cell;         ///< current cell
   int step;         ///< -1, 0 or 1
-  double next;      ///< distance along the ray where it enters the next cell
-  double distance;  ///< along the ray from cell to cell
+  double next;      ///< distance along the ray to the next cell
+  double distance;  ///< along the ray between cells
 };
 
-/// `position` in cells, `direction` in cells per meter of the ray, at `start` meters along it.
+/// `position` in cells, `direction` in cells per meter of the ray. `start`: meters along the ray.
 AxisSteps stepsAlong(double position, double direction, double start, int cells) {
   AxisSteps steps;
-  // A ray that enters over the border may be rounded to the outside.
+  // Rounding may put a ray that enters through the border outside of the grid.
   const double at = position + (start > 0.0 ? start * direction : 0.0);
   steps.cell = static_cast<int>(std::clamp(std::floor(at), 0.0, cells - 1.0));
   steps.step = (direction > 0.0) - (direction < 0.0);
@@ -47,14 +47,14 @@ void clip(double position, double direction, int cells, double& enter, double& l
 SolidGrid::SolidGrid(const std::vector<Box>& boxes, const std::vector<Cylinder>& cylinders)
     : boxes_(boxes.begin(), boxes.end()), cylinders_(cylinders.begin(), cylinders.end()) {
   if (boxes_.empty() && cylinders_.empty()) return;
-  layOut();
+  setLayout();
   fill();
 }
 
-void SolidGrid::layOut() {
-  constexpr double kCellSize = 1.0;   // m; smaller cells take longer to walk through
-  constexpr double kMaxCells = 1000;  // along an axis
-  constexpr double kMargin = 0.01;    // m; nothing lies on the border
+void SolidGrid::setLayout() {
+  constexpr double kCellSize = 1.0;   // m; smaller cells take longer to traverse
+  constexpr double kMaxCells = 1000;  // per axis
+  constexpr double kMargin = 0.01;    // m; keeps solids off the border
   Eigen::Vector2d low = Eigen::Vector2d::Constant(kInfinity), high = -low;
   const auto extend = [&](const auto& solid) {
     low = low.cwiseMin(solid.center() - solid.halfExtent());
@@ -73,7 +73,7 @@ void SolidGrid::addToCells(const Solid& solid, std::size_t number,
                            std::vector<std::vector<std::size_t>>& cells) const {
   const Eigen::Vector2d low = (solid.center() - solid.halfExtent() - corner_) / cell_size_;
   const Eigen::Vector2d high = (solid.center() + solid.halfExtent() - corner_) / cell_size_;
-  // A thing that touches a border belongs to both cells, however the border is rounded.
+  // A solid that touches a border belongs to both cells, independent of rounding.
   constexpr double kTolerance = 1e-6;  // of a cell
   const double half_cell = (0.5 + kTolerance) * cell_size_;
   const auto from = [&](int axis) { return std::max(static_cast<int>(low[axis]) - 1, 0); };
@@ -102,18 +102,18 @@ void SolidGrid::fill() {
   first_.push_back(solids_.size());
 }
 
-void SolidGrid::meetCell(std::size_t cell, const Ray& ray, RayHit& nearest) const {
+void SolidGrid::intersectCell(std::size_t cell, const Ray& ray, RayHit& nearest) const {
   for (std::size_t i = first_[cell]; i < first_[cell + 1]; ++i) {
     const std::size_t number = solids_[i];
     if (number < boxes_.size()) {
-      boxes_[number].meet(ray, nearest);
+      boxes_[number].intersect(ray, nearest);
     } else {
-      cylinders_[number - boxes_.size()].meet(ray, nearest);
+      cylinders_[number - boxes_.size()].intersect(ray, nearest);
     }
   }
 }
 
-void SolidGrid::meet(const Ray& ray, RayHit& nearest) const {
+void SolidGrid::intersect(const Ray& ray, RayHit& nearest) const {
   if (first_.empty()) return;
   const Eigen::Vector2d position = (ray.origin.head<2>() - corner_) / cell_size_;
   const Eigen::Vector2d direction = ray.direction.head<2>() / cell_size_;
@@ -124,7 +124,7 @@ void SolidGrid::meet(const Ray& ray, RayHit& nearest) const {
   AxisSteps x = stepsAlong(position.x(), direction.x(), start, size_.x());
   AxisSteps y = stepsAlong(position.y(), direction.y(), start, size_.y());
   for (;;) {
-    meetCell(static_cast<std::size_t>(y.cell * size_.x() + x.cell), ray, nearest);
+    intersectCell(static_cast<std::size_t>(y.cell * size_.x() + x.cell), ray, nearest);
     AxisSteps& axis = x.next < y.next ? x : y;
     if (std::min(nearest.distance, end) <= axis.next) return;
     axis.cell += axis.step;

@@ -10,14 +10,15 @@
 namespace kestrel {
 namespace {
 
-/// The part of a ray that is inside of a solid thing, and how steeply it enters.
+/// The part of a ray inside a solid, and the cosine of its angle of incidence.
 struct Span {
   double enter = 0.0;
   double leave = std::numeric_limits<double>::infinity();
   double cosine = 1.0;
 };
 
-/// Keeps the part between two parallel planes at -half and +half. False: nothing is left.
+/// Clips `span` to the slab between two parallel planes at -half and +half. False if nothing is
+/// left.
 bool clipSlab(double origin, double direction, double half, Span& span) {
   if (direction == 0.0) return std::abs(origin) <= half;
   const double inverse = 1.0 / direction;
@@ -30,7 +31,7 @@ bool clipSlab(double origin, double direction, double half, Span& span) {
   return span.enter <= span.leave;
 }
 
-/// Keeps the part inside of an endless vertical cylinder around the origin.
+/// Clips `span` to an infinite vertical cylinder around the origin. False if nothing is left.
 bool clipCylinder(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction, double radius,
                   Span& span) {
   const double a = direction.squaredNorm();
@@ -49,7 +50,7 @@ bool clipCylinder(const Eigen::Vector2d& origin, const Eigen::Vector2d& directio
 }
 
 void keepNearest(const Span& span, Material material, RayHit& nearest) {
-  // Glass throws back to the laser only what hits it straight on, within some degrees.
+  // Glass reflects to the laser only at nearly perpendicular incidence.
   static const double kGlassCosine = std::cos(degToRad(5.0));
   if (span.enter >= nearest.distance) return;
   if (material == Material::kGlass && span.cosine < kGlassCosine) return;
@@ -67,18 +68,18 @@ BoxSolid::BoxSolid(const Box& box)
       from_s_(box.from_s),
       until_s_(box.until_s) {}
 
-void BoxSolid::meet(const Ray& ray, RayHit& nearest) const {
+void BoxSolid::intersect(const Ray& ray, RayHit& nearest) const {
   if (ray.time < from_s_ || ray.time >= until_s_) return;
   const Eigen::Vector3d from = ray.origin - center_;
   const Eigen::Vector3d& along = ray.direction;
   Span span;
   span.leave = nearest.distance;
-  const bool met = clipSlab(cos_ * from.x() + sin_ * from.y(), cos_ * along.x() + sin_ * along.y(),
+  const bool hit = clipSlab(cos_ * from.x() + sin_ * from.y(), cos_ * along.x() + sin_ * along.y(),
                             half_.x(), span) &&
                    clipSlab(cos_ * from.y() - sin_ * from.x(), cos_ * along.y() - sin_ * along.x(),
                             half_.y(), span) &&
                    clipSlab(from.z(), along.z(), half_.z(), span);
-  if (met) keepNearest(span, material_, nearest);
+  if (hit) keepNearest(span, material_, nearest);
 }
 
 Eigen::Vector2d BoxSolid::halfExtent() const {
@@ -87,7 +88,7 @@ Eigen::Vector2d BoxSolid::halfExtent() const {
 }
 
 bool BoxSolid::overlapsCell(const Eigen::Vector2d& center, double half_cell) const {
-  // Two rectangles are apart where an axis of one of them separates them.
+  // Separating axis test: two rectangles are disjoint if an axis of one of them separates them.
   const Eigen::Vector2d offset = center - center_.head<2>();
   const Eigen::Vector2d extent = halfExtent();
   const double half_cell_turned = half_cell * (std::abs(cos_) + std::abs(sin_));
@@ -97,15 +98,15 @@ bool BoxSolid::overlapsCell(const Eigen::Vector2d& center, double half_cell) con
          std::abs(cos_ * offset.y() - sin_ * offset.x()) <= half_.y() + half_cell_turned;
 }
 
-void CylinderSolid::meet(const Ray& ray, RayHit& nearest) const {
+void CylinderSolid::intersect(const Ray& ray, RayHit& nearest) const {
   const double middle = (cylinder_.bottom + cylinder_.top) / 2.0;
   Span span;
   span.leave = nearest.distance;
-  const bool met =
+  const bool hit =
       clipCylinder(ray.origin.head<2>() - cylinder_.center, ray.direction.head<2>(),
                    cylinder_.radius, span) &&
       clipSlab(ray.origin.z() - middle, ray.direction.z(), cylinder_.top - middle, span);
-  if (met) keepNearest(span, cylinder_.material, nearest);
+  if (hit) keepNearest(span, cylinder_.material, nearest);
 }
 
 bool CylinderSolid::overlapsCell(const Eigen::Vector2d& center, double half_cell) const {
@@ -114,7 +115,7 @@ bool CylinderSolid::overlapsCell(const Eigen::Vector2d& center, double half_cell
   return outside.squaredNorm() <= cylinder_.radius * cylinder_.radius;
 }
 
-void meetPlane(double z, const Ray& ray, RayHit& nearest) {
+void intersectPlane(double z, const Ray& ray, RayHit& nearest) {
   if (ray.direction.z() == 0.0) return;
   const double distance = (z - ray.origin.z()) / ray.direction.z();
   if (distance >= 0.0 && distance < nearest.distance) {

@@ -7,20 +7,21 @@
 
 namespace kestrel {
 
+/// A beam in world.
 struct Ray {
   Eigen::Vector3d origin;
-  Eigen::Vector3d direction;  ///< of unit length
+  Eigen::Vector3d direction;  ///< unit vector
   double time = 0.0;          ///< s
 };
 
-/// A box that is ready to be met by rays. From inside of a solid thing everything is at distance 0.
+/// A box, prepared for ray casting. If the ray starts inside, the hit has distance 0.
 class BoxSolid {
  public:
   explicit BoxSolid(const Box& box);
 
-  /// Updates `nearest` where the ray meets the box before.
-  void meet(const Ray& ray, RayHit& nearest) const;
-  /// Does its outline, seen from above, overlap the square cell around `center`?
+  /// Updates `nearest` if the ray hits the box closer than that.
+  void intersect(const Ray& ray, RayHit& nearest) const;
+  /// True if the outline, seen from above, overlaps the square cell around `center`.
   bool overlapsCell(const Eigen::Vector2d& center, double half_cell) const;
   /// Half the size of its outline along the axes of the world.
   Eigen::Vector2d halfExtent() const;
@@ -30,15 +31,15 @@ class BoxSolid {
   Eigen::Vector3d center_, half_;
   double cos_, sin_;
   Material material_;
-  double from_s_, until_s_;  ///< when it is there
+  double from_s_, until_s_;  ///< time in which it exists
 };
 
-/// The same for a vertical cylinder.
+/// A vertical cylinder; methods as in BoxSolid.
 class CylinderSolid {
  public:
   explicit CylinderSolid(const Cylinder& cylinder) : cylinder_(cylinder) {}
 
-  void meet(const Ray& ray, RayHit& nearest) const;
+  void intersect(const Ray& ray, RayHit& nearest) const;
   bool overlapsCell(const Eigen::Vector2d& center, double half_cell) const;
   Eigen::Vector2d halfExtent() const { return Eigen::Vector2d::Constant(cylinder_.radius); }
   const Eigen::Vector2d& center() const { return cylinder_.center; }
@@ -47,7 +48,7 @@ class CylinderSolid {
   Cylinder cylinder_;
 };
 
-/// Updates `nearest` where the ray meets the horizontal plane at height `z` before.
-void meetPlane(double z, const Ray& ray, RayHit& nearest);
+/// Updates `nearest` if the ray hits the horizontal plane at height `z` closer than that.
+void intersectPlane(double z, const Ray& ray, RayHit& nearest);
 
 }  // namespace kestrel

@@ -20,8 +20,8 @@ VehicleModel quadrotorWith(const std::string& sensor) {
     names += lidar.name + ", ";
   }
   if (!vehicle.laser && !vehicle.lidar) {
-    throw std::invalid_argument("unknown sensor '" + sensor + "'; there are " +
-                                names.substr(0, names.size() - 2));
+    throw std::invalid_argument("unknown sensor '" + sensor +
+                                "'; known: " + names.substr(0, names.size() - 2));
   }
   return vehicle;
 }

@@ -10,17 +10,17 @@
 namespace kestrel {
 namespace {
 
-// A grown-up, m.
+// Dimensions of an adult, m.
 constexpr double kLegRadius = 0.07;
 constexpr double kLegTop = 0.85;
-constexpr double kLegOffset = 0.1;  // from the middle, to either side
-constexpr double kLegSwing = 0.25;  // to the front and back
+constexpr double kLegOffset = 0.1;  // sideways from the middle
+constexpr double kLegSwing = 0.25;  // amplitude forwards and backwards
 constexpr double kStride = 1.4;     // two steps
 constexpr double kTrunkRadius = 0.2;
 constexpr double kTrunkTop = 1.75;
 constexpr double kReach = 0.4;  // no part is farther from the middle than this
 
-/// Does the ray, seen from above, pass within kReach of `position`?
+/// True if the ray, seen from above, passes within kReach of `position`.
 bool passesNear(const Ray& ray, const Eigen::Vector2d& position) {
   const Eigen::Vector2d offset = position - ray.origin.head<2>();
   const Eigen::Vector2d along = ray.direction.head<2>();
@@ -41,7 +41,7 @@ double distanceToSegment(const Eigen::Vector2d& point, const Eigen::Vector2d& fr
 
 }  // namespace
 
-double Walker::distanceToWay(const Eigen::Vector2d& point) const {
+double Walker::distanceToPath(const Eigen::Vector2d& point) const {
   double distance = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Eigen::Vector2d& next = corners[(i + 1) % corners.size()];
@@ -70,21 +70,21 @@ WalkerPath::Step WalkerPath::at(double time) const {
   std::size_t side = 0;
   while (side + 1 < corners.size() && corner_at_[side + 1] <= along) ++side;
   const Eigen::Vector2d& from = corners[side];
-  const Eigen::Vector2d heading = (corners[(side + 1) % corners.size()] - from).normalized();
-  return {from + (along - corner_at_[side]) * heading, heading, traveled};
+  const Eigen::Vector2d direction = (corners[(side + 1) % corners.size()] - from).normalized();
+  return {from + (along - corner_at_[side]) * direction, direction, traveled};
 }
 
-void WalkerPath::meet(const Ray& ray, double time, RayHit& nearest) const {
+void WalkerPath::intersect(const Ray& ray, double time, RayHit& nearest) const {
   const Step step = at(time);
   if (!passesNear(ray, step.position)) return;
-  const Eigen::Vector2d left(-step.heading.y(), step.heading.x());
+  const Eigen::Vector2d left(-step.direction.y(), step.direction.x());
   const Eigen::Vector2d swing =
-      kLegSwing * std::sin(2.0 * kPi * step.traveled / kStride) * step.heading;
+      kLegSwing * std::sin(2.0 * kPi * step.traveled / kStride) * step.direction;
   CylinderSolid({step.position + kLegOffset * left + swing, kLegRadius, 0.0, kLegTop})
-      .meet(ray, nearest);
+      .intersect(ray, nearest);
   CylinderSolid({step.position - kLegOffset * left - swing, kLegRadius, 0.0, kLegTop})
-      .meet(ray, nearest);
-  CylinderSolid({step.position, kTrunkRadius, kLegTop, kTrunkTop}).meet(ray, nearest);
+      .intersect(ray, nearest);
+  CylinderSolid({step.position, kTrunkRadius, kLegTop, kTrunkTop}).intersect(ray, nearest);
 }
 
 }  // namespace kestrel

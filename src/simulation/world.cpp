@@ -17,7 +17,8 @@ void validate(const World::Parts& parts) {
     if (!box.center.allFinite() || !box.size.allFinite() || !std::isfinite(box.yaw) ||
         !(box.size.array() >= 0.0).all() || !(box.from_s < box.until_s)) {
       throw std::invalid_argument(
-          "a box of a world must be finite, no size negative, and there for some time");
+          "a box of a world must be finite, must not have a negative size, and from_s must be less "
+          "than until_s");
     }
   }
   for (const Cylinder& cylinder : parts.cylinders) {
@@ -25,7 +26,7 @@ void validate(const World::Parts& parts) {
         !std::isfinite(cylinder.top) || !(cylinder.top >= cylinder.bottom) ||
         !(std::isfinite(cylinder.radius) && cylinder.radius > 0.0)) {
       throw std::invalid_argument(
-          "a cylinder of a world must be finite, with a positive radius and its top over its "
+          "a cylinder of a world must be finite, with a positive radius and its top above its "
           "bottom");
     }
   }
@@ -33,7 +34,8 @@ void validate(const World::Parts& parts) {
     bool finite = std::isfinite(walker.speed_m_s) && std::isfinite(walker.phase_m);
     for (const Eigen::Vector2d& corner : walker.corners) finite = finite && corner.allFinite();
     if (!finite || walker.corners.empty()) {
-      throw std::invalid_argument("a walker of a world needs corners, all of them finite");
+      throw std::invalid_argument(
+          "a walker of a world needs corners, and all its values must be finite");
     }
   }
   if (!(parts.ceiling_m > 0.0)) {
@@ -68,10 +70,10 @@ RayHit World::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& directi
   const Ray ray = {origin, direction, time};
   RayHit nearest;
   nearest.distance = max_distance;
-  meetPlane(0.0, ray, nearest);
-  if (std::isfinite(index_->parts.ceiling_m)) meetPlane(index_->parts.ceiling_m, ray, nearest);
-  for (const WalkerPath& walker : index_->walkers) walker.meet(ray, time, nearest);
-  index_->grid.meet(ray, nearest);
+  intersectPlane(0.0, ray, nearest);
+  if (std::isfinite(index_->parts.ceiling_m)) intersectPlane(index_->parts.ceiling_m, ray, nearest);
+  for (const WalkerPath& walker : index_->walkers) walker.intersect(ray, time, nearest);
+  index_->grid.intersect(ray, nearest);
   if (!(nearest.distance < max_distance)) return {std::numeric_limits<double>::infinity()};
   return nearest;
 }

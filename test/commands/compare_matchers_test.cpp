@@ -28,11 +28,11 @@ class CompareMatchersTest : public RoomLogTest {
   }
 };
 
-TEST_F(CompareMatchersTest, EveryMatcherMapsTheRecording) {
+TEST_F(CompareMatchersTest, MapsWithEveryMatcher) {
   const Outcome outcome = compare(outputs("out"));
   ASSERT_EQ(outcome.code, 0) << outcome.output;
   EXPECT_CONTAINS(outcome.output, "distance from hybrid, m (mean)");
-  EXPECT_CONTAINS(outcome.output, "picture     " + folder_.file("out/comparison.png") + "\n");
+  EXPECT_CONTAINS(outcome.output, "plot        " + folder_.file("out/comparison.png") + "\n");
   EXPECT_GT(fs::file_size(folder_.file("out/comparison.png")), 1000U);
   for (const std::string& method : matcherNames()) {
     EXPECT_CONTAINS(read("out/comparison.md"), "| " + method + " | 25 | 0 | ");
@@ -43,14 +43,14 @@ TEST_F(CompareMatchersTest, EveryMatcherMapsTheRecording) {
   }
 }
 
-TEST_F(CompareMatchersTest, DrawsTheLikelihoodOfAScan) {
+TEST_F(CompareMatchersTest, PlotsTheLikelihoodOfAScan) {
   const Outcome outcome = compare("--surface 20" + outputs("out"));
   ASSERT_EQ(outcome.code, 0) << outcome.output;
-  EXPECT_CONTAINS(outcome.output, "picture     " + folder_.file("out/surface.png") + "\n");
+  EXPECT_CONTAINS(outcome.output, "plot        " + folder_.file("out/surface.png") + "\n");
   EXPECT_GT(fs::file_size(folder_.file("out/surface.png")), 1000U);
   const Outcome beyond = compare("--surface 99" + outputs("beyond"));
   EXPECT_EQ(beyond.code, 1);
-  EXPECT_CONTAINS(beyond.output, "scan 99 has no likelihood: there were 25 scans");
+  EXPECT_CONTAINS(beyond.output, "scan 99 cannot be shown: the run has 25 scans");
 }
 
 TEST_F(CompareMatchersTest, RelationsGiveTheError) {
@@ -68,7 +68,7 @@ TEST_F(CompareMatchersTest, RelationsGiveTheError) {
   EXPECT_LT(std::stod(outcome.output.substr(row + 20)), 0.03);
 }
 
-TEST_F(CompareMatchersTest, JudgesTheEvaluationFunction) {
+TEST_F(CompareMatchersTest, MeasuresTheEvaluationFunction) {
   const Outcome outcome = compare("--evaluation --matchers gauss_newton" + outputs("out"));
   ASSERT_EQ(outcome.code, 0) << outcome.output;
   EXPECT_CONTAINS(read("out/evaluation.md"), "| gauss_newton | ");
@@ -84,7 +84,8 @@ TEST_F(CompareMatchersTest, BadInputIsOneLineAndExitCodeOne) {
       {folder_.file("missing.bag") + outputs("out"), "missing.bag"},
       {log_ + " --relations " + folder_.file("none") + outputs("out"), "none"},
       {log_ + " --quiet --matchers hybrid --relations " + strange + outputs("out"),
-       "strange.relations: no relation has both of its stamps in the run; check that they belong"},
+       "strange.relations: no relation has both stamps in the run; check that the relations "
+       "belong"},
       {log_ + " --set map_resolution=-1" + outputs("out"), "map_resolution = -1: must be between"},
       {log_ + " --output " + file, "it is a file, not a folder"},
   };

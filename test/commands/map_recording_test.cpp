@@ -31,7 +31,7 @@ class MapRecordingTest : public RoomLogTest {
   Outcome map(const std::string& arguments) { return runCommand(kTool + log_ + " " + arguments); }
 };
 
-TEST_F(MapRecordingTest, WritesEverythingAndSaysWhere) {
+TEST_F(MapRecordingTest, WritesAllFilesAndPrintsTheirPaths) {
   const Outcome outcome = map(outputs("out"));
   ASSERT_EQ(outcome.code, 0) << outcome.output;
   EXPECT_CONTAINS(outcome.output, "scans       41 processed, 0 dropped, 0 lost\n");
@@ -46,10 +46,10 @@ TEST_F(MapRecordingTest, WritesEverythingAndSaysWhere) {
   EXPECT_EQ(trajectory[3].stamp, RoomFlight::stamp(3));
   EXPECT_NEAR(trajectory.back().pose.x, 2.0, 0.03);
   const MapSnapshot written = readMap(folder_.file("out/map.yaml"));
-  EXPECT_NEAR(written.width * written.resolution_m, 5.0, 1.5);  // ahead of the vehicle
+  EXPECT_NEAR(written.width * written.resolution_m, 5.0, 1.5);  // the walls in front of the vehicle
 }
 
-TEST_F(MapRecordingTest, TwiceTheSameBytesWithoutTiming) {
+TEST_F(MapRecordingTest, WithoutTimingTwoRunsGiveTheSameBytes) {
   ASSERT_EQ(map("--no-timing" + outputs("a")).code, 0);
   ASSERT_EQ(map("--no-timing" + outputs("b")).code, 0);
   for (const std::string name : kOutputs) {
@@ -58,7 +58,7 @@ TEST_F(MapRecordingTest, TwiceTheSameBytesWithoutTiming) {
   }
 }
 
-TEST_F(MapRecordingTest, OnlyTheTimingDiffersOtherwise) {
+TEST_F(MapRecordingTest, WithTimingOnlyTheTimingDiffers) {
   ASSERT_EQ(map(outputs("a")).code, 0);
   ASSERT_EQ(map("--no-timing" + outputs("b")).code, 0);
   for (const std::string name : {"map.pgm", "map.yaml", "trajectory.tum"}) {
@@ -69,7 +69,7 @@ TEST_F(MapRecordingTest, OnlyTheTimingDiffersOtherwise) {
   EXPECT_EQ(stats.dump(2) + "\n", read("b/stats.json"));
 }
 
-TEST_F(MapRecordingTest, ParametersComeFromFileThenCommandLine) {
+TEST_F(MapRecordingTest, CommandLineOverridesParameterFile) {
   const std::string yaml = folder_.write("p.yaml", "map_resolution: 0.2\nlaser_max_dist: 20\n");
   const Outcome outcome =
       map("--config " + yaml + " --set map_resolution=0.1 --set clear_range=5" + outputs("out"));
@@ -80,17 +80,17 @@ TEST_F(MapRecordingTest, ParametersComeFromFileThenCommandLine) {
   EXPECT_EQ(parameters["clear_range"], 5.0);
 }
 
-TEST_F(MapRecordingTest, TheOutputFolderIsNamedAfterTheRecording) {
+TEST_F(MapRecordingTest, OutputFolderIsNamedAfterTheRecording) {
   const Outcome outcome = runCommand("cd " + folder_.file("") + " && " + kTool + "flight.clf");
   ASSERT_EQ(outcome.code, 0) << outcome.output;
   EXPECT_TRUE(fs::exists(folder_.file("flight_map/map.pgm")));
 }
 
-TEST_F(MapRecordingTest, TakesTheMountingOfTheLaserOnRequest) {
+TEST_F(MapRecordingTest, LaserPoseReplacesTheRecordedMounting) {
   ASSERT_EQ(map("--laser-pose 0.3,0,90" + outputs("out")).code, 0);
   const Pose2 last = readTum(folder_.file("out/trajectory.tum")).back().pose;
   EXPECT_NEAR(last.x, 0.0, 0.03);
-  EXPECT_NEAR(last.y, 2.0, 0.03);  // the laser's ahead is the vehicle's left
+  EXPECT_NEAR(last.y, 2.0, 0.03);  // forward for the laser is left for the vehicle
 }
 
 TEST_F(MapRecordingTest, UsesOdometryOnRequest) {
@@ -98,7 +98,7 @@ TEST_F(MapRecordingTest, UsesOdometryOnRequest) {
   EXPECT_EQ(nlohmann::json::parse(read("out/stats.json"))["odometry"], "use");
 }
 
-TEST_F(MapRecordingTest, LeavesOutScansOnRequest) {
+TEST_F(MapRecordingTest, SkipsScansOnRequest) {
   ASSERT_EQ(map("--skip-scans 5 --drop-every 10 --drop-beams 0.2 --scans 30" + outputs("out")).code,
             0);
   const nlohmann::json scans = nlohmann::json::parse(read("out/stats.json"))["scans"];
@@ -110,13 +110,13 @@ TEST_F(MapRecordingTest, LeavesOutScansOnRequest) {
   EXPECT_NE(read("out/map.pgm"), read("whole/map.pgm"));
 }
 
-TEST_F(MapRecordingTest, QuietSaysNothing) {
+TEST_F(MapRecordingTest, QuietPrintsNothing) {
   const Outcome outcome = map("--quiet" + outputs("out"));
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.output, "");
 }
 
-TEST_F(MapRecordingTest, ABrokenLineIsCountedAndTheRestMapped) {
+TEST_F(MapRecordingTest, BrokenLineIsCountedAndTheOthersAreMapped) {
   std::string text = RoomFlight::carmenLog(10);
   text += text.substr(text.find("FLASER"), 300) + "\n";  // cut off
   const std::string log = folder_.write("broken.clf", text);
@@ -126,11 +126,11 @@ TEST_F(MapRecordingTest, ABrokenLineIsCountedAndTheRestMapped) {
   EXPECT_CONTAINS(outcome.output, "10 processed, 1 dropped");
 }
 
-TEST_F(MapRecordingTest, InterruptedItWritesWhatIsDone) {
+TEST_F(MapRecordingTest, WritesResultsAfterAnInterrupt) {
   constexpr int kLong = 3000;
   const std::string log = folder_.write("long.clf", RoomFlight::carmenLog(kLong));
-  // The signal comes as soon as the output folder appears, just before the work; the exhaustive
-  // matcher makes that last.
+  // Sends the signal as soon as the output folder exists, just before mapping. The exhaustive
+  // matcher makes mapping slow enough.
   const Outcome outcome =
       runCommand("sh -c '" + kTool + log + " --set matcher=correlative" + outputs("out") +
                  " & pid=$!; until [ -d " + folder_.file("out") +
@@ -149,7 +149,7 @@ TEST_F(MapRecordingTest, BadInputIsOneLineAndExitCodeOne) {
   } cases[] = {
       {folder_.file("missing.bag"), "missing.bag"},
       {folder_.file(""), "folder"},
-      {garbage, "neither a rosbag nor a CARMEN log"},
+      {garbage, "unknown format; use a rosbag, a CARMEN log"},
       {log_ + " --set map_resolutoin=0.1", "did you mean 'map_resolution'?"},
       {log_ + " --set map_resolution=-1", "map_resolution = -1: must be between"},
       {log_ + " --set map_resolution", "must be name=value"},
@@ -157,8 +157,8 @@ TEST_F(MapRecordingTest, BadInputIsOneLineAndExitCodeOne) {
       {log_ + " --config " + bad_yaml, "bad.yaml, line 1: matcher = fast: must be one of"},
       {log_ + " --config " + folder_.file("none.yaml"), "none.yaml"},
       {log_ + " --output " + file, "it is a file, not a folder; choose another --output"},
-      {log_ + " --output " + file + "/out", "cannot make the output folder"},
-      {log_ + " --output /proc/kestrel", "cannot make the output folder /proc/kestrel"},
+      {log_ + " --output " + file + "/out", "cannot create the output folder"},
+      {log_ + " --output /proc/kestrel", "cannot create the output folder /proc/kestrel"},
   };
   for (const auto& [arguments, words] : cases) {
     const Outcome outcome = runCommand(kTool + arguments);
@@ -169,9 +169,10 @@ TEST_F(MapRecordingTest, BadInputIsOneLineAndExitCodeOne) {
   }
 }
 
-TEST_F(MapRecordingTest, AnOutputFolderThatCannotBeWrittenIsFoundBeforeTheWork) {
+TEST_F(MapRecordingTest, UnwritableOutputFolderIsReportedBeforeMapping) {
   const Outcome outcome = map("--output /proc/kestrel");
-  EXPECT_EQ(outcome.output.find("scans"), std::string::npos) << "it began: " << outcome.output;
+  EXPECT_EQ(outcome.output.find("scans"), std::string::npos)
+      << "mapping started: " << outcome.output;
 }
 
 TEST_F(MapRecordingTest, WrongUsageIsExitCodeTwo) {

@@ -57,7 +57,7 @@ TEST(CloudFile, ReadsAsciiPcdWithNan) {
   EXPECT_TRUE(std::isnan(cloud.points[1].x));
 }
 
-TEST(CloudFile, ReadsRawNumbersByTheirEnding) {
+TEST(CloudFile, ReadsRawNumbersByFileExtension) {
   const TemporaryFolder folder;
   std::vector<float> numbers(20, 7.0F);
   numbers[4] = 40.0F;
@@ -70,10 +70,11 @@ TEST(CloudFile, ReadsRawNumbersByTheirEnding) {
   EXPECT_EQ(nuscenes.points[1].x, 50.0F);
 }
 
-TEST(CloudFile, SaysWhatIsWrong) {
+TEST(CloudFile, ErrorsDescribeTheProblem) {
   const TemporaryFolder folder;
-  EXPECT_CONTAINS(problemOf(folder.file("no.pcd")), "no.pcd: no such file");
-  EXPECT_CONTAINS(problemOf(folder.write("a.txt", "hello")), "a.txt: is no cloud: give a rosbag");
+  EXPECT_CONTAINS(problemOf(folder.file("no.pcd")), "no.pcd: the file does not exist");
+  EXPECT_CONTAINS(problemOf(folder.write("a.txt", "hello")),
+                  "a.txt: is not a point cloud; use a rosbag");
   EXPECT_CONTAINS(problemOf(folder.write("a.pcd", pcdHeader("binary") + "abc")),
                   "a.pcd: the payload of the cloud has 3 bytes, fewer than 1 rows of 32 bytes");
   EXPECT_CONTAINS(problemOf(folder.write("a.pcd", pcdHeader("binary_compressed"))),
@@ -84,11 +85,12 @@ TEST(CloudFile, SaysWhatIsWrong) {
   EXPECT_CONTAINS(problemOf(folder.write("a.pcd", pcdHeader("binary", "99999999999999999999"))),
                   "a.pcd: ");
   EXPECT_CONTAINS(problemOf(folder.write("a.pcd", "VERSION 0.7\nFIELDS x y\n")),
-                  "its PCD header is broken");
-  EXPECT_CONTAINS(problemOf(folder.write("a.pcd.bin", "1234567")), "no whole number of points");
+                  "the PCD header is invalid");
+  EXPECT_CONTAINS(problemOf(folder.write("a.pcd.bin", "1234567")),
+                  "is not a multiple of the point size");
 }
 
-/// The tool's exit code and what it printed.
+/// Exit code and output of the tool.
 struct ToolRun {
   int code = -1;
   std::string output;
@@ -112,7 +114,7 @@ std::string magicOf(const std::string& path) {
   return bytes;
 }
 
-/// The numbers of the table's line of a frame: points, hits, clears, floor, outside.
+/// The numbers in the line of a frame: points, hits, clears, floor, outside.
 std::vector<int> rowOf(const std::string& output, const std::string& frame) {
   std::istringstream lines(output);
   for (std::string line; std::getline(lines, line);) {
@@ -125,11 +127,11 @@ std::vector<int> rowOf(const std::string& output, const std::string& frame) {
   return {};
 }
 
-TEST(SliceCloud, CountsAndDrawsARoom) {
+TEST(SliceCloud, CountsAndPlotsARoom) {
   const TemporaryFolder folder;
   std::string points;
   for (int degree = 0; degree < 360; ++degree) {
-    const double angle = (degree + 0.1) * 0.0174532925;  // not on the border of a bin
+    const double angle = (degree + 0.1) * 0.0174532925;  // off the border of a bin
     const double x = 5.0 * std::cos(angle), y = 5.0 * std::sin(angle);
     for (const double z : {-1.5, 0.0, 0.3, 2.5}) {  // floor, wall, wall, above
       std::ostringstream line;
@@ -152,7 +154,8 @@ TEST(SliceCloud, ReportsBadInput) {
   EXPECT_EQ(sliceCloud("--help").code, 0);
   const ToolRun missing = sliceCloud(folder.file("no.pcd") + out);
   EXPECT_EQ(missing.code, 1);
-  EXPECT_CONTAINS(missing.output, "slice_cloud: " + folder.file("no.pcd") + ": no such file");
+  EXPECT_CONTAINS(missing.output,
+                  "slice_cloud: " + folder.file("no.pcd") + ": the file does not exist");
   const ToolRun parameter = sliceCloud(file + out + " --set hight=1");
   EXPECT_EQ(parameter.code, 1);
   EXPECT_CONTAINS(parameter.output, "hight");
@@ -162,7 +165,7 @@ TEST(SliceCloud, ReportsBadInput) {
   EXPECT_CONTAINS(empty.output, "no frame could be sliced");
 }
 
-TEST(SliceCloud, WholeFramesOfAnHdl64GiveASlice) {
+TEST(SliceCloud, FramesOfAnHdl64GiveSlices) {
   const std::string data = dataFolder();
   SKIP_WITHOUT_DATA(data);
   const TemporaryFolder folder;
@@ -185,7 +188,7 @@ TEST(SliceCloud, WholeFramesOfAnHdl64GiveASlice) {
   }
 }
 
-TEST(SliceCloud, OneFrameOfAnHdl32GivesASlice) {
+TEST(SliceCloud, FrameOfAnHdl32GivesASlice) {
   const std::string data = dataFolder();
   SKIP_WITHOUT_DATA(data);
   const PointCloud cloud = readCloudFile(data + "/cloud/hdl32e_single_frame.pcd.bin");
@@ -199,7 +202,7 @@ TEST(SliceCloud, OneFrameOfAnHdl32GivesASlice) {
 }
 
 #ifdef KESTREL_WITH_ROS
-TEST(SliceCloud, EveryCloudOfABagIsSliced) {
+TEST(SliceCloud, SlicesEveryCloudOfABag) {
   const std::string data = dataFolder();
   SKIP_WITHOUT_DATA(data);
   const TemporaryFolder folder;

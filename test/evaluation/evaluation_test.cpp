@@ -12,7 +12,7 @@
 namespace kestrel {
 namespace {
 
-TEST(Statistics, AreThoseOfThePopulation) {
+TEST(Statistics, UsePopulationStandardDeviation) {
   const ErrorStatistics s = statisticsOf({4.0, 1.0, 2.0, 5.0});
   EXPECT_EQ(s.count, 4U);
   EXPECT_DOUBLE_EQ(s.mean, 3.0);
@@ -25,7 +25,8 @@ TEST(Statistics, AreThoseOfThePopulation) {
 }
 
 TEST(Relations, ErrorIsTheDifferenceOfTheRelativePoses) {
-  // From pose 1, pose 2 lies 2 m ahead and is turned left; the relation says 2 m ahead, 1 m left.
+  // Pose 2 in the frame of pose 1 is 2 m ahead and rotated left; in the relation it is 2 m ahead
+  // and 1 m to the left.
   const Trajectory trajectory = {{10.0, Pose2(5.0, 5.0, kPi / 2.0)}, {100.0, Pose2(5.0, 7.0, kPi)}};
   const RelationEvaluation result =
       evaluateRelations(trajectory, {{10.0, 100.0, Pose2(2.0, 1.0, kPi / 2.0 - degToRad(3.0))}});
@@ -36,7 +37,7 @@ TEST(Relations, ErrorIsTheDifferenceOfTheRelativePoses) {
   EXPECT_TRUE(result.unmatched.empty());
 }
 
-TEST(Relations, SeparatesThoseOverAMinuteApart) {
+TEST(Relations, SeparatesRelationsOverMoreThanAMinute) {
   const Trajectory trajectory = {
       {0.0, Pose2()}, {60.0, Pose2(1.0, 0.0, 0.0)}, {60.1, Pose2(2.0, 0.0, 0.0)}};
   const RelationEvaluation result = evaluateRelations(
@@ -47,7 +48,7 @@ TEST(Relations, SeparatesThoseOverAMinuteApart) {
   EXPECT_DOUBLE_EQ(result.distant.translation_m.mean, 2.0);
 }
 
-TEST(Relations, FindsTheRecordedStampAmongUnorderedOnes) {
+TEST(Relations, FindsStampsInAnUnsortedTrajectory) {
   const Trajectory trajectory = {{976052857.9, Pose2(9.0, 0.0, 0.0)},
                                  {976052857.6, Pose2(0.0, 0.0, 0.0)},
                                  {976052857.60005, Pose2(8.0, 0.0, 0.0)},
@@ -58,7 +59,7 @@ TEST(Relations, FindsTheRecordedStampAmongUnorderedOnes) {
   EXPECT_NEAR(result.errors[0].translation_m, 0.0, 1e-12);
 }
 
-TEST(Relations, ReportsStampsThatTheTrajectoryLacks) {
+TEST(Relations, ReportsStampsMissingInTheTrajectory) {
   const Trajectory trajectory = {{1.0, Pose2()}, {2.0, Pose2()}};
   const RelationEvaluation result = evaluateRelations(
       trajectory,
@@ -68,7 +69,7 @@ TEST(Relations, ReportsStampsThatTheTrajectoryLacks) {
   EXPECT_EQ(result.unmatched, (std::vector<double>{2.00002, 3.0}));
 }
 
-TEST(Relations, SaysWhatIsWrongWithAFile) {
+TEST(Relations, ErrorsDescribeTheProblem) {
   const TemporaryFolder folder;
   const auto problem = [&](const std::string& content) {
     const std::string path = folder.write("r.relations", content);
@@ -85,7 +86,7 @@ Trajectory transformed(const Trajectory& trajectory, const Pose2& by) {
   return result;
 }
 
-/// Along x with 0.5 m/s, ten poses a second, then along y.
+/// A motion along x, then along y, with 0.5 m/s and ten poses per second.
 Trajectory bentPath() {
   Trajectory path;
   for (int i = 0; i < 100; ++i) {
@@ -95,7 +96,7 @@ Trajectory bentPath() {
   return path;
 }
 
-TEST(Reference, AlignmentUndoesARigidMotion) {
+TEST(Reference, AlignmentRemovesARigidMotion) {
   const Pose2 motion(3.0, -1.0, 2.0);
   const Trajectory reference = transformed(bentPath(), motion);
   const ReferenceEvaluation result = evaluateReference(bentPath(), reference);
@@ -107,8 +108,8 @@ TEST(Reference, AlignmentUndoesARigidMotion) {
   EXPECT_NEAR(result.rpe_per_meter.translation_m.max, 0.0, 1e-9);
 }
 
-TEST(Reference, AteOfFourPosesByHand) {
-  // The estimate is 10 % too long; the best alignment puts the centers on each other.
+TEST(Reference, AteOfFourPosesMatchesAManualCalculation) {
+  // The estimate is 10 % too long. The best alignment makes the centers equal.
   const Trajectory reference = {
       {0.0, Pose2(0, 0, 0)}, {1.0, Pose2(1, 0, 0)}, {2.0, Pose2(2, 0, 0)}, {3.0, Pose2(3, 0, 0)}};
   Trajectory estimate = reference;
@@ -123,7 +124,7 @@ TEST(Reference, AteOfFourPosesByHand) {
   EXPECT_NEAR(result.rpe_per_second.translation_m.mean, 0.1, 1e-12);
 }
 
-TEST(Reference, IsInterpolatedAcrossTheWrapOfTheAngle) {
+TEST(Reference, InterpolatesAcrossTheYawWrap) {
   const Trajectory reference = {{0.0, Pose2(0.0, 0.0, kPi - 0.1)},
                                 {0.4, Pose2(4.0, 0.0, 0.1 - kPi)}};
   const Trajectory estimate = {{0.0, Pose2(0.0, 0.0, kPi - 0.1)},
@@ -136,14 +137,14 @@ TEST(Reference, IsInterpolatedAcrossTheWrapOfTheAngle) {
   EXPECT_NEAR(result.ate_statistics.rotation_deg.max, 0.0, 1e-6);
 }
 
-TEST(Reference, OtherClocksAreAnError) {
+TEST(Reference, DifferentClocksAreAnError) {
   EXPECT_CONTAINS(messageOf([] {
                     evaluateReference(bentPath(), {{1e9, Pose2()}, {1e9 + 0.1, Pose2()}});
                   }),
                   "same clock");
 }
 
-TEST(EvaluationPlot, WritesAPngEvenOfASinglePose) {
+TEST(EvaluationPlot, WritesAPngForASinglePose) {
   const TemporaryFolder folder;
   const std::string path = folder.file("p.png");
   plotEvaluation(path, {{1.0, Pose2()}}, RelationEvaluation(), std::nullopt);

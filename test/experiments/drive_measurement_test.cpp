@@ -8,7 +8,7 @@
 namespace kestrel {
 namespace {
 
-TEST(DriveMeasurement, TheBeginningOfTheDriveIsMappedWithBothLasers) {
+TEST(DriveMeasurement, BeginOfTheDriveIsMappedWithBothLasers) {
   constexpr std::size_t kWaypoints = 8;
   FlightTrial trial = townDrive();
   trial.place.plan.waypoints.resize(kWaypoints);
@@ -29,7 +29,7 @@ TEST(DriveMeasurement, TheBeginningOfTheDriveIsMappedWithBothLasers) {
   EXPECT_EQ(m.quarters[3].map_mb * 1e6, static_cast<double>(m.flight.run.map_memory_bytes));
 }
 
-TEST(DriveMeasurement, TheDriveIsThatOfThePaper) {
+TEST(DriveMeasurement, DriveHasTheLengthOfThePaper) {
   const FlightTrial trial = townDrive();
   double length = 0.0;
   const auto& points = trial.place.plan.waypoints;

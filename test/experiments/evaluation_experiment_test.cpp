@@ -12,27 +12,27 @@ namespace {
 
 using Trial = EvaluationExperiment::Trial;
 
-TEST(EvaluationExperimentTest, SeparateCountsBothKindsOfMistakes) {
+TEST(EvaluationExperimentTest, SeparateCountsBothKindsOfErrors) {
   const std::vector<Trial> trials = {{1.0, true},  {1.2, true},  {3.0, true},
                                      {1.1, true},  {2.0, false}, {1.5, false},
                                      {4.0, false}, {2.5, false}, {9.0, false}};
-  const Separation separation = separate(trials, 2.0);  // f = 2 does not enter
+  const Separation separation = separate(trials, 2.0);  // f = 2 is rejected
   EXPECT_EQ(separation.good, 4U);
   EXPECT_EQ(separation.bad, 5U);
-  EXPECT_DOUBLE_EQ(separation.good_refused, 0.25);
+  EXPECT_DOUBLE_EQ(separation.good_rejected, 0.25);
   EXPECT_DOUBLE_EQ(separation.bad_accepted, 0.2);
-  // The least that is above the good ones at 1.2, and below the bad one at 1.5.
+  // The smallest threshold above the good matches at 1.2 and below the bad match at 1.5.
   EXPECT_NEAR(bestThreshold(trials), 1.25, 1e-9);
 }
 
-TEST(EvaluationExperimentTest, WithoutTrialsNothingIsWrong) {
+TEST(EvaluationExperimentTest, WithoutTrialsBothFractionsAreZero) {
   const Separation separation = separate({}, 2.0);
   EXPECT_EQ(separation.good + separation.bad, 0U);
-  EXPECT_EQ(separation.good_refused, 0.0);
+  EXPECT_EQ(separation.good_rejected, 0.0);
   EXPECT_EQ(separation.bad_accepted, 0.0);
 }
 
-/// The first seconds of a simulated flight, matched again by `method`.
+/// Runs the experiment with `method` on the first seconds of a simulated flight.
 std::vector<Trial> tryOut(const std::string& method, const ExperimentConfig& experiment_config) {
   Place laboratory = place("laboratory");
   laboratory.quadrotor.level = true;
@@ -50,7 +50,7 @@ std::vector<Trial> tryOut(const std::string& method, const ExperimentConfig& exp
   return experiment.trials();
 }
 
-TEST(EvaluationExperimentTest, UndisplacedStartsAreAllGoodAndEnter) {
+TEST(EvaluationExperimentTest, UndisplacedInitialGuessesAreGoodAndAccepted) {
   ExperimentConfig config;
   config.linear_m = 0.0;
   config.angular_rad = 0.0;
@@ -58,19 +58,19 @@ TEST(EvaluationExperimentTest, UndisplacedStartsAreAllGoodAndEnter) {
   EXPECT_EQ(trials.size(), 60U);  // every tenth of 120 scans, five times
   const Separation separation = separate(trials, EvaluationConfig().threshold);
   EXPECT_EQ(separation.bad, 0U);
-  EXPECT_EQ(separation.good_refused, 0.0);
+  EXPECT_EQ(separation.good_rejected, 0.0);
 }
 
-TEST(EvaluationExperimentTest, TheDefaultThresholdKeepsMostBadMatchesOut) {
+TEST(EvaluationExperimentTest, DefaultThresholdRejectsMostBadMatches) {
   const std::vector<Trial> trials = tryOut("gauss_newton", ExperimentConfig());
   const Separation separation = separate(trials, EvaluationConfig().threshold);
   ASSERT_GT(separation.bad, 10U);
   ASSERT_GT(separation.good, 3U);
   EXPECT_LT(separation.bad_accepted, 0.3);
-  EXPECT_LT(separation.good_refused, 0.5);
+  EXPECT_LT(separation.good_rejected, 0.5);
 }
 
-TEST(EvaluationExperimentTest, TableAndPictureOfEveryMethod) {
+TEST(EvaluationExperimentTest, WritesTableAndPlotOfEachMethod) {
   const std::vector<MethodTrials> methods = {{"hybrid", {{1.0, true}, {3.0, false}}},
                                              {"icp", {{1.0, true}, {1.1, false}}}};
   const std::string table = evaluationTable(methods, 2.0);

@@ -27,7 +27,7 @@ TEST(FlightMeasurement, DistanceToUprightSurfaces) {
   EXPECT_NEAR(distanceToUprightSurface(parts, {-3.0, 1.0}), 0.5, 1e-12);
 }
 
-TEST(FlightMeasurement, FlightsAreMappedToMillimetersAndTheSameTwice) {
+TEST(FlightMeasurement, FlightsAreMappedToMillimetersAndRepeatably) {
   const FlightTrial trial = shortFlight("laboratory");
   const FlightMeasurement first = measureFlight(trial), second = measureFlight(trial);
   EXPECT_EQ(first.lost, 0U);
@@ -41,7 +41,7 @@ TEST(FlightMeasurement, FlightsAreMappedToMillimetersAndTheSameTwice) {
   }
 }
 
-TEST(FlightMeasurement, WithoutTheProjectorTheFloorIsPaintedAsWalls) {
+TEST(FlightMeasurement, WithoutTheProjectorTheFloorAppearsAsWalls) {
   FlightTrial trial = shortFlight("laboratory");
   trial.place.plan.speed_m_s = 2.0;
   trial.place.plan.acceleration_m_s2 = 3.0;

@@ -15,7 +15,7 @@ TEST_P(HardFlights, KeepTheirLimits) {
   const HardFlightMeasurement m = measureHardFlight(flight);
   EXPECT_GT(m.flight.run.scans.size(), 100U);
   EXPECT_EQ(m.failures(flight.limits), "") << flight.trial.name;
-  EXPECT_EQ(m.lost > 0, flight.lost_is_true) << flight.trial.name;
+  EXPECT_EQ(m.lost > 0, flight.lost_expected) << flight.trial.name;
 }
 
 INSTANTIATE_TEST_SUITE_P(All, HardFlights, testing::Range<std::size_t>(0, hardFlights().size()),
@@ -29,12 +29,12 @@ INSTANTIATE_TEST_SUITE_P(All, HardFlights, testing::Range<std::size_t>(0, hardFl
 
 HardFlight blockedFlight() {
   for (const HardFlight& flight : hardFlights()) {
-    if (flight.lost_is_true && !flight.trial.vehicle.imu) return flight;
+    if (flight.lost_expected && !flight.trial.vehicle.imu) return flight;
   }
   throw std::logic_error("no hard flight blocks the view");
 }
 
-TEST(HardFlight, AMapperThatBelievesEverythingMissesThatItIsLost) {
+TEST(HardFlight, MapperThatAcceptsEverythingMissesLostScans) {
   HardFlight flight = blockedFlight();
   flight.trial.config.mapper.lost_score = 0.0;
   flight.trial.config.mapper.min_known_share = 0.0;
@@ -46,7 +46,7 @@ TEST(HardFlight, AMapperThatBelievesEverythingMissesThatItIsLost) {
   EXPECT_NE(m.failures(flight.limits).find("missed over 0"), std::string::npos);
 }
 
-TEST(HardFlight, AMapperThatBelievesNothingGivesFalseAlarms) {
+TEST(HardFlight, MapperThatRejectsEverythingGivesFalseAlarms) {
   HardFlight flight = blockedFlight();
   flight.trial.config.mapper.lost_score = 1.0;
   const HardFlightMeasurement m = measureHardFlight(flight);
@@ -54,7 +54,7 @@ TEST(HardFlight, AMapperThatBelievesNothingGivesFalseAlarms) {
   EXPECT_NE(m.failures(flight.limits).find("false alarms over 0"), std::string::npos);
 }
 
-TEST(HardFlight, FailuresNameWhatExceedsItsLimit) {
+TEST(HardFlight, FailuresListTheExceededLimits) {
   HardFlightMeasurement m;
   EXPECT_EQ(m.failures(HardLimits()), "");
   m.ate_m = 0.03;

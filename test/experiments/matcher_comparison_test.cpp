@@ -9,7 +9,8 @@
 namespace kestrel {
 namespace {
 
-/// Scans at 0, 1, 2, ... s, at `step` m from each other along x, the last one `off` m to the side.
+/// A run with scans at 0, 1, 2, ... s and `step` m between them along x; the last one is `off` m to
+/// the side.
 MethodRun runOf(const std::string& method, double step, double off) {
   MethodRun result{method, {}};
   for (int i = 0; i < 4; ++i) {
@@ -24,7 +25,7 @@ MethodRun runOf(const std::string& method, double step, double off) {
   return result;
 }
 
-TEST(MatcherComparisonTest, WithoutRelationsDistancesFromTheReference) {
+TEST(MatcherComparisonTest, WithoutRelationsRunsAreComparedWithTheReference) {
   const std::vector<MethodRun> runs = {runOf("icp", 1.1, 0.4), runOf("hybrid", 1.0, 0.0)};
   const MatcherComparison comparison = compareRuns(runs, std::nullopt, "hybrid");
   EXPECT_EQ(comparison.reference, "hybrid");
@@ -37,28 +38,28 @@ TEST(MatcherComparisonTest, WithoutRelationsDistancesFromTheReference) {
   EXPECT_EQ(compareRuns({runs[0]}, std::nullopt, "hybrid").reference, "icp");
 }
 
-TEST(MatcherComparisonTest, RelationsAreJudgedForEveryMethodAtTheirLaterStamp) {
+TEST(MatcherComparisonTest, RelationErrorsHaveTheLaterStamp) {
   const std::vector<MethodRun> runs = {runOf("icp", 1.1, 0.0), runOf("hybrid", 1.0, 0.0)};
   const std::vector<Relation> relations = {{2.0, 0.0, Pose2(-2.0, 0.0, degToRad(1.0))},
                                            {1.0, 77.0, Pose2()}};
   const MatcherComparison comparison = compareRuns(runs, relations, "hybrid");
   EXPECT_EQ(comparison.reference, "");
   ASSERT_EQ(comparison.errors.size(), 2U);
-  ASSERT_EQ(comparison.errors[0].errors.size(), 1U);  // nothing was scanned at 77 s
+  ASSERT_EQ(comparison.errors[0].errors.size(), 1U);  // there is no scan at 77 s
   EXPECT_EQ(comparison.errors[0].errors[0].stamp, 2.0);
   EXPECT_NEAR(comparison.errors[0].errors[0].translation_m, 0.2, 1e-9);
   EXPECT_NEAR(comparison.errors[0].errors[0].rotation_deg, 1.0, 1e-9);
   EXPECT_NEAR(comparison.errors[1].errors[0].translation_m, 0.0, 1e-9);
 }
 
-TEST(MatcherComparisonTest, RelationsOfAnotherRecordingAreRefused) {
+TEST(MatcherComparisonTest, RelationsOfAnotherRecordingAreRejected) {
   EXPECT_CONTAINS(messageOf([] {
                     compareRuns({runOf("icp", 1.0, 0.0)}, {{{50.0, 51.0, Pose2()}}}, "hybrid");
                   }),
-                  "no relation has both of its stamps");
+                  "no relation has both stamps");
 }
 
-TEST(MatcherComparisonTest, TheTableHasARowForEveryMethod) {
+TEST(MatcherComparisonTest, TableHasARowForEachMethod) {
   const std::vector<MethodRun> runs = {runOf("icp", 1.1, 0.4), runOf("hybrid", 1.0, 0.0)};
   const MatcherComparison comparison = compareRuns(runs, std::nullopt, "hybrid");
   const std::string table = comparisonTable(runs, comparison, true);
@@ -68,7 +69,7 @@ TEST(MatcherComparisonTest, TheTableHasARowForEveryMethod) {
   EXPECT_EQ(comparisonTable(runs, comparison, false).find("ms"), std::string::npos);
 }
 
-TEST(MatcherComparisonTest, ThePictureIsWritten) {
+TEST(MatcherComparisonTest, WritesThePlot) {
   const std::vector<MethodRun> runs = {runOf("icp", 1.1, 0.4), runOf("hybrid", 1.0, 0.0)};
   TemporaryFolder folder;
   plotComparison(folder.file("c.png"), runs, compareRuns(runs, std::nullopt, "hybrid"));

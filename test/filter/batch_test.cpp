@@ -18,10 +18,10 @@ namespace {
 constexpr double kImuHz = 100.0;
 constexpr double kDuration = 10.0;  // s
 constexpr double kRest = 1.5;       // s
-constexpr int kPerNode = 5;         // IMU samples between two states of the batch
-constexpr double kFixSigma = 0.02;  // m, of the positions
+constexpr int kPerNode = 5;         // IMU samples between two nodes of the batch
+constexpr double kFixSigma = 0.02;  // of a position measurement, m
 
-/// Rotation vector, position, velocity and both biases, of one time.
+/// Rotation vector, position, velocity, gyro bias and accelerometer bias at one time.
 using Node = std::array<double, 15>;
 
 template <typename T>
@@ -42,15 +42,15 @@ Eigen::Quaternion<T> rotationOf(const T* vector) {
   return Eigen::Quaternion<T>(cos(T(0.5) * angle), s * v.x(), s * v.y(), s * v.z());
 }
 
-/// Small rotations only.
+/// The rotation vector of a small rotation.
 template <typename T>
 Vector<T> twiceVector(const Eigen::Quaternion<T>& q) {
   return T(2.0) * q.vec() * (q.w() < T(0.0) ? T(-1.0) : T(1.0));
 }
 
-/// The motion between two nodes by the IMU, trapezoidal; independent of the filter's code.
+/// The motion between two nodes from the IMU, trapezoidal. Independent of the code of the filter.
 struct ImuFactor {
-  std::vector<ImuSample> samples;  ///< from the first node to the second, both included
+  std::vector<ImuSample> samples;  ///< from the first node to the second, including both
   ImuNoiseConfig noise;
 
   template <typename T>
@@ -76,7 +76,7 @@ struct ImuFactor {
     const double time = samples.back().stamp - samples.front().stamp, root = std::sqrt(time);
     const Vector<T> turned =
         twiceVector(Eigen::Quaternion<T>(rotationOf(b) * rotation.conjugate()));
-    // Of the position, what the noise of the velocity does not already explain.
+    // The part of the position noise that is not explained by the velocity noise.
     const double velocity_sigma = noise.accelerometer_noise * root;
     const double rest_sigma = velocity_sigma * time / std::sqrt(12.0);
     for (int i = 0; i < 3; ++i) {
@@ -100,7 +100,7 @@ struct FixFactor {
   }
 };
 
-/// The same flight for both: at rest, then moving, with a position every 50 ms.
+/// The flight for filter and batch: at rest, then moving, with a position every 50 ms.
 struct BatchFlight {
   FilterFlight flight;
   std::vector<ImuSample> samples;
@@ -200,9 +200,9 @@ class BatchProblem {
 
  private:
   void addPrior(const FilterOutput& start) {
-    nodes_.reserve(1000);  // Ceres keeps their addresses
+    nodes_.reserve(1000);  // Ceres stores their addresses
     nodes_.push_back(nodeOf(start));
-    // The whole covariance of the start: tilt and accelerometer bias depend on each other.
+    // The full covariance of the initial state, because tilt and accelerometer bias are correlated.
     const FilterCovariance root = start.covariance.llt().matrixL();
     ceres::Matrix whitening = root.inverse();
     ceres::Vector mean = Eigen::Map<const ceres::Vector>(nodes_.back().data(), 15);
@@ -216,7 +216,8 @@ class BatchProblem {
     factor->samples.assign(begin, begin + kPerNode + 1);
     nodes_.push_back(nodes_.back());
     const double time = factor->samples.back().stamp - batch.flight.start_stamp;
-    const FilterFlight::Truth truth = batch.flight.at(time);  // only where it begins to search
+    // Only the initial guess of the solver.
+    const FilterFlight::Truth truth = batch.flight.at(time);
     FilterOutput near;
     near.map_T_base.linear() = truth.map_R_base.toRotationMatrix();
     near.map_T_base.translation() = truth.position;
@@ -236,8 +237,9 @@ class BatchProblem {
   std::vector<Node> nodes_;
 };
 
-/// At its end a filter knows all that the batch knows: linear, they would be equal. What differs is
-/// where each is linearized, a small part of what the filter claims not to know.
+/// At the end of the flight the filter has used the same information as the batch. For a linear
+/// system the results would be equal. The only difference are the linearization points; it must be
+/// small compared with the uncertainty.
 TEST(PoseFilterBatch, AgreesWithBatchLeastSquares) {
   const BatchFlight batch;
   const FilterRun run = runFilter(batch);

@@ -16,13 +16,13 @@ Eigen::Matrix3d rotated(const Eigen::Vector3d& variances, const Eigen::Vector3d&
   return r * variances.asDiagonal() * r.transpose();
 }
 
-TEST(CovarianceIntersection, OfEqualEstimatesIsNeither) {
+TEST(CovarianceIntersection, OfEqualCovariancesIsTheSameCovariance) {
   const Eigen::Matrix3d c = rotated({1.0, 4.0, 9.0}, {0.1, 0.2, 0.3});
   const Intersection fused = intersect(c, c);
   EXPECT_LT((fused.covariance - c).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-TEST(CovarianceIntersection, TakesTheBetterOneWhole) {
+TEST(CovarianceIntersection, SelectsTheBetterEstimateIfItIsBetterInAllDirections) {
   const Eigen::Matrix3d c = rotated({1.0, 4.0, 9.0}, {0.1, 0.2, 0.3});
   EXPECT_EQ(intersect(c, 4.0 * c).weight, 1.0);
   const Intersection measured = intersect(4.0 * c, c);
@@ -31,8 +31,8 @@ TEST(CovarianceIntersection, TakesTheBetterOneWhole) {
   EXPECT_LT((measured.gain - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-/// The definition, and no other weight is better.
-TEST(CovarianceIntersection, IsTheDefinitionAtTheBestWeight) {
+/// The result follows the definition, and no other weight is better.
+TEST(CovarianceIntersection, MatchesTheDefinitionWithTheBestWeight) {
   const Eigen::Matrix3d a = rotated({1.0, 0.1, 2.0}, {0.3, -0.2, 0.5});
   const Eigen::Matrix3d b = rotated({0.2, 1.5, 1.0}, {-0.4, 0.6, 0.1});
   const Intersection fused = intersect(a, b);
@@ -49,9 +49,9 @@ TEST(CovarianceIntersection, IsTheDefinitionAtTheBestWeight) {
   }
 }
 
-/// Whatever the correlation of the two errors, the true covariance of the result is within what is
-/// claimed (Julier and Uhlmann 1997).
-TEST(CovarianceIntersection, ClaimsNoMoreThanIsTrueForAnyCorrelation) {
+/// For any correlation of the two errors the true covariance is not larger than the result [Julier
+/// 1997].
+TEST(CovarianceIntersection, IsNotOverconfidentForAnyCorrelation) {
   const Eigen::Matrix3d a = rotated({1.0, 0.1, 2.0}, {0.3, -0.2, 0.5});
   const Eigen::Matrix3d b = rotated({0.2, 1.5, 1.0}, {-0.4, 0.6, 0.1});
   const Intersection fused = intersect(a, b);
@@ -63,8 +63,8 @@ TEST(CovarianceIntersection, ClaimsNoMoreThanIsTrueForAnyCorrelation) {
     const Eigen::Matrix3d truth = rest * a * rest.transpose() +
                                   fused.gain * b * fused.gain.transpose() + mixed +
                                   mixed.transpose();
-    const Eigen::Matrix3d spare = fused.covariance - truth;
-    EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spare).eigenvalues()(0), -1e-9)
+    const Eigen::Matrix3d margin = fused.covariance - truth;
+    EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(margin).eigenvalues()(0), -1e-9)
         << correlation;
   }
 }

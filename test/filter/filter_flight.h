@@ -14,7 +14,7 @@
 
 namespace kestrel {
 
-/// A smooth flight that is known exactly: rest, then sweeping curves with roll, pitch and yaw.
+/// A smooth flight with exact ground truth: at rest, then curves with roll, pitch and yaw.
 struct FilterFlight {
   double rest_s = 1.5;
   Eigen::Vector3d gyro_bias = {0.004, -0.003, 0.002};
@@ -29,7 +29,7 @@ struct FilterFlight {
     double yaw() const { return yawOf(map_R_base); }
   };
 
-  /// Time that has passed for the motion: it begins slowly.
+  /// Time parameter of the motion, which starts slowly.
   double progress(double time) const {
     const double t = std::max(0.0, time - rest_s);
     return t - std::tanh(t);
@@ -53,10 +53,10 @@ struct FilterFlight {
             rotation(time)};
   }
 
-  /// Without noise, but for the biases.
+  /// An IMU sample without noise, but with the biases.
   ImuSample imu(double time) const {
     constexpr double kStep = 1e-3;
-    const auto place = [&](double t) -> Eigen::Vector3d {  // of the IMU
+    const auto place = [&](double t) -> Eigen::Vector3d {  // position of the IMU
       return position(t) + rotation(t) * base_T_imu.translation();
     };
     const Eigen::Vector3d acceleration =
@@ -89,13 +89,14 @@ struct FilterFlight {
   }
 };
 
-/// How a flight reaches the filter; every hook may change a message, and false drops it.
+/// How a flight is fed to the filter. Every hook may change a message; if it returns false the
+/// message is dropped.
 struct Feeding {
   double imu_hz = 100.0;
-  int per_pose = 4, per_range = 5;  ///< IMU samples; 0: none
-  double pose_late_s = 0.02;        ///< a multiple of the IMU's period
+  int per_pose = 4, per_range = 5;  ///< in IMU samples; 0: none
+  double pose_late_s = 0.02;        ///< delay, a multiple of the IMU period
   double from_s = 0.0, until_s = 20.0;
-  double gyro_noise = 0.009, accelerometer_noise = 0.02;  ///< of a sample
+  double gyro_noise = 0.009, accelerometer_noise = 0.02;  ///< of one sample
   double pose_noise_m = 0.002, range_noise_m = 0.01;
   std::function<bool(double, ImuSample&)> imu;
   std::function<bool(double, PoseMeasurement&)> pose;
@@ -138,7 +139,7 @@ inline void feed(const FilterFlight& flight, const Feeding& feeding, PoseFilter&
   }
 }
 
-/// Errors of an output against the truth of its stamp.
+/// Errors of an output compared with the truth at its stamp.
 struct FilterErrors {
   double position_m, velocity, tilt_rad, yaw_rad;
 };
@@ -151,6 +152,11 @@ inline FilterErrors errorsOf(const FilterFlight& flight, const FilterOutput& out
   return {(output.map_T_base.translation() - truth.position).norm(),
           (output.velocity - truth.velocity).norm(), std::asin(up.cross(found_up).norm()),
           std::abs(std::remainder(yawOf(found) - truth.yaw(), 2.0 * 3.14159265358979))};
+}
+
+/// `time`: since the beginning of the flight, s.
+inline FilterStatus statusAtEnd(const PoseFilter& filter, const FilterFlight& flight, double time) {
+  return filter.status(flight.start_stamp + time);
 }
 
 }  // namespace kestrel

@@ -11,9 +11,9 @@ namespace kestrel {
 namespace {
 
 constexpr double kStep = 1e-6;       // of the finite differences
-constexpr double kTolerance = 2e-8;  // of a derivative: rounding over the step
+constexpr double kTolerance = 2e-8;  // of a derivative: rounding error divided by the step
 
-/// Tilted, turned, moving, with biases: nothing is zero by chance.
+/// Tilted, rotated, moving and with biases, so that no term is zero.
 FilterState someState() {
   FilterState state;
   state.map_R_base = rotationBy({0.2, -0.3, 2.0});
@@ -26,7 +26,7 @@ FilterState someState() {
   return state;
 }
 
-/// The derivative of `f` at `state` by the error state, by central differences.
+/// The derivative of `f` at `state` with respect to the error state, by central differences.
 template <int Rows>
 Eigen::Matrix<double, Rows, kStateDim> differences(
     const FilterState& state,
@@ -41,7 +41,8 @@ Eigen::Matrix<double, Rows, kStateDim> differences(
   return result;
 }
 
-/// predicted = measured - innovation, so its derivative is minus that of the innovation.
+/// predicted = measured - innovation, so the derivative of the prediction is minus that of the
+/// innovation.
 template <int Rows>
 void expectJacobian(Linearized<Rows> (*linearize)(const Measurement&, const FilterState&),
                     const Measurement& measurement) {
@@ -55,7 +56,7 @@ void expectJacobian(Linearized<Rows> (*linearize)(const Measurement&, const Filt
                                                                   << expected;
 }
 
-TEST(Jacobian, EveryMeasurementIsThatOfFiniteDifferences) {
+TEST(Jacobian, EveryMeasurementAgreesWithFiniteDifferences) {
   Measurement m;
   m.value = {0.5, 0.1, 0.2};
   expectJacobian<3>(linearizePose, m);
@@ -75,7 +76,7 @@ ImuInput someInput() {
   return input;
 }
 
-TEST(Jacobian, TransitionIsThatOfFiniteDifferences) {
+TEST(Jacobian, TransitionAgreesWithFiniteDifferences) {
   const FilterState state = someState();
   const ImuInput input = someInput();
   for (const double dt : {0.0025, 0.01}) {
@@ -87,7 +88,8 @@ TEST(Jacobian, TransitionIsThatOfFiniteDifferences) {
       return errorBetween(moved, end);
     });
     const StateMatrix found = transition(state, input, dt);
-    // Left out: the turn of the biases' axes within half a step, rate dt / 4 of what is dt² / 2.
+    // The transition neglects the rotation of the bias axes within half a step: rate dt / 4,
+    // relative to a term of dt² / 2.
     const double allowed = kTolerance + 3e-4 * dt;
     EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), allowed) << found - expected;
     EXPECT_GT((StateMatrix::Identity() - expected).cwiseAbs().maxCoeff(), 0.9 * dt);

@@ -13,10 +13,6 @@
 namespace kestrel {
 namespace {
 
-FilterStatus statusAtEnd(const PoseFilter& filter, const FilterFlight& flight, double time) {
-  return filter.status(flight.start_stamp + time);
-}
-
 TEST(PoseFilter, FollowsAFlightAndLearnsTheBiases) {
   const FilterFlight flight;
   PoseFilter filter;
@@ -48,36 +44,7 @@ TEST(PoseFilter, FollowsAFlightAndLearnsTheBiases) {
   EXPECT_GT(status.of(FilterSensor::kPose).accepted, 900U);
 }
 
-TEST(PoseFilter, AnImuOnAnArmFeelsTheTurns) {
-  FilterFlight flight;
-  flight.base_T_imu = Eigen::Translation3d(0.4, -0.3, 0.2) *
-                      Eigen::AngleAxisd(2.0, Eigen::Vector3d(1.0, 2.0, -1.0).normalized());
-  const auto worstVelocity = [&](const Eigen::Isometry3d& told) {
-    FilterFlight as_told = flight;
-    PoseFilter filter;
-    double worst = 0.0;
-    Feeding feeding;
-    feeding.imu = [&](double time, ImuSample& sample) {
-      const double stamp = sample.stamp;
-      sample = flight.imu(time);
-      sample.stamp = stamp;
-      return true;
-    };
-    feeding.output = [&](double time, const FilterOutput& output) {
-      if (time > 5.0) worst = std::max(worst, errorsOf(flight, output).velocity);
-    };
-    as_told.base_T_imu = told;
-    feed(as_told, feeding, filter);
-    return worst;
-  };
-  Eigen::Isometry3d without_arm = flight.base_T_imu;
-  without_arm.translation().setZero();
-  const double right = worstVelocity(flight.base_T_imu), wrong = worstVelocity(without_arm);
-  EXPECT_LT(right, 0.05);
-  EXPECT_GT(wrong, 2.0 * right);
-}
-
-TEST(PoseFilter, StartsInTheAir) {
+TEST(PoseFilter, InitializesInFlight) {
   const FilterFlight flight;
   PoseFilter filter;
   Feeding feeding;
@@ -91,15 +58,15 @@ TEST(PoseFilter, StartsInTheAir) {
   EXPECT_LT(errors.tilt_rad, 0.01);
 }
 
-/// The chain of frames: odom is smooth, and map_T_odom is level.
-TEST(PoseFilter, OdomMovesAsTheVelocitySaysWhateverIsCorrected) {
+/// The frames: odom_T_base is smooth and map_T_odom is level.
+TEST(PoseFilter, OdomFollowsTheVelocityDuringCorrections) {
   const FilterFlight flight;
   PoseFilter filter;
   std::optional<FilterOutput> last;
   double worst = 0.0, corrected = 0.0;
   Feeding feeding;
   feeding.pose = [](double time, PoseMeasurement& pose) {
-    if (time > 10.0) pose.pose = Pose2(0.5, -0.3, 0.2) * pose.pose;  // the map is corrected
+    if (time > 10.0) pose.pose = Pose2(0.5, -0.3, 0.2) * pose.pose;  // a correction of the map
     return true;
   };
   feeding.output = [&](double, const FilterOutput& now) {
@@ -116,13 +83,13 @@ TEST(PoseFilter, OdomMovesAsTheVelocitySaysWhateverIsCorrected) {
   };
   feed(flight, feeding, filter);
   EXPECT_LT(worst, 0.001);
-  EXPECT_GT(corrected, 0.3);  // the jump is in map
+  EXPECT_GT(corrected, 0.3);  // the jump is in map_T_odom
   EXPECT_EQ(statusAtEnd(filter, flight, 20.0).reinitializations, 1U);
   EXPECT_NEAR(filter.output()->map_T_base.translation().x(),
               (Pose2(0.5, -0.3, 0.2) * flight.pose(19.99).pose).x, 0.03);
 }
 
-TEST(PoseFilter, DelayedMeasurementsGiveTheSameAsThoseInOrder) {
+TEST(PoseFilter, DelayedMeasurementsGiveTheSameResult) {
   const FilterFlight flight;
   Feeding feeding;
   feeding.pose_noise_m = feeding.gyro_noise = feeding.accelerometer_noise = 0.0;
@@ -130,12 +97,12 @@ TEST(PoseFilter, DelayedMeasurementsGiveTheSameAsThoseInOrder) {
   feeding.imu_hz = 200.0;
   PoseFilter in_order, late;
   feeding.pose_late_s = 0.0;
-  // Between two IMU samples, where the state has to be propagated to.
+  // Between two IMU samples, so that the state must be propagated to this time.
   feeding.pose = [](double, PoseMeasurement& pose) { return pose.stamp += 1e-3, true; };
   feed(flight, feeding, in_order);
   feeding.pose_late_s = 0.3;
   feed(flight, feeding, late);
-  // The poses of the last 0.3 s have not come yet.
+  // The poses of the last 0.3 s are missing so far.
   for (int i = 3940; i < 4000; ++i) {
     if (i % feeding.per_pose != 0) continue;
     PoseMeasurement pose = flight.pose(i / 200.0);
@@ -159,8 +126,8 @@ TEST(PoseFilter, RepeatedCorrelatedPosesDoNotMakeItOverconfident) {
   Feeding feeding;
   feeding.until_s = 60.0;
   feeding.pose_noise_m = 0.0;
-  const double wrong_m = 0.005;  // the map's own error: the same in every pose
-  feeding.pose = [&](double, PoseMeasurement& pose) { return pose.pose.x += wrong_m, true; };
+  const double map_error_m = 0.005;  // error of the map, the same in every pose
+  feeding.pose = [&](double, PoseMeasurement& pose) { return pose.pose.x += map_error_m, true; };
   feeding.output = [&](double time, const FilterOutput& output) {
     if (time < 2.0) return;
     EXPECT_GE(output.covariance(kPosition, kPosition), 0.99 * 2.5e-5) << time;
@@ -172,7 +139,8 @@ TEST(PoseFilter, RepeatedCorrelatedPosesDoNotMakeItOverconfident) {
       0U);
 }
 
-/// In a shifted map the velocity is right, and the claimed correlation must allow for that.
+/// In a shifted map the velocity is correct. The correlation of position and velocity must allow
+/// for that.
 TEST(PoseFilter, AShiftedMapDoesNotContradictTheVelocity) {
   const FilterFlight flight;
   PoseFilter filter;
@@ -181,7 +149,7 @@ TEST(PoseFilter, AShiftedMapDoesNotContradictTheVelocity) {
   feeding.pose_noise_m = 0.0;
   const double shift_m = 0.01;
   feeding.pose = [&](double, PoseMeasurement& pose) { return pose.pose.x += shift_m, true; };
-  double together = 0.0, alone = 0.0;  // sums of squared errors, in sigmas
+  double joint = 0.0, position_only = 0.0;  // sums of squared normalized errors
   feeding.output = [&](double time, const FilterOutput& output) {
     if (time < 5.0) return;
     const FilterFlight::Truth truth = flight.at(time);
@@ -190,93 +158,51 @@ TEST(PoseFilter, AShiftedMapDoesNotContradictTheVelocity) {
     Eigen::Matrix2d p;
     p << output.covariance(kPosition, kPosition), output.covariance(kPosition, kVelocity),
         output.covariance(kVelocity, kPosition), output.covariance(kVelocity, kVelocity);
-    alone += error.x() * error.x() / p(0, 0);
-    together += error.dot(p.inverse() * error);
+    position_only += error.x() * error.x() / p(0, 0);
+    joint += error.dot(p.inverse() * error);
   };
   feed(flight, feeding, filter);
-  EXPECT_LT(together, 3.5 * alone);
+  EXPECT_LT(joint, 3.5 * position_only);
 }
 
-/// The mapper that sees nothing says what it was told; its claimed error grows as dead reckoning.
+/// The poses of the mapper only repeat the prediction of the filter; their covariance grows as in
+/// dead reckoning.
 TEST(PoseFilter, ABiasedPredictionDoesNotConfirmItself) {
   const FilterFlight flight;
   PoseFilter filter;
   Feeding feeding;
   feeding.until_s = 25.0;
-  double begin_speed_sigma = 0.0, gone_wrong = 0.0, claimed = 0.0;
+  double initial_speed_sigma = 0.0, error_m = 0.0, sigma_m = 0.0;
   feeding.imu = [](double time, ImuSample& sample) {
     if (time > 10.0) sample.linear_acceleration->x() += 0.05;  // the bias changes
     return true;
   };
   feeding.pose = [&](double time, PoseMeasurement& pose) {
     if (time < 10.0) return true;
-    const auto said = filter.at(pose.stamp);
-    if (!said) return false;
-    const Eigen::Vector3d place = said->map_T_base.translation();
-    pose.pose = Pose2(place.x(), place.y(), yawOf(Eigen::Quaterniond(said->map_T_base.linear())));
-    const double blind = time - 10.0;
-    const double sigma = 0.05 * blind + 0.025 * blind * blind + 0.005;  // as PoseUncertainty has it
+    const auto predicted = filter.at(pose.stamp);
+    if (!predicted) return false;
+    const Eigen::Vector3d place = predicted->map_T_base.translation();
+    pose.pose =
+        Pose2(place.x(), place.y(), yawOf(Eigen::Quaterniond(predicted->map_T_base.linear())));
+    const double seconds = time - 10.0;
+    // As in PoseUncertainty.
+    const double sigma = 0.05 * seconds + 0.025 * seconds * seconds + 0.005;
     pose.covariance.diagonal().head<2>().setConstant(sigma * sigma);
     return true;
   };
   feeding.output = [&](double time, const FilterOutput& output) {
     const double sigma = std::sqrt(output.covariance(kVelocity, kVelocity));
-    if (time < 10.0) begin_speed_sigma = sigma;
-    gone_wrong = errorsOf(flight, output).position_m;
-    claimed = std::sqrt(output.covariance.block<2, 2>(kPosition, kPosition).trace());
+    if (time < 10.0) initial_speed_sigma = sigma;
+    error_m = errorsOf(flight, output).position_m;
+    sigma_m = std::sqrt(output.covariance.block<2, 2>(kPosition, kPosition).trace());
   };
   feed(flight, feeding, filter);
-  EXPECT_GT(gone_wrong, 0.3);            // it is biased indeed,
-  EXPECT_GT(claimed, gone_wrong / 3.0);  // and does not claim otherwise
-  EXPECT_GT(std::sqrt(filter.output()->covariance(kVelocity, kVelocity)), begin_speed_sigma);
+  EXPECT_GT(error_m, 0.3);            // the prediction is biased,
+  EXPECT_GT(sigma_m, error_m / 3.0);  // and the covariance shows it
+  EXPECT_GT(std::sqrt(filter.output()->covariance(kVelocity, kVelocity)), initial_speed_sigma);
 }
 
-TEST(PoseFilter, StepsOverATable) {
-  const FilterFlight flight;
-  PoseFilter filter;
-  Feeding feeding;
-  constexpr double kTable = 0.7;
-  feeding.range = [](double time, HeightSample& range) {
-    const bool over_table = (time > 8.0 && time < 11.0) || time > 17.0;
-    return range.height_m -= over_table ? kTable : 0.0, true;
-  };
-  double worst = 0.0;
-  feeding.output = [&](double time, const FilterOutput& output) {
-    if (time < 3.0) return;
-    const double truth = flight.at(time).position.z();
-    worst = std::max(worst, std::abs(output.map_T_base.translation().z() - truth));
-    if (time > 9.0 && time < 11.0) {
-      EXPECT_NEAR(output.ground_m, kTable, 0.05) << time;
-    } else if (time > 12.0 && time < 17.0) {
-      EXPECT_NEAR(output.ground_m, 0.0, 0.02) << time;  // it is the floor again
-    }
-  };
-  feed(flight, feeding, filter);
-  EXPECT_LT(worst, 0.04);
-  EXPECT_EQ(statusAtEnd(filter, flight, 20.0).of(FilterSensor::kRange).rejected.at("step below"),
-            3U);
-}
-
-TEST(PoseFilter, BarometerHoldsTheHeightWhereNothingElseMeasuresIt) {
-  const FilterFlight flight;
-  PoseFilter filter;
-  Feeding feeding;
-  feeding.until_s = 40.0;
-  Random random(3);
-  feeding.range = [](double time, HeightSample&) { return time < 10.0; };
-  feeding.imu = [&](double time, ImuSample& sample) {
-    HeightSample barometer{sample.stamp, 431.0 + flight.position(time).z()};
-    barometer.height_m += 0.1 * random.gaussian();
-    if (std::lround(time * 100.0) % 10 == 0) filter.addBarometer(barometer);
-    return true;
-  };
-  feed(flight, feeding, filter);
-  const double error = filter.output()->map_T_base.translation().z() - flight.position(39.99).z();
-  EXPECT_LT(std::abs(error), 0.3);
-  EXPECT_LT(std::abs(error), 3.0 * std::sqrt(filter.output()->covariance(5, 5)));
-}
-
-TEST(PoseFilter, CoastsWithoutPosesAndSaysSo) {
+TEST(PoseFilter, CoastsWithoutPosesAndReportsIt) {
   const FilterFlight flight;
   PoseFilter filter;
   Feeding feeding;
@@ -288,37 +214,7 @@ TEST(PoseFilter, CoastsWithoutPosesAndSaysSo) {
   EXPECT_GT(filter.output()->covariance(kPosition, kPosition), 1e-4);
 }
 
-TEST(PoseFilter, TakesGpsAndHeading) {
-  const FilterFlight flight;
-  PoseFilter filter;
-  Feeding feeding;
-  feeding.until_s = 40.0;
-  feeding.per_pose = feeding.per_range = 0;
-  Random random(5);
-  int i = 0;
-  feeding.imu = [&](double time, ImuSample& sample) {
-    if (++i % 20 == 0) {
-      PositionMeasurement fix{sample.stamp, flight.position(time),
-                              0.25 * Eigen::Matrix3d::Identity()};
-      for (double& axis : fix.position) axis += 0.5 * random.gaussian();
-      filter.addPosition(fix);
-    }
-    if (i % 10 == 0) {
-      filter.addYaw({sample.stamp, flight.at(time).yaw() + 0.05 * random.gaussian(), 0.1});
-    }
-    return true;
-  };
-  feed(flight, feeding, filter);
-  const FilterErrors errors = errorsOf(flight, *filter.output());
-  EXPECT_LT(errors.position_m, 0.6);
-  EXPECT_LT(errors.velocity, 0.3);
-  EXPECT_LT(errors.yaw_rad, 0.1);
-  const FilterStatus status = statusAtEnd(filter, flight, 40.0);
-  EXPECT_EQ(status.health, FilterHealth::kOk);
-  EXPECT_GT(status.of(FilterSensor::kYaw).accepted, 300U);
-}
-
-TEST(PoseFilter, IsPlacedBeforeAndAfterTheStart) {
+TEST(PoseFilter, SetPoseWorksBeforeAndAfterTheInitialization) {
   const FilterFlight flight;
   PoseFilter filter;
   const Eigen::Matrix3d covariance = 0.01 * Eigen::Matrix3d::Identity();
@@ -360,7 +256,7 @@ TEST(PoseFilter, RestartsOnRequestWithoutAJumpInOdom) {
   EXPECT_EQ(statusAtEnd(filter, flight, 18.0).resets.at("on request"), 1U);
 }
 
-TEST(PoseFilter, RemembersItsHistory) {
+TEST(PoseFilter, ReturnsStatesOfItsHistory) {
   const FilterFlight flight;
   PoseFilter filter;
   Feeding feeding;

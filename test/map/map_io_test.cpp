@@ -38,7 +38,8 @@ class MapIoTest : public ::testing::Test {
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  /// Writes a map of 2 x 1 cells whose YAML has `from` replaced by `to`, and reads it.
+  /// Writes a map of 2 x 1 cells, replaces `from` by `to` in its YAML, and returns the error of
+  /// reading it.
   std::string errorOfChangedYaml(const std::string& from, const std::string& to) {
     writeFileAtomically(path("m.pgm"), std::string("P5 2 1 255\n\x00\xfe", 13));
     std::string yaml =
@@ -102,11 +103,11 @@ TEST_F(MapIoTest, ReadsWhatMapSaverAndOthersWrite) {
   const MapSnapshot map = readMap(path("m.yaml"));
   EXPECT_EQ(map.origin_x, -10.5);
   EXPECT_EQ(map.origin_y, 2.0);
-  // Negated: black is free, white is occupied; 20 of 100 lies above the free threshold.
+  // Negated: black is free and white is occupied; 20 of 100 is above the free threshold.
   EXPECT_EQ(map.cells, (std::vector<std::int8_t>{kF, kU, kO}));
 }
 
-TEST_F(MapIoTest, AnAbsoluteImagePathIsUsedAsItIs) {
+TEST_F(MapIoTest, SupportsAnAbsoluteImagePath) {
   fs::create_directories(folder_ / "images");
   writeFileAtomically(path("images/m.pgm"), std::string("P5 1 1 255\n\x00", 12));
   writeFileAtomically(path("m.yaml"), "image: " + path("images/m.pgm") +
@@ -115,13 +116,13 @@ TEST_F(MapIoTest, AnAbsoluteImagePathIsUsedAsItIs) {
   EXPECT_EQ(readMap(path("m.yaml")).cells, std::vector<std::int8_t>{kO});
 }
 
-TEST_F(MapIoTest, AnEmptyMapIsNotWritten) {
+TEST_F(MapIoTest, RefusesToWriteAnEmptyMap) {
   EXPECT_EQ(errorOf([&] { writeMap(path("a"), MapSnapshot()); }),
             "cannot write " + path("a.pgm") + ": the map is still empty");
   EXPECT_FALSE(fs::exists(path("a.pgm")));
 }
 
-TEST_F(MapIoTest, AnUnwritableFolderIsNamedWithTheReason) {
+TEST_F(MapIoTest, ReportsAnUnwritableFolderWithTheReason) {
   EXPECT_EQ(errorOf([&] { writeMap(path("missing/a"), smallMap()); }),
             "cannot write " + path("missing/a.pgm") + ": No such file or directory");
   writeFileAtomically(path("file"), "");
@@ -129,15 +130,15 @@ TEST_F(MapIoTest, AnUnwritableFolderIsNamedWithTheReason) {
             "cannot write " + path("file/a.pgm") + ": Not a directory");
 }
 
-TEST_F(MapIoTest, AFailureLeavesTheOlderFileAlone) {
+TEST_F(MapIoTest, AFailureKeepsTheOlderFile) {
   writeMap(path("a"), smallMap());
   const std::string before = readFile(path("a.pgm"));
-  fs::create_directories(path("a.pgm.tmp"));  // the temporary name is taken by a folder
+  fs::create_directories(path("a.pgm.tmp"));  // a folder has the temporary name
   EXPECT_THROW(writeMap(path("a"), smallMap()), std::runtime_error);
   EXPECT_EQ(readFile(path("a.pgm")), before);
 }
 
-TEST_F(MapIoTest, BrokenYamlIsNamed) {
+TEST_F(MapIoTest, ReportsErrorsOfTheYaml) {
   const std::string start = "cannot read the map " + path("m.yaml") + ": ";
   EXPECT_EQ(errorOfChangedYaml("0.1", "0.1"), "no error");
   EXPECT_EQ(errorOfChangedYaml("resolution: 0.1\n", ""),
@@ -149,19 +150,19 @@ TEST_F(MapIoTest, BrokenYamlIsNamed) {
   EXPECT_EQ(errorOfChangedYaml("[0, 0, 0]", "[0, 0]"),
             start + "'origin' is not a list of three numbers [x, y, yaw]");
   EXPECT_EQ(errorOfChangedYaml("[0, 0, 0]", "[0, 0, 0.5]"),
-            start + "the map is turned by a yaw of 0.5 rad; only a yaw of 0 can be read");
+            start + "the map is rotated by a yaw of 0.5 rad; only a yaw of 0 is supported");
   EXPECT_EQ(errorOfChangedYaml("negate: 0", "negate: 2"), start + "'negate' is '2', not 0 or 1");
   EXPECT_EQ(errorOfChangedYaml("free_thresh: 0.196", "free_thresh: 0.7"),
             start + "'free_thresh' is above 'occupied_thresh'");
   EXPECT_EQ(errorOfChangedYaml("negate: 0", "mode: raw\nnegate: 0"),
-            start + "the mode 'raw' cannot be read; use trinary");
+            start + "the mode 'raw' is not supported; use trinary");
   EXPECT_EQ(errorOfChangedYaml("negate: 0", "nonsense"),
             start + "the line 'nonsense' is not 'key: value'");
   EXPECT_EQ(errorOfChangedYaml("m.pgm", "x.pgm"),
             start + "cannot read " + path("x.pgm") + ": No such file or directory");
 }
 
-TEST_F(MapIoTest, AMissingYamlOrAFolderIsNamed) {
+TEST_F(MapIoTest, ReportsAMissingYamlOrAFolder) {
   EXPECT_EQ(errorOf([&] { readMap(path("none.yaml")); }),
             "cannot read " + path("none.yaml") + ": No such file or directory");
   EXPECT_EQ(errorOf([&] { readMap(folder_.string()); }),
@@ -175,29 +176,29 @@ struct BrokenPgm {
 
 class BrokenPgmTest : public ::testing::TestWithParam<BrokenPgm> {};
 
-TEST_P(BrokenPgmTest, SaysWhatIsWrong) {
+TEST_P(BrokenPgmTest, ReportsTheError) {
   EXPECT_EQ(errorOf([&] { decodePgm(GetParam().bytes); }), GetParam().error);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Pgm, BrokenPgmTest,
     ::testing::Values(
-        BrokenPgm{"", "it is no PGM image (it does not begin with P2 or P5); convert it"},
-        BrokenPgm{"\x89PNG", "it is no PGM image (it does not begin with P2 or P5); convert it"},
+        BrokenPgm{"", "it is not a PGM image (it does not begin with P2 or P5); convert it"},
+        BrokenPgm{"\x89PNG", "it is not a PGM image (it does not begin with P2 or P5); convert it"},
         BrokenPgm{"P5", "it ends before its width"},
         BrokenPgm{"P5\nx 2\n255\n", "its width is not a number"},
         BrokenPgm{"P5\n0 2\n255\n", "its width is 0, not within 1 to 1000000"},
         BrokenPgm{"P5\n99999999999 2\n255\n", "its width is too large"},
         BrokenPgm{"P5\n2 2\n0\n", "its maximum value is 0, not within 1 to 65535"},
         BrokenPgm{"P5\n1000000 1000000\n255\nabc",
-                  "it is cut off: 1000000000000 bytes of pixels expected, 3 found"},
-        BrokenPgm{"P5\n2 2\n255\nabc", "it is cut off: 4 bytes of pixels expected, 3 found"},
-        BrokenPgm{"P5\n2 1\n300\nabc", "it is cut off: 4 bytes of pixels expected, 3 found"},
+                  "it is truncated: 1000000000000 bytes of pixels expected, 3 found"},
+        BrokenPgm{"P5\n2 2\n255\nabc", "it is truncated: 4 bytes of pixels expected, 3 found"},
+        BrokenPgm{"P5\n2 1\n300\nabc", "it is truncated: 4 bytes of pixels expected, 3 found"},
         BrokenPgm{"P2\n2 1\n255\n1  ", "it ends before its pixel 2 of 2"},
         BrokenPgm{"P2\n2 1\n255\n1 x", "its pixel 2 of 2 is not a number"},
         BrokenPgm{"P2\n2 1\n100\n1 101", "it has a pixel of 101 above its maximum of 100"}));
 
-TEST(PgmTest, WideValuesAreScaled) {
+TEST(PgmTest, ScalesSixteenBitValues) {
   const GrayImage image = decodePgm(std::string("P5\n2 1\n65535\n\xff\xff\x80\x00", 17));
   EXPECT_EQ(image.pixels, (std::vector<std::uint8_t>{255, 128}));
 }

@@ -27,7 +27,7 @@ PlanarScan beam(int cells, bool hit, float resolution = 0.05F) {
   return scan;
 }
 
-TEST(OccupancyGrid, OneBeamClearsItsCellsAndOccupiesTheLast) {
+TEST(OccupancyGrid, ABeamClearsItsCellsAndOccupiesTheLast) {
   OccupancyGridConfig config;
   OccupancyGrid grid(config);
   grid.insert(beam(10, true), Pose2());
@@ -64,13 +64,13 @@ TEST(OccupancyGrid, EvidenceAddsUpToBothClamps) {
   }
 }
 
-TEST(OccupancyGrid, WhatIsHitInEstablishedFreeSpaceHasToStay) {
+TEST(OccupancyGrid, HitsInEstablishedFreeSpaceCountHalf) {
   OccupancyGridConfig config;
   const double hit = logOdds(config.hit_probability), floor = logOdds(config.min_probability);
   OccupancyGrid grid(config);
   for (int n = 0; n < 20; ++n) grid.insert(beam(10, true), Pose2());
   EXPECT_NEAR(logOddsOf(grid, {4, 0}), floor, kTolerance);
-  // Half of the weight, until the cell is less sure to be free.
+  // Half of the weight until the cell is no longer established as free.
   double expected = floor;
   for (const double weight : {hit / 2.0, hit / 2.0, hit}) {
     EXPECT_FALSE(grid.isOccupied({4, 0}));
@@ -91,14 +91,14 @@ TEST(OccupancyGrid, HitsOfANewViewCountFully) {
               logOdds(config.min_probability) + logOdds(config.hit_probability), 3.0 * kTolerance);
 }
 
-TEST(OccupancyGrid, OneHitIsEnoughWhereLittleIsKnown) {
+TEST(OccupancyGrid, OneHitIsEnoughInACellWithLittleEvidence) {
   OccupancyGrid grid{OccupancyGridConfig()};
   for (int n = 0; n < 3; ++n) grid.insert(beam(10, true), Pose2());
   grid.insert(beam(4, true), Pose2());
   EXPECT_TRUE(grid.isOccupied({4, 0}));
 }
 
-TEST(OccupancyGrid, OneUpdateACellAndScanAndTheHitWins) {
+TEST(OccupancyGrid, UpdatesACellOncePerScanAndAHitOverridesMisses) {
   OccupancyGridConfig config;
   OccupancyGrid grid(config);
   PlanarScan scan = beam(10, true);
@@ -115,16 +115,16 @@ TEST(OccupancyGrid, ReportsCellsThatBecomeFree) {
   grid.insert(beam(10, true), Pose2());
   int scans = 0;
   while (grid.insert(beam(20, false), Pose2()).became_free.empty() && scans < 100) ++scans;
-  // log odds 2.2 of the hit, 0.41 off for every miss: the sixth makes it negative.
+  // A hit adds 2.2 to the log odds and a miss subtracts 0.41: the sixth miss makes it negative.
   EXPECT_EQ(scans, 5);
   EXPECT_FALSE(grid.isOccupied({10, 0}));
 }
 
-TEST(OccupancyGrid, BeamsInEveryDirectionPassOnlyCellsOfTheLine) {
+TEST(OccupancyGrid, BeamsInEveryDirectionClearOnlyCellsOnTheLine) {
   for (int k = 0; k < 64; ++k) {
     OccupancyGrid grid{OccupancyGridConfig()};
     const double angle = 2.0 * kPi * k / 64;
-    const Pose2 pose(-3.21, 7.77, angle);  // crosses tiles and the origin's quadrants
+    const Pose2 pose(-3.21, 7.77, angle);  // the beam crosses tiles and quadrants of the origin
     PlanarScan scan;
     scan.rays.push_back({Eigen::Vector2f::Zero(), Eigen::Vector2f(4.0F, 0.0F), true});
     grid.insert(scan, pose);
@@ -149,7 +149,7 @@ TEST(OccupancyGrid, BeamsInEveryDirectionPassOnlyCellsOfTheLine) {
   }
 }
 
-TEST(OccupancyGrid, LevelsAreMaxima) {
+TEST(OccupancyGrid, CoarseLevelsAreMaximaOfLevelZero) {
   OccupancyGrid grid{OccupancyGridConfig()};
   grid.insert(room::scanFrom(Pose2(0.3, -0.2, 0.4)), Pose2(0.3, -0.2, 0.4));
   for (int level = 1; level < OccupancyGrid::kLevels; ++level) {
@@ -169,14 +169,15 @@ TEST(OccupancyGrid, LevelsAreMaxima) {
   }
 }
 
-TEST(OccupancyGrid, InterpolationIsBilinearAndTheGradientItsDerivative) {
+TEST(OccupancyGrid, InterpolationIsBilinearAndHasTheRightGradient) {
   OccupancyGrid grid{OccupancyGridConfig()};
   grid.insert(room::scanFrom(Pose2()), Pose2());
   constexpr float kStep = 2e-4F;
   for (int level = 0; level < OccupancyGrid::kLevels; ++level) {
     const float size = 0.05F * static_cast<float>(1 << level);
     for (int i = 0; i < 200; ++i) {
-      // Inside the square between four centers: gradients jump on its border.
+      // Inside the square between four centers, because the gradient is discontinuous at its
+      // border.
       const int cx = (i * 37) % 90 - 45, cy = (i * 53) % 70 - 35;
       const float u = 0.1F + 0.8F * static_cast<float>(i % 10) / 10.0F, v = 0.9F - 0.7F * u;
       const Eigen::Vector2f p((static_cast<float>(cx) + 0.5F + u) * size,
@@ -201,11 +202,11 @@ TEST(OccupancyGrid, InterpolationIsBilinearAndTheGradientItsDerivative) {
   }
 }
 
-TEST(OccupancyGrid, MemoryFollowsTheVisitedArea) {
+TEST(OccupancyGrid, MemoryIsProportionalToTheVisitedArea) {
   OccupancyGrid grid{OccupancyGridConfig()};
   const auto walk = [&grid](double from, double to) {
     for (double s = from; s < to; s += 1.0) {
-      // Diagonally: a bounding square would grow with the square of the way.
+      // Diagonally: the memory of a bounding square would grow with the square of the distance.
       const Pose2 pose(s * std::sqrt(0.5), s * std::sqrt(0.5), 0.0);
       grid.insert(room::scanFrom(Pose2()), pose);
     }
@@ -217,7 +218,7 @@ TEST(OccupancyGrid, MemoryFollowsTheVisitedArea) {
   EXPECT_LT(three_hundred, 4.0 * hundred);
 }
 
-TEST(OccupancyGrid, LimitIsReportedAndTheMapStaysUsable) {
+TEST(OccupancyGrid, ReportsTheMemoryLimitAndStaysUsable) {
   OccupancyGridConfig config;
   config.memory_limit_mb = 0.2;
   OccupancyGrid grid(config);
@@ -230,7 +231,7 @@ TEST(OccupancyGrid, LimitIsReportedAndTheMapStaysUsable) {
   EXPECT_FALSE(grid.insert(beam(10, true), Pose2()).full);
 }
 
-TEST(OccupancyGrid, PlacesFarApartDoNotAllocateWhatIsBetween) {
+TEST(OccupancyGrid, DistantPlacesDoNotAllocateTheAreaBetween) {
   OccupancyGrid grid{OccupancyGridConfig()};
   grid.insert(beam(10, true), Pose2());
   EXPECT_TRUE(grid.insert(beam(10, true), Pose2(9e5, 9e5, 0.0)).full);
@@ -238,7 +239,7 @@ TEST(OccupancyGrid, PlacesFarApartDoNotAllocateWhatIsBetween) {
   EXPECT_EQ(grid.snapshot().width, 11);
 }
 
-TEST(OccupancyGrid, SnapshotHasTheExtentOfWhatIsKnown) {
+TEST(OccupancyGrid, SnapshotHasTheExtentOfTheKnownCells) {
   OccupancyGrid grid{OccupancyGridConfig()};
   EXPECT_TRUE(grid.snapshot().empty());
   grid.insert(beam(10, true), Pose2(-1.0, 2.0, 0.0));

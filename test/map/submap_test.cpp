@@ -18,7 +18,7 @@ OccupancyGridConfig smallConfig() {
   return config;
 }
 
-/// Walks away along x through one room after the other; the number of scans that did not fit.
+/// Inserts scans of one room after the other along x. Returns the number of scans that did not fit.
 int walk(Submap& map, int scans) {
   int full = 0;
   for (int i = 0; i < scans; ++i) {
@@ -27,7 +27,7 @@ int walk(Submap& map, int scans) {
   return full;
 }
 
-TEST(Submap, CountsScansAndForgetsThem) {
+TEST(Submap, CountsScansAndClears) {
   Submap map{OccupancyGridConfig()};
   EXPECT_EQ(walk(map, 3), 0);
   EXPECT_EQ(map.scans(), 3);
@@ -38,45 +38,45 @@ TEST(Submap, CountsScansAndForgetsThem) {
   EXPECT_EQ(map.surface().size(), 0U);
   EXPECT_EQ(map.surface().nearest({4.0F, 0.0F}), nullptr);
   EXPECT_TRUE(map.grid().snapshot().empty());
-  EXPECT_EQ(walk(map, 1), 0) << "usable again";
+  EXPECT_EQ(walk(map, 1), 0) << "must be usable again";
 }
 
-TEST(Submap, SaysSoWhereGridOrSurfaceIsFull) {
+TEST(Submap, ReportsThatGridOrSurfaceIsFull) {
   Submap map{smallConfig()};
   EXPECT_GT(walk(map, 60), 0);
 }
 
-TEST(Submap, WhatWasInsertedWhollyCanBeMatched) {
+TEST(Submap, EveryHitOfACompleteInsertionHasASurfel) {
   Submap map{smallConfig()};
-  int whole = 0, checked = 0;
+  int complete = 0, checked = 0;
   for (int i = 0; i < 60; ++i) {
     const Pose2 pose(1.0 * i, 0.3, 0.1);
     const PlanarScan scan = room::scanFrom(Pose2());
     if (!map.insert(scan, pose)) continue;
-    ++whole;
+    ++complete;
     for (const Eigen::Vector2f& point : hitsOf(scan)) {
       const Eigen::Vector2f in_map = (pose * point.cast<double>()).cast<float>();
-      if (!map.grid().isOccupied(map.grid().cellAt(in_map))) continue;  // seen free too often
+      if (!map.grid().isOccupied(map.grid().cellAt(in_map))) continue;  // established as free
       ++checked;
       ASSERT_NE(map.surface().nearest(in_map), nullptr) << "scan " << i;
     }
   }
-  EXPECT_GT(whole, 3);
+  EXPECT_GT(complete, 3);
   EXPECT_GT(checked, 1000);
 }
 
-TEST(Submap, FullMapStopsGrowing) {
+TEST(Submap, AFullMapStopsGrowing) {
   Submap map{smallConfig()};
   walk(map, 200);
   const std::size_t surfels = map.surface().size(), bytes = map.memoryBytes();
   for (int i = 0; i < 5; ++i) walk(map, 200);
-  EXPECT_LE(map.surface().size(), surfels + surfels / 10);  // cells still come and go
+  EXPECT_LE(map.surface().size(), surfels + surfels / 10);  // cells are still created and removed
   EXPECT_LE(map.memoryBytes(), bytes + bytes / 10);
   EXPECT_LE(map.grid().memoryBytes(), kLimitBytes);
-  EXPECT_LE(map.surface().memoryBytes(), 5 * kLimitBytes / 2);  // tiles, and the surfels in them
+  EXPECT_LE(map.surface().memoryBytes(), 5 * kLimitBytes / 2);  // tiles and surfels
 }
 
-TEST(Submap, RevisionNamesTheContent) {
+TEST(Submap, RevisionIdentifiesTheContent) {
   Submap a{OccupancyGridConfig()}, b{OccupancyGridConfig()};
   EXPECT_NE(a.revision(), b.revision());
   const std::uint64_t empty = a.revision();
@@ -102,7 +102,7 @@ TEST(Submap, KeepsTheLastScans) {
   EXPECT_TRUE(map.keyframes().empty());
 }
 
-/// A laser in the middle of a cell that sees the wall x = `range` of `beams` hits, 5 cm apart.
+/// A scan of the wall x = `range` with `beams` hits, 5 cm apart.
 PlanarScan wallAt(float range, int beams) {
   PlanarScan scan;
   for (int i = 0; i < beams; ++i) {
@@ -117,31 +117,31 @@ TEST(Submap, StitchesOnlyTheNewPart) {
   Submap plain{OccupancyGridConfig()}, stitched(OccupancyGridConfig(), {0, true});
   for (Submap* map : {&plain, &stitched}) {
     map->insert(wallAt(2.0F, 10), pose);
-    EXPECT_EQ(map->surface().size(), 10U) << "all is new in an empty map";
+    EXPECT_EQ(map->surface().size(), 10U) << "all hits are new in an empty map";
   }
   const double once = stitched.grid().probability({40, 5});
   ASSERT_EQ(once, plain.grid().probability({40, 5}));
-  // 1 cm behind where it was, and twice as long: the first half is associated, the rest is new.
+  // 1 cm farther and twice as long: the first half is associated, the second half is new.
   for (Submap* map : {&plain, &stitched}) map->insert(wallAt(2.01F, 20), pose);
   for (int y = 0; y < 20; ++y) {
     const Cell cell{40, y};
     EXPECT_EQ(stitched.grid().probability(cell), once) << y;
     const Surfel* surfel = stitched.surface().nearest(stitched.grid().centerOf(cell));
     ASSERT_NE(surfel, nullptr);
-    // The first cell after the end of the old wall has its last point beside it.
+    // The first cell after the end of the old wall is next to its last point, so it is associated.
     EXPECT_NEAR(surfel->mean.x(), y < 10 ? 2.025F : 2.035F, 1e-4F) << y;
     EXPECT_GE(plain.grid().probability(cell), once);
   }
-  EXPECT_GT(plain.grid().probability({40, 5}), once) << "without stitching it votes again";
-  // Free space counts every time.
+  EXPECT_GT(plain.grid().probability({40, 5}), once) << "without stitching every hit counts again";
+  // Free space is updated by every scan.
   EXPECT_LT(stitched.grid().probability({20, 5}), 0.4);
 }
 
-TEST(Submap, AStitchedWallIsClearedOnlyWhenItIsGone) {
+TEST(Submap, ClearsAStitchedWallOnlyIfItIsGone) {
   const Pose2 pose(0.025, 0.025, 0.0);
   Submap map(OccupancyGridConfig(), {0, true});
   map.insert(wallAt(2.0F, 10), pose);
-  // Seen again for ever, with an end point that is now and then behind its cell.
+  // Seen again many times, sometimes with an end point behind its cell.
   for (int i = 0; i < 100; ++i)
     map.insert(wallAt(2.0F + 0.04F * static_cast<float>(i % 2), 10), pose);
   EXPECT_EQ(map.surface().size(), 10U);

@@ -18,7 +18,7 @@ const Surfel* surfelOf(const Submap& map, const Cell& cell) {
   return surfel != nullptr && surfel->cell == cell ? surfel : nullptr;
 }
 
-/// Scans of a room whose walls come and go.
+/// Inserts scans of a room in which walls appear and disappear.
 void insertRandomly(Submap& map, std::mt19937_64& random, int scans) {
   std::uniform_real_distribution<double> offset(-1.5, 1.5), angle(-kPi, kPi);
   for (int i = 0; i < scans; ++i) {
@@ -29,7 +29,7 @@ void insertRandomly(Submap& map, std::mt19937_64& random, int scans) {
   }
 }
 
-TEST(SurfelField, IsExactlyWhereTheGridIsOccupied) {
+TEST(SurfelField, HasASurfelExactlyInTheOccupiedCells) {
   std::mt19937_64 random(7);
   Submap map{OccupancyGridConfig()};
   for (int round = 0; round < 20; ++round) {
@@ -46,7 +46,7 @@ TEST(SurfelField, IsExactlyWhereTheGridIsOccupied) {
   }
 }
 
-TEST(SurfelField, GivesThoseOfAnArea) {
+TEST(SurfelField, ReturnsTheSurfelsOfAnArea) {
   std::mt19937_64 random(9);
   Submap map{OccupancyGridConfig()};
   insertRandomly(map, random, 20);
@@ -54,14 +54,14 @@ TEST(SurfelField, GivesThoseOfAnArea) {
   const std::vector<Surfel> all = map.surface().surfelsIn(everything);
   EXPECT_EQ(all.size(), map.surface().size());
   const Eigen::AlignedBox2f area(Eigen::Vector2f(-2.0F, 0.5F), Eigen::Vector2f(4.03F, 3.02F));
-  std::vector<Eigen::Vector2f> expected, got;
+  std::vector<Eigen::Vector2f> expected, found;
   for (const Surfel& surfel : all) {
     if (area.contains(surfel.mean)) expected.push_back(surfel.mean);
   }
-  for (const Surfel& surfel : map.surface().surfelsIn(area)) got.push_back(surfel.mean);
+  for (const Surfel& surfel : map.surface().surfelsIn(area)) found.push_back(surfel.mean);
   EXPECT_GT(expected.size(), 50U);
   EXPECT_LT(expected.size(), all.size());
-  EXPECT_EQ(got, expected);
+  EXPECT_EQ(found, expected);
 }
 
 TEST(SurfelField, NearestAgreesWithBruteForceAfterInsertionsAndRemovals) {
@@ -74,8 +74,8 @@ TEST(SurfelField, NearestAgreesWithBruteForceAfterInsertionsAndRemovals) {
       if (const Surfel* surfel = surfelOf(map, {x, y})) all.push_back(surfel);
     }
   }
-  // Means move after their surfel was spread, by less than a cell: both distances of a comparison
-  // may be off by that.
+  // After a surfel was spread, its mean may still move by less than a cell. Both distances of a
+  // comparison may differ by that.
   const float tolerance = 2.0F * 0.05F;
   const float reach = SurfelField::kReachCells * 0.05F;
   for (int y = -90; y < 90; y += 3) {
@@ -94,8 +94,8 @@ TEST(SurfelField, NearestAgreesWithBruteForceAfterInsertionsAndRemovals) {
   }
 }
 
-TEST(SurfelField, MeanIsThatOfTheHitsAndTheShapeThatOfTheWall) {
-  // A wall along the direction 0.3 rad, seen from 3 m with a beam every 2 cm.
+TEST(SurfelField, MeanAndShapeAreThoseOfTheWall) {
+  // A wall in the direction 0.3 rad, seen from 3 m with a beam every 2 cm.
   Submap map{OccupancyGridConfig()};
   const Eigen::Vector2f along(std::cos(0.3F), std::sin(0.3F)), normal(-along.y(), along.x());
   PlanarScan scan;
@@ -113,18 +113,18 @@ TEST(SurfelField, MeanIsThatOfTheHitsAndTheShapeThatOfTheWall) {
     const float across = surfel->a11 * normal.x() * normal.x() +
                          2 * surfel->a12 * normal.x() * normal.y() +
                          surfel->a22 * normal.y() * normal.y();
-    const float lengthwise = surfel->a11 * along.x() * along.x() +
+    const float along_wall = surfel->a11 * along.x() * along.x() +
                              2 * surfel->a12 * along.x() * along.y() +
                              surfel->a22 * along.y() * along.y();
     EXPECT_NEAR(across, 1.0F, 0.02F);
-    EXPECT_NEAR(lengthwise, kAlongWeight, 0.02F);
+    EXPECT_NEAR(along_wall, kAlongWeight, 0.02F);
     ++checked;
   }
   EXPECT_EQ(checked, 13);
 }
 
-TEST(SurfelField, SparseHitsOfOneScanMakeALine) {
-  // Hits 0.4 m apart: no neighbors in the map, but neighbors in the scan.
+TEST(SurfelField, SparseHitsOfOneScanFormALine) {
+  // Hits 0.4 m apart are no neighbors in the map, but they are neighbors in the scan.
   Submap map{OccupancyGridConfig()};
   PlanarScan scan;
   for (int i = -5; i <= 5; ++i) {

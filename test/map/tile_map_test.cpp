@@ -37,7 +37,7 @@ TEST(FloorToInt, IsTheFloor) {
   }
 }
 
-TEST(OffsetInTile, IsRowMajorAlsoLeftOfAndBelowTheOrigin) {
+TEST(OffsetInTile, IsRowMajorAlsoForNegativeCoordinates) {
   EXPECT_EQ(offsetInTile({0, 0}), 0U);
   EXPECT_EQ(offsetInTile({31, 0}), 31U);
   EXPECT_EQ(offsetInTile({32, 1}), 32U);
@@ -46,7 +46,7 @@ TEST(OffsetInTile, IsRowMajorAlsoLeftOfAndBelowTheOrigin) {
   EXPECT_EQ(offsetInTile({-1, -1}), 1023U);
 }
 
-TEST(TileMap, EmptyHasNoTileAnywhere) {
+TEST(TileMap, AnEmptyMapHasNoTiles) {
   TileMap<Counter> tiles(kPlenty);
   for (const int x : {kLowest, -1, 0, kHighest}) {
     for (const int y : {kLowest, -1, 0, kHighest}) EXPECT_EQ(tiles.find({x, y}), nullptr);
@@ -54,7 +54,7 @@ TEST(TileMap, EmptyHasNoTileAnywhere) {
   EXPECT_EQ(tiles.memoryBytes(), 0U);
 }
 
-TEST(TileMap, KeepsTilesInPlaceWhileItGrowsInAllFourDirections) {
+TEST(TileMap, TilesKeepTheirAddressWhenTheMapGrows) {
   TileMap<Counter> tiles(kPlenty);
   const std::vector<Cell> cells = {{0, 0},    {-1, -1},    {500, 3},  {-700, 9},
                                    {5, -900}, {-33, 1100}, {4000, 0}, {0, -4000}};
@@ -62,7 +62,7 @@ TEST(TileMap, KeepsTilesInPlaceWhileItGrowsInAllFourDirections) {
   for (std::size_t i = 0; i < cells.size(); ++i) {
     Counter* tile = tiles.obtain(cells[i]);
     ASSERT_NE(tile, nullptr);
-    EXPECT_EQ(tile->value, 0) << "a new tile";
+    EXPECT_EQ(tile->value, 0) << "a new tile must be initialized";
     tile->value = static_cast<int>(i) + 1;
     places.push_back(tile);
     for (std::size_t k = 0; k <= i; ++k) {
@@ -78,7 +78,7 @@ TEST(TileMap, KeepsTilesInPlaceWhileItGrowsInAllFourDirections) {
 
 TEST(TileMap, AgreesWithAnOrderedMap) {
   TileMap<Counter> tiles(kPlenty);
-  std::map<std::pair<int, int>, int> oracle;  // (tile row, tile column): the order of forEach
+  std::map<std::pair<int, int>, int> oracle;  // (tile row, tile column), the order of forEach
   std::mt19937 random(2);
   std::uniform_int_distribution<int> coordinate(-3000, 3000);
   for (int i = 0; i < 3000; ++i) {
@@ -100,7 +100,7 @@ TEST(TileMap, AgreesWithAnOrderedMap) {
   EXPECT_EQ(expected, oracle.end());
 }
 
-/// Obtains tiles around the origin at random, then along x, where the index grows all the time.
+/// Obtains tiles around the origin at random and along x, where the index grows continuously.
 void expectLimitKept(std::size_t limit) {
   std::mt19937 random(3);
   std::uniform_int_distribution<int> coordinate(-100, 100);
@@ -113,20 +113,21 @@ void expectLimitKept(std::size_t limit) {
       ++refused;
       ASSERT_EQ(tiles.tileCount(), count);
     } else {
-      ASSERT_EQ(tiles.obtain(cell), tiles.find(cell)) << "at the limit as well";
+      ASSERT_EQ(tiles.obtain(cell), tiles.find(cell))
+          << "existing tiles must be found at the limit too";
     }
     ASSERT_LE(tiles.memoryBytes(), limit);
   }
   EXPECT_GT(refused, 0U) << "limit " << limit;
 }
 
-TEST(TileMap, StaysBelowItsLimitAndWhatIsThereStaysUsable) {
+TEST(TileMap, StaysBelowItsLimitAndKeepsExistingTilesUsable) {
   for (std::size_t limit = 0; limit < 80000; limit += 61) {
     ASSERT_NO_FATAL_FAILURE(expectLimitKept(limit)) << "limit " << limit;
   }
 }
 
-TEST(TileMap, RefusesWhatWouldNeedAHugeIndexAndGoesOn) {
+TEST(TileMap, RefusesTilesThatNeedAHugeIndexAndStaysUsable) {
   TileMap<Counter> tiles(kPlenty);
   ASSERT_NE(tiles.obtain({0, 0}), nullptr);
   for (const int far : {kLowest, kHighest, 500000000, -500000000}) {

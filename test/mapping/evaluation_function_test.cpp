@@ -14,8 +14,8 @@ MatchResult resultWith(double s1, double s2, double s3) {
   return match;
 }
 
-TEST(EvaluationFunction, IsOneOverTheWeightedScoreWhereAllResolutionsAgree) {
-  // Weights 1/6, 2/6, 3/6: they grow with the resolution and sum to 1 (paper 000 eq. 5).
+TEST(EvaluationFunction, IsTheInverseOfTheWeightedScoreIfAllResolutionsAgree) {
+  // Weights 1/6, 2/6, 3/6: they increase with the resolution and sum to 1 [MAV SLAM 2013, eq. 5].
   const EvaluationConfig config;
   EXPECT_NEAR(evaluationFunction(resultWith(1, 1, 1), config), 1.0, 1e-12);
   EXPECT_NEAR(evaluationFunction(resultWith(0.6, 0.3, 0.2), config), 1.0 / 0.3, 1e-12);
@@ -41,7 +41,7 @@ TEST(EvaluationFunction, PenalizesTheSpreadOfThePoses) {
   EXPECT_NEAR(evaluationFunction(match, config), expected, 1e-9);
 }
 
-TEST(EvaluationFunction, NothingFitsIsInfinite) {
+TEST(EvaluationFunction, IsInfiniteIfNothingFits) {
   EXPECT_TRUE(std::isinf(evaluationFunction(MatchResult(), EvaluationConfig())));
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The real recordings, laser only and with odometry, against the limits that the README promises.
+// Tests on the real recordings, laser only and with odometry, against the limits in the
+// documentation.
 
 #include <gtest/gtest.h>
 
@@ -82,7 +83,7 @@ TEST_F(Freiburg, Building79WithUnsignedOdometry) {
   EXPECT_LT(meanError(run, "fr079"), 0.033);
 }
 
-TEST_F(Freiburg, SameRecordingSameMap) {
+TEST_F(Freiburg, SameRecordingGivesTheSameMap) {
   const LogRun first = mapLog("fr079", true), second = mapLog("fr079", true);
   ASSERT_EQ(first.trajectory.size(), second.trajectory.size());
   for (std::size_t i = 0; i < first.trajectory.size(); ++i) {
@@ -119,7 +120,7 @@ TEST_F(Freiburg, MitCsailLaserOnlyIsNeverLost) {
   const LogRun run = mapLog("mit-csail", false);
   EXPECT_EQ(run.scans, 1988U);
   EXPECT_EQ(run.lost, 0U);
-  // Laser only and with odometry end in the same place of the same building.
+  // Laser only and with odometry the trajectories end at the same place.
   const LogRun with_odometry = mapLog("mit-csail", true);
   EXPECT_EQ(with_odometry.lost, 0U);
   const Pose2 difference =

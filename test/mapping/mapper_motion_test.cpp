@@ -19,8 +19,8 @@ PlanarScan turnedScan(double yaw, double time, const std::optional<double>& inte
   return scan;
 }
 
-TEST(MapperMotion, TheGyroTellsTurnsThatTheScanCannot) {
-  // A square room looks the same after a quarter turn.
+TEST(MapperMotion, TheGyroResolvesRotationsThatTheScanCannot) {
+  // A square room looks the same after a rotation by 90 degrees.
   Mapper with{MapperConfig()}, without{MapperConfig()};
   for (int i = 0; i < 9; ++i) {
     const double yaw = degToRad(90.0) * i, time = 0.4 * i;
@@ -31,19 +31,19 @@ TEST(MapperMotion, TheGyroTellsTurnsThatTheScanCannot) {
   }
 }
 
-TEST(MapperMotion, AWrongGyroDoesNotBendTheMap) {
+TEST(MapperMotion, AWrongGyroDoesNotDistortTheMap) {
   Mapper mapper{MapperConfig()};
   for (int i = 0; i < 40; ++i) {
     PlanarScan scan = room::scanFrom(Pose2(0.02 * i, 0, 0.01 * i));
     scan.stamp = scan.time = 0.1 * i;
-    scan.integrated_yaw = 0.3 * i;  // thirty times too fast
+    scan.integrated_yaw = 0.3 * i;  // 30 times too fast
     const MapperResult result = mapper.process(scan);
     EXPECT_NEAR(result.pose.yaw, 0.01 * i, 0.01) << i;
     EXPECT_NEAR(result.pose.x, 0.02 * i, 0.03) << i;
   }
 }
 
-TEST(MapperMotion, AHeadingThatIsNotFiniteIsNotUsed) {
+TEST(MapperMotion, IgnoresAnIntegratedYawThatIsNotFinite) {
   Mapper mapper{MapperConfig()};
   mapper.process(turnedScan(0.0, 0.0, std::numeric_limits<double>::quiet_NaN()));
   const MapperResult result =
@@ -51,10 +51,10 @@ TEST(MapperMotion, AHeadingThatIsNotFiniteIsNotUsed) {
   EXPECT_NEAR(result.pose.yaw, 0.1, 1e-3);
 }
 
-TEST(MapperMotion, VelocityIsThatOfTheBaseInItsOwnFrame) {
+TEST(MapperMotion, VelocityIsInTheBaseFrame) {
   Mapper mapper{MapperConfig()};
   MapperResult result;
-  for (int i = 0; i < 60; ++i) {  // 0.5 m/s along the map's x, looking along its y
+  for (int i = 0; i < 60; ++i) {  // 0.5 m/s along x of the map, nose along y
     PlanarScan scan = room::scanFrom(Pose2(-1.2 + 0.0125 * i, 0.3, degToRad(90.0)));
     scan.stamp = scan.time = 0.025 * i;
     if (i == 0) mapper.reset(Pose2(-1.2, 0.3, degToRad(90.0)));
@@ -68,29 +68,29 @@ TEST(MapperMotion, VelocityIsThatOfTheBaseInItsOwnFrame) {
   EXPECT_EQ(mapper.process(scan).velocity, Eigen::Vector2d(0.0, 0.0));
 }
 
-TEST(MapperMotion, TheAccelerometerCarriesTheVehicleWhereTheScanDoesNotHold) {
-  // In a corridor without ends only the prediction knows how far the vehicle has come. It speeds up
-  // with 2 m/s² for 1 s and slows down again: 2 m.
+TEST(MapperMotion, TheAccelerometerPredictsTheMotionAlongAnUnobservableDirection) {
+  // In a corridor without visible ends the position along it is known only from the prediction. The
+  // vehicle accelerates with 2 m/s² for 1 s and brakes again: 2 m.
   Mapper with{MapperConfig()}, without{MapperConfig()};
-  MapperResult motion_prediction, blind;
+  MapperResult with_accelerometer, without_accelerometer;
   double x = 0.0, speed = 0.0;
   constexpr double kStep = 0.025, kAcceleration = 2.0;
   for (int i = 0; i <= 80; ++i) {
     PlanarScan scan = room::scanFrom(Pose2(x, 0, 0), room::corridor(), 720);
     scan.stamp = scan.time = kStep * i;
     scan.integrated_yaw = 0.0;
-    blind = without.process(scan);
+    without_accelerometer = without.process(scan);
     scan.integrated_acceleration = Eigen::Vector2d(speed, 0.0);
-    motion_prediction = with.process(scan);
+    with_accelerometer = with.process(scan);
     if (i == 80) break;
     const double acceleration = i < 40 ? kAcceleration : -kAcceleration;
     x += kStep * (speed + 0.5 * kStep * acceleration);
     speed += kStep * acceleration;
   }
   ASSERT_NEAR(x, 2.0, 1e-9);
-  EXPECT_NEAR(motion_prediction.pose.x, 2.0, 0.25);
-  EXPECT_LT(blind.pose.x, 1.0);
-  EXPECT_NEAR(motion_prediction.pose.y, 0.0, 0.02);
+  EXPECT_NEAR(with_accelerometer.pose.x, 2.0, 0.25);
+  EXPECT_LT(without_accelerometer.pose.x, 1.0);
+  EXPECT_NEAR(with_accelerometer.pose.y, 0.0, 0.02);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kStep = 0.025;  // s
 
-/// The room, with the beams from `first` to `end` of 360 stopped by something 0.4 m away.
+/// A scan of the room in which an object at 0.4 m blocks the beams from `first` to `end` of 360.
 PlanarScan coveredScan(const Pose2& pose, double time, std::size_t first, std::size_t end) {
   PlanarScan scan = room::scanFrom(pose);
   scan.stamp = scan.time = time;
@@ -25,7 +25,7 @@ PlanarScan coveredScan(const Pose2& pose, double time, std::size_t first, std::s
 
 PlanarScan freeScan(const Pose2& pose, double time) { return coveredScan(pose, time, 0, 0); }
 
-/// A mapper that has seen the room from some places around the origin.
+/// A mapper with a map of the room, seen from some places around the origin.
 Mapper mapperInRoom(double& time) {
   Mapper mapper{MapperConfig()};
   for (int i = 0; i < 100; ++i, time += kStep) {
@@ -35,7 +35,7 @@ Mapper mapperInRoom(double& time) {
   return mapper;
 }
 
-TEST(MapperRecovery, HalfACoveredViewMovesNothing) {
+TEST(MapperRecovery, ABlockedHalfOfTheViewDoesNotMoveThePose) {
   double time = 0.0;
   Mapper mapper = mapperInRoom(time);
   const MapSnapshot before = mapper.snapshot();
@@ -51,7 +51,7 @@ TEST(MapperRecovery, HalfACoveredViewMovesNothing) {
   EXPECT_LT(occupied(mapper.snapshot()), occupied(before) + 60);
 }
 
-TEST(MapperRecovery, ACoveredViewIsLostAndFoundAgainWhereverTheVehicleHasFlown) {
+TEST(MapperRecovery, IsLostWithABlockedViewAndRecoversFarAway) {
   double time = 0.0;
   Mapper mapper = mapperInRoom(time);
   for (int i = 0; i < 80; ++i, time += kStep) {
@@ -59,14 +59,14 @@ TEST(MapperRecovery, ACoveredViewIsLostAndFoundAgainWhereverTheVehicleHasFlown) 
     EXPECT_EQ(result.state, MatchState::kLost) << i;
     EXPECT_FALSE(result.inserted) << i;
   }
-  const Pose2 truth(1.6, -1.8, 2.4);  // 3.4 m and 2.1 rad away, after 2 s
+  const Pose2 truth(1.6, -1.8, 2.4);  // 3.3 m and 2.1 rad away, after 2 s
   const MapperResult result = mapper.process(freeScan(truth, time));
   EXPECT_NE(result.state, MatchState::kLost);
   EXPECT_NEAR((truth.inverse() * result.pose).distance(), 0.0, 0.03);
   EXPECT_NEAR(normalizeAngle(result.pose.yaw - truth.yaw), 0.0, 0.02);
 }
 
-TEST(MapperRecovery, AfterSecondsWithoutScansItIsFoundTheSameWay) {
+TEST(MapperRecovery, RecoversAfterSecondsWithoutScans) {
   double time = 0.0;
   Mapper mapper = mapperInRoom(time);
   time += 2.0;
@@ -76,7 +76,7 @@ TEST(MapperRecovery, AfterSecondsWithoutScansItIsFoundTheSameWay) {
   EXPECT_NEAR((truth.inverse() * result.pose).distance(), 0.0, 0.03);
 }
 
-TEST(MapperRecovery, AnotherRoomIsNotTakenForTheKnownOne) {
+TEST(MapperRecovery, DoesNotMatchAnotherRoom) {
   double time = 0.0;
   Mapper mapper = mapperInRoom(time);
   for (int i = 0; i < 8; ++i, time += kStep) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// A drive through the room: a figure with turns, 60 scans.
+/// A drive through the room with turns, 60 scans.
 Pose2 drive(int i) {
   const double s = 0.1 * i;
   return {1.2 * std::sin(s), 0.8 * std::sin(2 * s), 0.5 * s};
@@ -26,8 +26,8 @@ PlanarScan scanAt(int i) {
   return scan;
 }
 
-/// Sees a circle of 1 m radius, where the room is empty.
-PlanarScan nowhere() {
+/// A circle with 1 m radius in free space: a scan that does not fit anywhere.
+PlanarScan unmatchableScan() {
   PlanarScan circle;
   for (int i = 0; i < 90; ++i) {
     const auto angle = static_cast<float>(i) * 0.07F;
@@ -56,12 +56,13 @@ TEST(Mapper, FollowsADriveWithoutOdometry) {
   }
 }
 
-TEST(Mapper, FollowsADriveProgressively) {
+TEST(Mapper, FollowsADriveWithTheProgressiveMatcher) {
   MapperConfig config;
   config.matcher.method = "progressive";
   Mapper mapper{config};
-  // Turned, so that the walls cross the cells in all ways. Votes cannot tell where in its cells a
-  // wall lies, and along the axes all points of a wall without noise err alike: up to 0.09 m here.
+  // The room is rotated, so that the walls cross the cells at many positions. Votes cannot resolve
+  // the position of a wall within its cells. If the walls were parallel to the axes, all points of
+  // a wall would have the same error: up to 0.09 m here.
   const Pose2 map_T_room(0.013, 0.021, 0.3);
   mapper.reset(map_T_room * drive(0));
   for (int i = 0; i < 60; ++i) {
@@ -74,7 +75,7 @@ TEST(Mapper, FollowsADriveProgressively) {
   }
 }
 
-TEST(Mapper, InsertsOnMotionOnly) {
+TEST(Mapper, InsertsOnlyAfterMotion) {
   Mapper mapper{MapperConfig()};
   EXPECT_TRUE(mapper.process(room::scanFrom(Pose2())).inserted);
   for (int i = 0; i < 5; ++i) EXPECT_FALSE(mapper.process(room::scanFrom(Pose2())).inserted);
@@ -84,12 +85,12 @@ TEST(Mapper, InsertsOnMotionOnly) {
   EXPECT_TRUE(mapper.process(room::scanFrom(Pose2(0.27, 0, 0.28))).inserted);
 }
 
-TEST(Mapper, AScanThatFitsNowhereIsLostAndNotInserted) {
+TEST(Mapper, AScanThatDoesNotFitIsLostAndNotInserted) {
   Mapper mapper{MapperConfig()};
   mapper.process(room::scanFrom(Pose2()));
   const MapSnapshot before = mapper.snapshot();
   for (int i = 0; i < 5; ++i) {
-    const MapperResult result = mapper.process(nowhere());
+    const MapperResult result = mapper.process(unmatchableScan());
     EXPECT_EQ(result.state, MatchState::kLost);
     EXPECT_TRUE(result.searched);
     EXPECT_FALSE(result.inserted);
@@ -98,17 +99,17 @@ TEST(Mapper, AScanThatFitsNowhereIsLostAndNotInserted) {
     EXPECT_GE(result.covariance(2, 2), 0.25);
   }
   EXPECT_EQ(mapper.snapshot().cells, before.cells);
-  EXPECT_EQ(mapper.process(room::scanFrom(Pose2())).state, MatchState::kOk) << "found again";
+  EXPECT_EQ(mapper.process(room::scanFrom(Pose2())).state, MatchState::kOk) << "must recover";
 }
 
-TEST(Mapper, OdometryCarriesAVehicleThatSeesNothingToMatch) {
+TEST(Mapper, FollowsTheOdometryWhileLost) {
   Mapper mapper{MapperConfig()};
   mapper.process(room::scanFrom(Pose2()), Pose2(10, 10, 1));
   for (int i = 1; i <= 10; ++i) {
-    EXPECT_EQ(mapper.process(nowhere(), Pose2(10, 10, 1) * Pose2(0.05 * i, 0, 0)).state,
+    EXPECT_EQ(mapper.process(unmatchableScan(), Pose2(10, 10, 1) * Pose2(0.05 * i, 0, 0)).state,
               MatchState::kLost);
   }
-  // The first lost scan still went on as before, standing.
+  // The first lost scan used the constant velocity prediction: at rest.
   EXPECT_NEAR(mapper.pose().x, 0.45, 0.03);
   const MapperResult back =
       mapper.process(room::scanFrom(Pose2(0.55, 0, 0)), Pose2(10, 10, 1) * Pose2(0.55, 0, 0));
@@ -116,7 +117,7 @@ TEST(Mapper, OdometryCarriesAVehicleThatSeesNothingToMatch) {
   EXPECT_NEAR(back.pose.x, 0.55, 0.02);
 }
 
-TEST(Mapper, ResetStartsAnewAndSetPoseKeepsTheMap) {
+TEST(Mapper, ResetClearsTheMapAndSetPoseKeepsIt) {
   Mapper mapper{MapperConfig()};
   for (int i = 0; i < 20; ++i) mapper.process(scanAt(i));
   mapper.reset(Pose2(5, 6, 1));
@@ -125,7 +126,7 @@ TEST(Mapper, ResetStartsAnewAndSetPoseKeepsTheMap) {
 
   mapper.reset();
   mapper.process(room::scanFrom(Pose2()));
-  mapper.setPose(Pose2(0.9, 0.5, 0.2));  // moved by hand, and told so roughly
+  mapper.setPose(Pose2(0.9, 0.5, 0.2));  // the vehicle was carried; the pose is approximate
   const MapperResult result = mapper.process(room::scanFrom(Pose2(1.0, 0.4, 0.3)));
   EXPECT_EQ(result.state, MatchState::kOk);
   EXPECT_NEAR(result.pose.x, 1.0, 0.02);
@@ -133,9 +134,9 @@ TEST(Mapper, ResetStartsAnewAndSetPoseKeepsTheMap) {
   EXPECT_NEAR(result.pose.yaw, 0.3, 0.01);
 }
 
-TEST(Mapper, EvaluationFunctionKeepsScansOut) {
+TEST(Mapper, TheEvaluationFunctionPreventsInsertion) {
   MapperConfig config;
-  config.evaluation.threshold = 1.0;  // f is at least 1: nothing may enter
+  config.evaluation.threshold = 1.0;  // f is at least 1, so no scan is inserted
   for (const bool enabled : {true, false}) {
     config.evaluation.enabled = enabled;
     Mapper mapper(config);
@@ -152,7 +153,7 @@ TEST(Mapper, IsDeterministic) {
   EXPECT_EQ(first.snapshot().cells, second.snapshot().cells);
 }
 
-TEST(Mapper, ReportsAFullMapAndGoesOn) {
+TEST(Mapper, ReportsAFullMapAndContinues) {
   MapperConfig config;
   config.grid.memory_limit_mb = 0.05;
   Mapper mapper(config);
@@ -166,7 +167,7 @@ TEST(Mapper, ReportsAFullMapAndGoesOn) {
   EXPECT_LT(mapper.memoryBytes(), 2000000U);
 }
 
-TEST(Mapper, BrokenNumbersDoNotGetIn) {
+TEST(Mapper, IgnoresInvalidNumbers) {
   Mapper mapper{MapperConfig()};
   PlanarScan scan = room::scanFrom(Pose2());
   const auto nan = std::numeric_limits<float>::quiet_NaN();
@@ -188,12 +189,12 @@ TEST(Mapper, BrokenNumbersDoNotGetIn) {
   expectFinite(mapper.process(PlanarScan()));
 }
 
-TEST(Mapper, ThousandsOfGarbageScans) {
+TEST(Mapper, StaysFiniteForThousandsOfGarbageScans) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<float> place(-8.0F, 8.0F);
   std::uniform_real_distribution<double> odometry(-1e3, 1e3);
   MapperConfig config;
-  config.matcher.near_window = {0.1, 0.1};  // the search is exercised, not waited for
+  config.matcher.near_window = {0.1, 0.1};  // small windows, so that the test is fast
   config.matcher.wide_window = {0.2, 0.2};
   Mapper mapper(config);
   for (int i = 0; i < 3000; ++i) {

@@ -12,18 +12,18 @@
 namespace kestrel {
 namespace {
 
-UncertainPose poseAt(double x, double shared_variance, double own_variance) {
+UncertainPose poseAt(double x, double map_variance, double match_variance) {
   UncertainPose result;
   result.pose = Pose2(x, 0.0, 0.0);
-  result.map_covariance(1, 1) = shared_variance;
-  result.match_covariance(1, 1) = own_variance;
+  result.map_covariance(1, 1) = map_variance;
+  result.match_covariance(1, 1) = match_variance;
   return result;
 }
 
-TEST(RelativeCovariance, WhatBothPosesShareCancels) {
+TEST(RelativeCovariance, TheCommonErrorCancels) {
   const Eigen::Matrix3d here = relativeCovariance(poseAt(0, 0.5, 1e-4), poseAt(2, 0.5, 2e-4));
   EXPECT_NEAR(here(1, 1), 3e-4, 1e-12);
-  // Of two places of one chain the difference remains, whichever comes first.
+  // For two places in one chain of scans the difference remains, in both orders.
   EXPECT_NEAR(relativeCovariance(poseAt(0, 0.1, 0), poseAt(2, 0.5, 0))(1, 1), 0.4, 1e-12);
   EXPECT_NEAR(relativeCovariance(poseAt(0, 0.5, 0), poseAt(2, 0.1, 0))(1, 1), 0.4, 1e-12);
 }
@@ -36,13 +36,13 @@ TEST(RelativeCovariance, IsInTheFrameOfTheFirstPose) {
   EXPECT_NEAR(result(1, 1), 0.0, 1e-12);
 }
 
-TEST(RelativeCovariance, AnErrorOfTheFirstHeadingSwingsTheSecondPose) {
+TEST(RelativeCovariance, AYawErrorOfTheFirstPoseIsAPositionErrorOfTheSecond) {
   UncertainPose a = poseAt(0, 0, 0), b = poseAt(10, 0, 0);
   a.match_covariance(2, 2) = 1e-4;
   EXPECT_NEAR(relativeCovariance(a, b)(1, 1), 1e-2, 1e-12);
 }
 
-TEST(MapUncertainty, IsThatOfTheScansThatMadeTheWalls) {
+TEST(MapUncertainty, IsThatOfTheScansThatFirstSawTheWalls) {
   Submap map{OccupancyGridConfig()};
   MapUncertainty uncertainty;
   const Points points = hitsOf(room::scanFrom(Pose2()));
@@ -51,13 +51,13 @@ TEST(MapUncertainty, IsThatOfTheScansThatMadeTheWalls) {
   const Eigen::Matrix3d first = Eigen::Vector3d(1e-4, 1e-4, 1e-6).asDiagonal();
   uncertainty.add(Pose2(), first);
   EXPECT_TRUE(uncertainty.at(map.surface(), points, Pose2()).isApprox(first, 1e-6));
-  // Seen again by a worse scan the walls stay those of the first.
+  // A later, less certain scan of the same walls does not change their covariance.
   map.insert(room::scanFrom(Pose2()), Pose2());
   uncertainty.add(Pose2(), 1e4 * first);
   EXPECT_TRUE(uncertainty.at(map.surface(), points, Pose2()).isApprox(first, 1e-6));
 }
 
-/// The room's scans, a vehicle that hovers.
+/// A vehicle that moves within a known room.
 TEST(PoseUncertainty, DoesNotGrowInAKnownPlace) {
   Mapper mapper{MapperConfig()};
   double early = 0.0, late = 0.0;
@@ -75,7 +75,8 @@ TEST(PoseUncertainty, DoesNotGrowInAKnownPlace) {
   EXPECT_LT(std::sqrt(late), 0.02);
 }
 
-/// Flies along an endless corridor at 1 m/s; `beams` are those of the laser. The last result.
+/// Flies along an infinite corridor at 1 m/s with a laser of `beams` beams. Returns the last
+/// result.
 MapperResult flyCorridor(int beams, double seconds, bool odometry) {
   Mapper mapper{MapperConfig()};
   MapperResult result;
@@ -89,23 +90,23 @@ MapperResult flyCorridor(int beams, double seconds, bool odometry) {
   return result;
 }
 
-TEST(PoseUncertainty, GrowsAlongACorridorForEveryLaser) {
+TEST(PoseUncertainty, GrowsAlongACorridorForAllBeamCounts) {
   for (const int beams : {360, 720, 1440}) {
-    const MapperResult shortly = flyCorridor(beams, 3.0, true),
-                       long_after = flyCorridor(beams, 9.0, true);
-    EXPECT_TRUE(long_after.match.degenerate) << beams;
-    EXPECT_EQ(long_after.state, MatchState::kDegraded) << beams;
-    EXPECT_NEAR(std::abs(long_after.match.degenerate_direction.x()), 1.0, 0.01) << beams;
-    // Odometry of 10 % (kOdometryError), all of one sign: the deviation grows with the way.
-    EXPECT_NEAR(long_after.pose.x, 9.0, 0.1) << beams;
-    EXPECT_NEAR(std::sqrt(shortly.covariance(0, 0)), 0.3, 0.05) << beams;
-    EXPECT_NEAR(std::sqrt(long_after.covariance(0, 0)), 0.9, 0.1) << beams;
-    EXPECT_NEAR(long_after.pose.y, 0.0, 0.01) << beams;
-    EXPECT_LT(std::sqrt(long_after.covariance(1, 1)), 0.03) << beams;
+    const MapperResult early = flyCorridor(beams, 3.0, true), late = flyCorridor(beams, 9.0, true);
+    EXPECT_TRUE(late.match.degenerate) << beams;
+    EXPECT_EQ(late.state, MatchState::kDegraded) << beams;
+    EXPECT_NEAR(std::abs(late.match.degenerate_direction.x()), 1.0, 0.01) << beams;
+    // The odometry error of 10 % (kOdometryError) has a constant sign, so the standard deviation
+    // grows in proportion to the distance.
+    EXPECT_NEAR(late.pose.x, 9.0, 0.1) << beams;
+    EXPECT_NEAR(std::sqrt(early.covariance(0, 0)), 0.3, 0.05) << beams;
+    EXPECT_NEAR(std::sqrt(late.covariance(0, 0)), 0.9, 0.1) << beams;
+    EXPECT_NEAR(late.pose.y, 0.0, 0.01) << beams;
+    EXPECT_LT(std::sqrt(late.covariance(1, 1)), 0.03) << beams;
   }
 }
 
-TEST(PoseUncertainty, WithoutAnySensorOfTheMotionTheClaimCoversTheError) {
+TEST(PoseUncertainty, WithoutMotionSensorsTheCovarianceIsNotOverconfident) {
   const MapperResult result = flyCorridor(360, 6.0, false);
   EXPECT_TRUE(result.match.degenerate);
   EXPECT_LT(std::abs(result.pose.x - 6.0), 3.0 * std::sqrt(result.covariance(0, 0)));

@@ -23,7 +23,7 @@ Submap mapOf(const std::vector<room::Segment>& walls, double resolution_m) {
   return map;
 }
 
-/// The same pose, of equally good ones the same, and everything that follows from it.
+/// The same pose, also among equally good ones, and the same derived values.
 void expectEqual(const SearchResult& found, const SearchResult& expected, int i) {
   ASSERT_EQ(found.pose, expected.pose) << "window " << i;
   ASSERT_EQ(found.score, expected.score) << "window " << i;
@@ -32,7 +32,7 @@ void expectEqual(const SearchResult& found, const SearchResult& expected, int i)
   ASSERT_EQ(found.covariance, expected.covariance) << "window " << i;
 }
 
-/// Random scans of the room, also from far away and behind its walls, in windows of up to that
+/// Random scans of the room, also from far away and behind its walls, in windows of up to the given
 /// size.
 void compareWithBruteForce(double resolution_m, int windows, double most_m, double most_rad) {
   const Submap map = mapOf(room::walls(), resolution_m);
@@ -43,7 +43,7 @@ void compareWithBruteForce(double resolution_m, int windows, double most_m, doub
     const int beams = 1 + 9 * (i % 40);
     const Points points = hitsOf(room::scanFrom(truth, room::walls(), beams));
     const SearchWindow window{most_m * std::abs(share(random)), most_rad * std::abs(share(random))};
-    const double away = i % 5 == 0 ? 8.0 : 1.0;  // partly or wholly outside of the map
+    const double away = i % 5 == 0 ? 8.0 : 1.0;  // partly or completely outside of the map
     const Pose2 center = truth * Pose2(away * most_m * share(random), most_m * share(random),
                                        most_rad * share(random));
     CorrelativeConfig config;
@@ -63,8 +63,8 @@ TEST(Correlative, EqualsBruteForceOnRandomWindows) {
 
 TEST(Correlative, EqualsBruteForceInLargeWindows) { compareWithBruteForce(0.05, 20, 4.0, 1.6); }
 
-/// A few posts and a few points: many poses are equally good, and the first of them is meant.
-TEST(Correlative, EqualsBruteForceWhereManyPosesAreEqual) {
+/// A few posts and points: many poses are equally good, and the first of them must be found.
+TEST(Correlative, EqualsBruteForceIfManyPosesAreEqual) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<float> position(-1.5F, 1.5F);
   const auto randomPoints = [&](int count) {
@@ -111,7 +111,7 @@ TEST(Correlative, CovarianceIsLargeAlongACorridor) {
   EXPECT_GT(found.covariance(0, 0), 3.0 * found.covariance(1, 1));
 }
 
-TEST(Correlative, NothingToMatchGivesTheCenter) {
+TEST(Correlative, ReturnsTheCenterIfNothingMatches) {
   const Submap map = mapOf(room::walls(), 0.05);
   const Pose2 center(1, 2, 0.3);
   EXPECT_EQ(searchWindow(map.surface(), {}, center, {0.5, 0.5}, CorrelativeConfig()).pose, center);

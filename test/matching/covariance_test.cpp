@@ -15,12 +15,12 @@
 namespace kestrel {
 namespace {
 
-/// A square room of half width 3 m with n beams on each wall, at equal steps.
+/// A square room of half width 3 m with kBeams equally spaced beams on each wall.
 struct Square {
   static constexpr double kHalf = 3.0, kVariance = 1e-4;
   static constexpr int kBeams = 60;
 
-  /// Sum of 0.5 d² over the walls, each of them infinite.
+  /// Sum of 0.5 d² over the walls, which are infinitely long.
   static double cost(const Pose2& pose) {
     double sum = 0.0;
     for (int wall = 0; wall < 4; ++wall) {
@@ -35,19 +35,19 @@ struct Square {
     return sum;
   }
 
-  /// Two walls hold x and two y; each beam turns with its place along the wall, whose mean square
-  /// is half² / 3 (1 - 1 / n²).
+  /// Two walls constrain x and two constrain y. The lever arm of a beam for the yaw is its position
+  /// along the wall, with mean square half² / 3 (1 - 1 / n²).
   static Eigen::Matrix3d hessian() {
     const double lever2 = kHalf * kHalf / 3.0 * (1.0 - 1.0 / (kBeams * kBeams));
     return Eigen::Vector3d(2.0 * kBeams, 2.0 * kBeams, 4.0 * kBeams * lever2).asDiagonal();
   }
 };
 
-TEST(Covariance, BothWaysGiveThatOfASquareRoom) {
+TEST(Covariance, BothMethodsAreExactInASquareRoom) {
   const Eigen::Matrix3d truth = Square::kVariance * Square::hessian().inverse();
   const Eigen::Matrix3d hessian = hessianCovariance(Square::hessian(), Square::kVariance);
   EXPECT_TRUE(hessian.isApprox(truth, 1e-4)) << hessian;
-  // The samples need not be as far away as the result says.
+  // The distance of the samples may differ from the result.
   for (const double spread : {0.5, 1.0, 9.0}) {
     const Eigen::Matrix3d sampled =
         sampledCovariance(Square::cost, Pose2(), spread * truth, Square::kVariance);
@@ -55,20 +55,20 @@ TEST(Covariance, BothWaysGiveThatOfASquareRoom) {
   }
 }
 
-TEST(Covariance, TheSampledOneSeesWhatTheTangentDoesNot) {
-  // A double well: flat in the middle, held at its sides.
+TEST(Covariance, TheSampledMethodMeasuresAQuarticCost) {
+  // A quartic cost in x: flat in the middle, steep at its sides.
   const auto cost = [](const Pose2& p) {
     return 0.5 * (p.y * p.y + p.yaw * p.yaw) + 0.25 * std::pow(p.x, 4);
   };
   const Eigen::Matrix3d sampled =
       sampledCovariance(cost, Pose2(), Eigen::Matrix3d::Identity(), 1.0);
-  // At 1 m it costs 0.25, as a parabola of curvature 0.5 would; the tangent has none at all.
+  // At 1 m the cost is 0.25, as that of a parabola with curvature 0.5. The curvature at 0 is 0.
   EXPECT_NEAR(sampled(0, 0), 2.0, 1e-9);
   EXPECT_NEAR(sampled(1, 1), 1.0, 1e-9);
   EXPECT_NEAR(sampled(0, 1), 0.0, 1e-9);
 }
 
-TEST(Covariance, TheSampledOneOfAFlatCostIsWideAndFinite) {
+TEST(Covariance, TheSampledMethodIsFiniteForAFlatCost) {
   const Eigen::Matrix3d sampled = sampledCovariance([](const Pose2&) { return 0.0; }, Pose2(),
                                                     Eigen::Matrix3d::Identity(), 1.0);
   EXPECT_TRUE(sampled.isApprox(25.0 * Eigen::Matrix3d::Identity(), 1e-9)) << sampled;
@@ -83,17 +83,10 @@ TEST(Covariance, StretchedAlongOneDirectionOnly) {
   EXPECT_TRUE(result.isApprox(expected, 1e-12)) << result;
 }
 
-TEST(Covariance, AnErrorInHeadingSwingsWhatIsFarAway) {
-  const Eigen::Matrix3d yaw = Eigen::Vector3d(0.0, 0.0, 1e-4).asDiagonal();
-  const Eigen::Matrix3d result = transported(yaw, {10.0, 0.0});
-  EXPECT_NEAR(result(0, 0), 0.0, 1e-12);
-  EXPECT_NEAR(result(1, 1), 1e-2, 1e-12);
-  EXPECT_NEAR(result(1, 2), 1e-3, 1e-12);
-}
-
-/// Scans of the same place with other noise of every beam; the mean claimed covariance and that of
-/// the poses found.
-void matchNoisyScans(const std::string& way, Eigen::Matrix3d& claimed, Eigen::Matrix3d& scatter) {
+/// Matches scans of one place with independent noise of every beam. Computes the mean predicted
+/// covariance and the covariance of the matched poses.
+void matchNoisyScans(const std::string& method, Eigen::Matrix3d& predicted,
+                     Eigen::Matrix3d& scatter) {
   constexpr int kRuns = 300, kMapScans = 40;
   constexpr float kNoise = 0.015F;
   std::mt19937 generator(7);
@@ -106,32 +99,32 @@ void matchNoisyScans(const std::string& way, Eigen::Matrix3d& claimed, Eigen::Ma
   Submap map{OccupancyGridConfig()};
   for (int i = 0; i < kMapScans; ++i) map.insert(noisyScan(), Pose2());
   MatcherConfig config;
-  config.covariance = way;
+  config.covariance = method;
   const auto matcher = makeMatcher(config);
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
-  claimed.setZero();
+  predicted.setZero();
   for (int i = 0; i < kRuns; ++i) {
     const Points points = hitsOf(noisyScan());
     const MatchResult found = matcher->match(map, {points, Pose2(), {Pose2()}, false, 1.0});
     const Eigen::Vector3d pose(found.pose.x, found.pose.y, found.pose.yaw);
     mean += pose / kRuns;
     second += pose * pose.transpose() / kRuns;
-    claimed += found.covariance / kRuns;
+    predicted += found.covariance / kRuns;
   }
   scatter = second - mean * mean.transpose();
 }
 
-TEST(Covariance, MatchedPosesScatterAsClaimed) {
-  // Beams that err each on its own would scatter half as much as claimed (kBeamCorrelation is 4),
-  // but the walls of the map have the noise of their few hits as well.
-  for (const std::string way : {"hessian", "sampled"}) {
-    Eigen::Matrix3d claimed, scatter;
-    matchNoisyScans(way, claimed, scatter);
+TEST(Covariance, MatchedPosesScatterAsPredicted) {
+  // Since the errors of the beams are independent, the poses would scatter half as much as
+  // predicted (kBeamCorrelation is 4), but the walls of the map have noise too.
+  for (const std::string method : {"hessian", "sampled"}) {
+    Eigen::Matrix3d predicted, scatter;
+    matchNoisyScans(method, predicted, scatter);
     for (int i = 0; i < 3; ++i) {
-      const double ratio = std::sqrt(claimed(i, i) / scatter(i, i));
-      EXPECT_GT(ratio, 0.8) << way << ' ' << i;
-      EXPECT_LT(ratio, 2.8) << way << ' ' << i;
+      const double ratio = std::sqrt(predicted(i, i) / scatter(i, i));
+      EXPECT_GT(ratio, 0.8) << method << ' ' << i;
+      EXPECT_LT(ratio, 2.8) << method << ' ' << i;
     }
   }
 }

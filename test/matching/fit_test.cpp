@@ -11,7 +11,7 @@ namespace {
 constexpr double kScale_m = 0.1;
 constexpr double kAlong = kAlongWeight;
 
-/// Walls x = 2.02 m and, where asked for, y = 3.02 m, from -1 to 1 m of the other coordinate.
+/// Walls x = 2.02 m and optionally y = 3.02 m, each 2 m long.
 Submap wallsAhead(bool and_left) {
   Submap map{OccupancyGridConfig()};
   PlanarScan scan;
@@ -27,7 +27,7 @@ Submap wallsAhead(bool and_left) {
   return map;
 }
 
-TEST(FitOf, TellsHowManyPointsLieOnWallsAndWhetherTheyHoldThePose) {
+TEST(FitOf, CountsPointsOnWallsAndMeasuresTheirConstraint) {
   const Points points = {{2.02F, 0.11F}, {2.05F, -0.53F}, {2.2F, 0.3F}, {0.3F, 3.02F}};
   const Fit corner = fitOf(wallsAhead(true), points, Pose2(), kScale_m);
   EXPECT_DOUBLE_EQ(corner.on_wall, 0.75);
@@ -37,13 +37,13 @@ TEST(FitOf, TellsHowManyPointsLieOnWallsAndWhetherTheyHoldThePose) {
   EXPECT_NEAR(leastConstraint(wall), 0.0, 1e-3);
 }
 
-TEST(FitOf, ScoreFallsWithTheDistanceInClosedForm) {
+TEST(FitOf, ScoreDecreasesWithTheDistance) {
   const Submap map = wallsAhead(false);
   for (const double distance : {0.0, 0.03, 0.07, 0.1}) {
     const Points points = {Eigen::Vector2f(2.02F, 0.11F), Eigen::Vector2f(2.02F, -0.53F)};
     const Fit fit = fitOf(map, points, Pose2(-distance, 0.0, 0.0), kScale_m);
     const double ratio = distance / kScale_m;
-    // The mean of a surfel is up to half a cell along the wall away, which counts by kAlong.
+    // The mean of a surfel may be half a cell away along the wall, which has the weight kAlong.
     EXPECT_NEAR(fit.score, 1.0 / (1.0 + ratio * ratio), 0.01) << distance;
     EXPECT_DOUBLE_EQ(fit.known, 1.0);
   }
@@ -62,13 +62,13 @@ TEST(FitOf, NormalsAreThoseOfTheWalls) {
   EXPECT_TRUE(two.isApprox(0.5 * Eigen::Matrix2d::Identity(), 1e-3)) << two;
 }
 
-TEST(FitOf, VarianceIsThatOfTheDistances) {
+TEST(FitOf, ResidualVarianceIsThatOfTheDistances) {
   const Points points(7, Eigen::Vector2f(2.02F, 0.1F));
   const Fit fit = fitOf(wallsAhead(false), points, Pose2(0.04, 0.0, 0.0), kScale_m);
   EXPECT_NEAR(fit.residual_variance, 0.04 * 0.04, 1e-4);
 }
 
-TEST(FitOf, NothingKnownIsZeroAndFinite) {
+TEST(FitOf, IsZeroWithoutPointsInKnownSpace) {
   const Submap map = wallsAhead(false), empty{OccupancyGridConfig()};
   for (const Fit& fit : {fitOf(map, {}, Pose2(), kScale_m),
                          fitOf(map, {Eigen::Vector2f(1, 1)}, Pose2(300, 0, 0), kScale_m),

@@ -12,7 +12,7 @@
 namespace kestrel {
 namespace {
 
-/// The gradient must be the derivative of the cost, as long as no point changes its wall.
+/// The gradient must be the derivative of the cost, as long as no point gets another surfel.
 template <typename Linearize>
 void expectGradient(const Pose2& pose, double step, double tolerance, Linearize linearize) {
   const NormalEquations at = linearize(pose);
@@ -35,7 +35,7 @@ void expectGradient(const Pose2& pose, double step, double tolerance, Linearize 
 }
 
 TEST(GaussNewton, DistanceGradientIsTheDerivativeOfTheCost) {
-  // One straight wall: every point keeps a surfel of the same line.
+  // One straight wall: all surfels are on the same line.
   Submap map{OccupancyGridConfig()};
   PlanarScan wall;
   for (int i = -100; i <= 100; ++i) {
@@ -54,7 +54,7 @@ TEST(GaussNewton, DistanceGradientIsTheDerivativeOfTheCost) {
 
 TEST(GaussNewton, OccupancyGradientIsTheDerivativeOfTheCost) {
   const Submap map = room::map();
-  // Few points well inside the squares of the bilinear interpolation.
+  // A few points inside the squares of the bilinear interpolation, away from their borders.
   const Points points = {{3.94F, 0.51F}, {3.96F, -1.02F}, {-0.52F, 2.94F}};
   for (int level = 0; level < OccupancyGrid::kLevels; ++level) {
     expectGradient(Pose2(0.004, 0.003, 0.0005), 2e-4, 0.02, [&](const Pose2& pose) {
@@ -76,7 +76,7 @@ TEST(GaussNewton, ConvergesToTheTruth) {
   EXPECT_NEAR(descent.pose.yaw, truth.yaw, 2e-3);
 }
 
-TEST(GaussNewton, StaysWhereNothingPulls) {
+TEST(GaussNewton, StaysAtTheInitialGuessWithoutInformation) {
   const Submap map = room::map();
   const Pose2 initial_guess(100, -50, 1);
   const Points points = hitsOf(room::scanFrom(Pose2()));

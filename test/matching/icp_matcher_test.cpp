@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The ICP matcher with the maps that it needs; see matcher_test.cpp for what every matcher does.
+// Tests of the ICP matcher and its submap options. matcher_test.cpp tests all matchers.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ MatcherConfig configOf(const Variant& variant) {
   return config;
 }
 
-/// The room as three scans see it, with what the matcher wants to be kept.
+/// The room seen by three scans, with the submap options of the matcher.
 Submap roomFor(const MatcherConfig& config) {
   Submap map(OccupancyGridConfig(), submapOptions(config));
   for (const Pose2& pose : {Pose2(0, 0, 0), Pose2(0.5, 0.3, 1), Pose2(-0.6, -0.4, 2)}) {
@@ -76,7 +76,7 @@ TEST_P(IcpVariants, FollowsADriveWithoutOdometry) {
   }
 }
 
-TEST_P(IcpVariants, SaysNothingOfAFewPointsAndStaysFinite) {
+TEST_P(IcpVariants, StaysFiniteWithFewPoints) {
   const MatcherConfig config = configOf(GetParam());
   const Submap map = roomFor(config), empty(OccupancyGridConfig(), submapOptions(config));
   const std::unique_ptr<Matcher> matcher = makeMatcher(config);
@@ -103,30 +103,30 @@ INSTANTIATE_TEST_SUITE_P(All, IcpVariants,
                                            Variant{"point_to_point", "last_scans", true},
                                            Variant{"point_to_line", "last_scans", true}));
 
-TEST(IcpMatcher, FindsATurnThatNoStartForesees) {
+TEST(IcpMatcher, FindsARotationThatNoInitialGuessPredicts) {
   const MatcherConfig config = configOf({"point_to_line", "map", false});
   const Submap map = roomFor(config);
   const Pose2 truth(0.2, 0.1, 1.2), initial_guess(0.2, 0.1, 0.0);
   const Points points = hitsOf(room::scanFrom(truth));
   MatchRequest request{points, initial_guess, {initial_guess}};
   EXPECT_NEAR(makeMatcher(config)->match(map, request).pose.yaw, 1.2, 0.01);
-  request.turn_known = true;
+  request.yaw_known = true;
   EXPECT_LT(std::abs(makeMatcher(config)->match(map, request).pose.yaw), 1.0);
 }
 
-TEST(IcpMatcher, TakesTheBestOfTheStarts) {
+TEST(IcpMatcher, TakesTheBestOfTheInitialGuesses) {
   const MatcherConfig config = configOf({"point_to_point", "map", false});
   const Submap map = roomFor(config);
   const Pose2 truth(0.2, 0.1, 0.3);
   const Points points = hitsOf(room::scanFrom(truth));
   const Pose2 wrong = truth * Pose2(1.5, 1.0, 0.5), near = truth * Pose2(0.05, 0.0, 0.02);
   MatchRequest request{points, near, {wrong, near}};
-  request.turn_known = true;
+  request.yaw_known = true;
   const MatchResult result = makeMatcher(config)->match(map, request);
   EXPECT_LT((truth.inverse() * result.pose).distance(), 0.02);
 }
 
-TEST(IcpMatcher, RemembersNothingThatMatters) {
+TEST(IcpMatcher, ResultsDoNotDependOnTheCache) {
   for (const char* reference : {"map", "last_scans"}) {
     const MatcherConfig config = configOf({"point_to_line", reference, false});
     Submap map = roomFor(config);
@@ -135,10 +135,10 @@ TEST(IcpMatcher, RemembersNothingThatMatters) {
       const Pose2 truth(0.3 * i, 0.1, 0.2 * i), initial_guess = truth * Pose2(0.05, 0.05, 0.03);
       const Points points = hitsOf(room::scanFrom(truth));
       const MatchRequest request{points, initial_guess, {initial_guess}};
-      const MatchResult remembered = old->match(map, request);
+      const MatchResult cached = old->match(map, request);
       const MatchResult fresh = makeMatcher(config)->match(map, request);
-      ASSERT_NEAR((fresh.pose.inverse() * remembered.pose).distance(), 0.0, 1e-9) << i;
-      ASSERT_EQ(fresh.iterations, remembered.iterations) << i;
+      ASSERT_NEAR((fresh.pose.inverse() * cached.pose).distance(), 0.0, 1e-9) << i;
+      ASSERT_EQ(fresh.iterations, cached.iterations) << i;
       if (i % 3 == 2) map.insert(room::scanFrom(truth), truth);
       if (i == 8) map.clear();
     }
@@ -146,17 +146,17 @@ TEST(IcpMatcher, RemembersNothingThatMatters) {
   }
 }
 
-TEST(IcpMatcher, LastScansAreAllThatItSees) {
+TEST(IcpMatcher, UsesOnlyTheLastScansAsReference) {
   MatcherConfig config = configOf({"point_to_line", "last_scans", false});
   const Pose2 shift(0.2, 0.0, 0.0);
   for (const int count : {1, 2}) {
     config.icp.last_scans = count;
     Submap map(OccupancyGridConfig(), submapOptions(config));
     map.insert(room::scanFrom(Pose2()), Pose2());
-    map.insert(room::scanFrom(Pose2()), shift);  // the same view: 0.2 m off in the map
+    map.insert(room::scanFrom(Pose2()), shift);  // the same scan, 0.2 m away in the map
     const Points points = hitsOf(room::scanFrom(Pose2()));
     const MatchResult result = makeMatcher(config)->match(map, {points, Pose2(), {Pose2()}});
-    // One scan: only where the last one was. Two: the scan at the initial guess fits exactly.
+    // With one scan the reference is only the second one. With two, the first one fits exactly.
     EXPECT_NEAR(result.pose.x, count == 1 ? 0.2 : 0.0, 1e-3);
     EXPECT_NEAR(result.pose.y, 0.0, 1e-3);
   }

@@ -18,7 +18,8 @@ Eigen::Vector2f randomPoint(std::mt19937_64& random, float size) {
   return {x, place(random)};
 }
 
-/// Points at random in base and where they are in map, m; with noise on the partners.
+/// Random points in the base frame and their positions in the map frame, m. The partners have
+/// noise.
 std::vector<IcpPair> randomPairs(const Pose2& map_T_base, int count, float noise_m) {
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<float> angle(-3.1F, 3.1F);
@@ -39,7 +40,7 @@ void expectNear(const Pose2& pose, const Pose2& expected, double tolerance) {
   EXPECT_NEAR(normalizeAngle(pose.yaw - expected.yaw), 0.0, tolerance);
 }
 
-/// Σ ((T p - q)·n)², written out as in paper 003 eq. 9.
+/// Σ ((T p - q)·n)² [Siew 2018, eq. 9].
 double lineError(const std::vector<IcpPair>& pairs, const Pose2& pose) {
   double sum = 0.0;
   for (const IcpPair& pair : pairs) {
@@ -49,8 +50,8 @@ double lineError(const std::vector<IcpPair>& pairs, const Pose2& pose) {
   return sum;
 }
 
-/// Minimum of a function of the pose near `initial_guess`, by ever smaller steps along the axes:
-/// slow, and without any derivative.
+/// Minimum of a function of the pose near `initial_guess`, by decreasing steps along the axes.
+/// Slow, but without derivatives.
 template <typename Cost>
 Pose2 minimumOf(Cost cost, Pose2 initial_guess) {
   double best = cost(initial_guess);
@@ -74,7 +75,7 @@ Pose2 minimumOf(Cost cost, Pose2 initial_guess) {
 
 TEST(PointToPoint, RecoversARigidMotion) {
   for (const Pose2& truth : {Pose2(0.3, -0.2, 0.1), Pose2(-4.0, 7.0, 3.0), Pose2(0, 0, -1.6)}) {
-    // Coordinates of 10 m as float are exact to half a micrometer.
+    // Float coordinates of 10 m are accurate to half a micrometer.
     expectNear(alignPointToPoint(randomPairs(truth, 500, 0.0F), Pose2()), truth, 1e-6);
   }
 }
@@ -91,17 +92,17 @@ TEST(PointToPoint, EqualsUmeyama) {
              Pose2(oracle(0, 2), oracle(1, 2), std::atan2(oracle(1, 0), oracle(0, 0))), 1e-9);
 }
 
-TEST(PointToPoint, KeepsWhatThePairsLeaveOpen) {
+TEST(PointToPoint, KeepsTheInitialGuessWhereThePairsAreAmbiguous) {
   const Pose2 initial_guess(1.0, 2.0, 0.5);
   EXPECT_EQ(alignPointToPoint({}, initial_guess), initial_guess);
-  // One point: its shift, and the yaw as it was.
+  // One point determines the position, but not the yaw.
   const Eigen::Vector2f p(1.0F, 0.0F), q(3.0F, 3.0F), none = Eigen::Vector2f::Zero();
   const Pose2 one = alignPointToPoint({{p, q, none}}, initial_guess);
   EXPECT_EQ(one.yaw, 0.5);
   EXPECT_NEAR((one * p.cast<double>() - q.cast<double>()).norm(), 0.0, 1e-12);
   const Pose2 same = alignPointToPoint({{p, q, none}, {p, q, none}, {p, q, none}}, initial_guess);
   EXPECT_NEAR(same.yaw, 0.5, 1e-12);
-  // Two points, and collinear ones, fix everything.
+  // Two points and collinear points determine the pose.
   for (const int count : {2, 5}) {
     std::vector<IcpPair> line;
     for (int i = 0; i < count; ++i) {
@@ -134,17 +135,17 @@ TEST(PointToLine, WithoutNormalsIsPointToPoint) {
   expectNear(alignPointToLine(pairs, Pose2()), alignPointToPoint(pairs, Pose2()), 1e-6);
 }
 
-TEST(PointToLine, StaysWhereThePairsSayNothing) {
+TEST(PointToLine, KeepsTheInitialGuessInUnobservableDirections) {
   const Pose2 initial_guess(5.0, 6.0, 0.0);
   EXPECT_EQ(alignPointToLine({}, initial_guess), initial_guess);
-  // A wall along x, 0.3 m to the left of where the points see it.
+  // A wall along x, 0.3 m to the left of the points.
   std::vector<IcpPair> wall;
   for (int i = -20; i <= 20; ++i) {
     const auto s = static_cast<float>(i);
     wall.push_back({{s, 1.0F}, {5.05F + s, 7.3F}, Eigen::Vector2f::UnitY()});
   }
   expectNear(alignPointToLine(wall, initial_guess), Pose2(5.0, 6.3, 0.0), 1e-5);
-  // One pair: no NaN, and no turn worth the name.
+  // One pair: no NaN and only a small rotation.
   const Pose2 one = alignPointToLine({wall.front()}, initial_guess);
   EXPECT_TRUE(one.isFinite());
   EXPECT_LT((initial_guess.inverse() * one).distance(), 0.31);
@@ -168,7 +169,7 @@ TEST(RejectWorstPairs, RemovesExactlyTheOutliers) {
   ASSERT_EQ(pairs.size(), 1U);
   EXPECT_EQ(pairs.front().error, 0.0F);
   rejectWorstPairs(pairs, 0.9);
-  EXPECT_EQ(pairs.size(), 1U) << "rounded down";
+  EXPECT_EQ(pairs.size(), 1U) << "the count is rounded down";
   pairs.clear();
   rejectWorstPairs(pairs, 0.5);
   EXPECT_TRUE(pairs.empty());

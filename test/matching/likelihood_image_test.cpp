@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMaxLevels = 6;
 
-/// Posts in the corners of tiles, so that windows begin in one tile and reach the next.
+/// Posts in the corners of tiles, so that windows extend over two tiles.
 Submap postsAtTileBorders() {
   Submap map{OccupancyGridConfig()};
   PlanarScan scan;
@@ -27,7 +27,7 @@ Submap postsAtTileBorders() {
   return map;
 }
 
-int naiveMaximum(const LikelihoodImage& image, int level, int x, int y) {
+int bruteForceMaximum(const LikelihoodImage& image, int level, int x, int y) {
   int most = 0;
   for (int j = y; j < y + (1 << level); ++j) {
     for (int i = x; i < x + (1 << level); ++i) most = std::max<int>(most, *image.at(0, i, j));
@@ -35,7 +35,8 @@ int naiveMaximum(const LikelihoodImage& image, int level, int x, int y) {
   return most;
 }
 
-/// At every motion of every point of `grid`: the window's maximum, rounded up to 63rds.
+/// For every motion of every point of `grid`: the value is the maximum of the window, rounded up to
+/// 1/63.
 void expectMaxima(const SearchGrid& grid, const LikelihoodImage& image) {
   std::vector<PointCell> cells(static_cast<std::size_t>(grid.pointCount()));
   const int steps = grid.linearSteps(), levels = image.levels();
@@ -45,7 +46,7 @@ void expectMaxima(const SearchGrid& grid, const LikelihoodImage& image) {
       for (int level = 1; level < levels; ++level) {
         for (int dy = -steps; dy <= steps; dy += 3) {
           for (int dx = -steps; dx <= steps; dx += 2) {
-            const int most = naiveMaximum(image, level, cell.x + dx, cell.y + dy);
+            const int most = bruteForceMaximum(image, level, cell.x + dx, cell.y + dy);
             const int bound = *image.at(level, cell.x + dx, cell.y + dy);
             ASSERT_GE(LikelihoodImage::likelihoodOf(level, bound), most);
             ASSERT_LE(bound, (most + 3) / 4);
@@ -57,7 +58,7 @@ void expectMaxima(const SearchGrid& grid, const LikelihoodImage& image) {
   }
 }
 
-TEST(LikelihoodImage, HoldsTheMaximaOfAllWindowsThatASearchReads) {
+TEST(LikelihoodImage, HasTheMaximaOfAllWindowsOfASearch) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<float> position(-4.0F, 4.0F);
   for (int i = 0; i < 12; ++i) {
@@ -70,7 +71,7 @@ TEST(LikelihoodImage, HoldsTheMaximaOfAllWindowsThatASearchReads) {
   }
 }
 
-TEST(LikelihoodImage, WindowsSideBySideAreNeighborsInMemory) {
+TEST(LikelihoodImage, AdjacentWindowsAreNeighborsInMemory) {
   const Submap map = room::map();
   const Points points = {Eigen::Vector2f(3.9F, 2.9F)};
   const SearchGrid grid(map.surface(), points, Pose2(), {0.8, 0.1}, CorrelativeConfig());

@@ -18,7 +18,7 @@ const Points& scanOfTheRoom() {
   return points;
 }
 
-TEST(LikelihoodSurface, ItsMaximumIsWhatTheSearchFinds) {
+TEST(LikelihoodSurface, ItsMaximumIsTheResultOfTheSearch) {
   const Submap map = room::map();
   CorrelativeConfig config;
   config.linear_preference = config.angular_preference = 0.0;
@@ -43,8 +43,8 @@ TEST(LikelihoodSurface, ItsMaximumIsWhatTheSearchFinds) {
   EXPECT_EQ(*std::max_element(image.begin(), image.end()), *best);
 }
 
-/// One post in the middle of cell (0, 0): the score is the likelihood of a distance, known exactly.
-TEST(LikelihoodSurface, OfOnePostIsTheLikelihoodOfTheDistance) {
+/// One post in the center of cell (0, 0): the score is the likelihood of the distance.
+TEST(LikelihoodSurface, IsTheLikelihoodOfTheDistanceForOnePost) {
   Submap map{OccupancyGridConfig()};
   PlanarScan scan;
   const Eigen::Vector2f middle(0.025F, 0.025F);
@@ -62,7 +62,7 @@ TEST(LikelihoodSurface, OfOnePostIsTheLikelihoodOfTheDistance) {
   }
 }
 
-/// Point by point from the surface's own look-up, without any image.
+/// Compares with the mean over the points, computed from the surfels without an image.
 TEST(LikelihoodSurface, IsTheMeanLikelihoodOfThePoints) {
   const Submap map = room::map();
   const Points& points = scanOfTheRoom();
@@ -89,7 +89,7 @@ TEST(LikelihoodSurface, IsTheMeanLikelihoodOfThePoints) {
   }
 }
 
-/// Scores whose logarithm is a Gaussian: exp(30 (score - 1)) has the moments that were put in.
+/// The likelihood exp(30 (score - 1)) of these scores is a Gaussian with known moments.
 TEST(LikelihoodSurface, MomentsOfAGaussianAreItsParameters) {
   LikelihoodSurface surface;
   surface.center = Pose2(1.0, 2.0, 0.5);
@@ -117,7 +117,7 @@ TEST(LikelihoodSurface, MomentsOfAGaussianAreItsParameters) {
   EXPECT_LT(moments.angular_border, 1e-4);
 }
 
-TEST(LikelihoodSurface, OfAllTheSameIsCutOffAtItsBorder) {
+TEST(LikelihoodSurface, MomentsOfAConstantSurfaceAreThoseOfItsWindow) {
   LikelihoodSurface surface;
   surface.step_m = surface.step_rad = 1.0;
   surface.linear_steps = 1;
@@ -130,7 +130,7 @@ TEST(LikelihoodSurface, OfAllTheSameIsCutOffAtItsBorder) {
   EXPECT_NEAR(moments.angular_border, 2.0 / 5.0, 1e-12);
 }
 
-TEST(LikelihoodSurface, HasAShareWithoutPointsAndALimit) {
+TEST(LikelihoodSurface, IsEmptyWithoutPointsAndLimitsTheWindow) {
   const Submap map = room::map();
   const CorrelativeConfig config;
   EXPECT_TRUE(sampleLikelihood(map.surface(), {}, Pose2(), {0.5, 0.5}, config).score.empty());
@@ -139,7 +139,7 @@ TEST(LikelihoodSurface, HasAShareWithoutPointsAndALimit) {
                std::invalid_argument);
 }
 
-/// In a corridor the surface is a ridge: the covariance takes as much of it as it may.
+/// In a corridor the surface is a ridge. The covariance uses the largest region that is allowed.
 TEST(LikelihoodSurface, CovarianceFollowsTheRidgeOfACorridor) {
   Submap map{OccupancyGridConfig()};
   for (const double x : {0.0, 0.8}) {
@@ -149,7 +149,7 @@ TEST(LikelihoodSurface, CovarianceFollowsTheRidgeOfACorridor) {
   const Eigen::Matrix3d covariance =
       searchWindow(map.surface(), points, Pose2(0.4, 0, 0), {0.3, 0.1}, CorrelativeConfig())
           .covariance;
-  // ±12 cells of 5 cm, all alike: (25² - 1) / 12 cells².
+  // A constant likelihood over ±12 cells of 5 cm: variance (25² - 1) / 12 cells².
   EXPECT_NEAR(std::sqrt(covariance(0, 0)), 0.05 * std::sqrt(52.0), 0.02);
   EXPECT_LT(std::sqrt(covariance(1, 1)), 0.08);
 }

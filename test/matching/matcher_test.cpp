@@ -33,7 +33,8 @@ TEST_P(EveryMatcher, FindsAKnownPose) {
   for (const Pose2& truth : {Pose2(0.2, 0.1, 0.3), Pose2(-0.8, 0.6, -2.0), Pose2(0.9, -0.7, 3.1)}) {
     const Points points = hitsOf(room::scanFrom(truth));
     const MatchResult result = match(GetParam(), map, points, truth * Pose2(0.06, -0.04, 0.04));
-    // Votes cannot tell where in its cells a wall is, and those of the room lie along cells.
+    // Votes cannot resolve the position of a wall within its cells, and the walls of the room are
+    // parallel to the cells.
     const double tolerance = GetParam() == "progressive" ? 0.05 : 0.03;
     EXPECT_NEAR(result.pose.x, truth.x, tolerance);
     EXPECT_NEAR(result.pose.y, truth.y, tolerance);
@@ -46,9 +47,9 @@ TEST_P(EveryMatcher, FindsAKnownPose) {
   }
 }
 
-TEST_P(EveryMatcher, SaysWhereNothingFits) {
+TEST_P(EveryMatcher, HasALowScoreIfNothingFits) {
   const Submap map = room::map();
-  Points points;  // a circle where the room is empty
+  Points points;  // a circle in free space
   for (int i = 0; i < 90; ++i) {
     points.push_back(
         {std::cos(static_cast<float>(i) * 0.07F), std::sin(static_cast<float>(i) * 0.07F)});
@@ -74,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, EveryMatcher,
                          ::testing::Values("gauss_newton", "correlative", "progressive", "icp",
                                            "hybrid"));
 
-TEST(HybridMatcher, SearchesWhereTheStartIsFarOff) {
+TEST(HybridMatcher, SearchesIfTheInitialGuessIsFarOff) {
   const Submap map = room::map();
   const Pose2 truth(0.3, 0.2, 0.4);
   const Points points = hitsOf(room::scanFrom(truth));
@@ -86,8 +87,8 @@ TEST(HybridMatcher, SearchesWhereTheStartIsFarOff) {
   EXPECT_NEAR(normalizeAngle(far.pose.yaw - truth.yaw), 0.0, 0.005);
 }
 
-TEST(HybridMatcher, TurnedAroundIsFoundWhenAskedFor) {
-  // Four walls of which no two are parallel: turned by any angle the view is another one.
+TEST(HybridMatcher, FindsAReversedPoseIfAllYawsAreSearched) {
+  // No two of the four walls are parallel, so the view is different at every yaw.
   const std::vector<room::Segment> walls = {
       {-4, -3, 4, -2}, {4, -2, 2, 3}, {2, 3, -1, 2}, {-1, 2, -4, -3}};
   Submap map{OccupancyGridConfig()};
@@ -101,8 +102,8 @@ TEST(HybridMatcher, TurnedAroundIsFoundWhenAskedFor) {
   EXPECT_NEAR(normalizeAngle(result.pose.yaw - truth.yaw), 0.0, 0.01);
 }
 
-TEST(HybridMatcher, CorridorIsDegenerateAlongItself) {
-  // Dense enough that neighboring hits far away still make the direction of the wall.
+TEST(HybridMatcher, ACorridorIsUnobservableAlongItself) {
+  // Dense enough that distant neighboring hits still give the direction of the wall.
   const PlanarScan scan = room::scanFrom(Pose2(), room::corridor(), 1440);
   Submap map{OccupancyGridConfig()};
   for (int i = 0; i < 4; ++i) map.insert(scan, Pose2(0.5 * i, 0, 0));
@@ -114,7 +115,7 @@ TEST(HybridMatcher, CorridorIsDegenerateAlongItself) {
   EXPECT_LT(result.covariance(1, 1), 0.01);
   EXPECT_NEAR(result.pose.y, 0.0, 0.01);
   EXPECT_NEAR(result.pose.yaw, 0.0, 0.005);
-  EXPECT_NEAR(result.pose.x, 0.7, 0.15);  // not corrected far where nothing is known
+  EXPECT_NEAR(result.pose.x, 0.7, 0.15);  // only small corrections along the unobservable direction
 }
 
 TEST(Fit, CountsOnlyPointsInKnownSpace) {
@@ -135,11 +136,11 @@ TEST(Fit, CountsOnlyPointsInKnownSpace) {
   points.resize(20, Eigen::Vector2f(1.0F, 0.0F));  // free
   EXPECT_NEAR(fitOf(map, points, Pose2(), 0.1).score, 0.5, 1e-3);
   EXPECT_NEAR(fitOf(map, points, Pose2(), 0.1).known, 1.0, 1e-9);
-  // A point one scale off the wall fits by half.
+  // A point at the distance `scale_m` from the wall fits by half.
   EXPECT_NEAR(fitOf(map, {Eigen::Vector2f(1.92F, 0.0F)}, Pose2(), 0.1).score, 0.5, 0.01);
 }
 
-TEST(MakeMatcher, NamesAnUnknownMethod) {
+TEST(MakeMatcher, ReportsAnUnknownMethod) {
   MatcherConfig config;
   config.method = "magic";
   try {

@@ -16,12 +16,12 @@ std::vector<WallPoint> randomPoints(std::mt19937_64& random, std::size_t count) 
   for (WallPoint& point : points) {
     point.position.x() = place(random);
     point.position.y() = place(random);
-    point.normal = point.position;  // a name to know it by
+    point.normal = point.position;  // identifies the point
   }
   return points;
 }
 
-/// The nearest within `reach_m` by looking at all, or nullptr.
+/// The nearest point within `reach_m` by brute force, or nullptr.
 const WallPoint* bruteForce(const std::vector<WallPoint>& points, const Eigen::Vector2f& place,
                             float reach_m) {
   const WallPoint* best = nullptr;
@@ -35,7 +35,7 @@ const WallPoint* bruteForce(const std::vector<WallPoint>& points, const Eigen::V
   return best;
 }
 
-TEST(NearestPoints, EqualBruteForce) {
+TEST(NearestPoints, EqualsBruteForce) {
   std::mt19937_64 random(kSeed);
   std::normal_distribution<float> place(0.0F, 4.0F);
   for (const std::size_t count : {1U, 2U, 11U, 300U, 3000U}) {
@@ -58,7 +58,7 @@ TEST(NearestPoints, EqualBruteForce) {
   }
 }
 
-TEST(NearestPoints, NoneAndManyAtOnePlace) {
+TEST(NearestPoints, HandlesNoPointsAndEqualPoints) {
   EXPECT_EQ(NearestPoints({}).nearest({0.0F, 0.0F}, 10.0F), nullptr);
   const Eigen::Vector2f place(1.0F, 2.0F);
   const NearestPoints same(std::vector<WallPoint>(100, {place, place}));

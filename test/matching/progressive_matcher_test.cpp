@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The matcher of paper 002 as a whole; its parts are in progressive_test.cpp.
+// Tests of the progressive matcher [Xie 2010] as a whole. progressive_test.cpp tests its parts.
 
 #include <gtest/gtest.h>
 
@@ -13,13 +13,13 @@
 namespace kestrel {
 namespace {
 
-/// Of the room in the map: its walls cross the cells in all ways.
+/// Pose of the room in the map. It is rotated, so that its walls cross the cells at many positions.
 const Pose2 kTurned(0.013, 0.021, 0.3);
 
-TEST(ProgressiveMatcher, SaysThatItStopped) {
+TEST(ProgressiveMatcher, ReportsThatTheRefinementStopped) {
   Submap map{OccupancyGridConfig()};
-  PlanarScan wall;  // in the cells from 2.0 to 2.05 m
-  Points points;    // in that of 20 cm, but not in that of 10 cm
+  PlanarScan wall;  // in the 5 cm cells from 2.0 to 2.05 m
+  Points points;    // in the same 20 cm cell as the wall, but in another 10 cm cell
   for (int i = -40; i < 40; ++i) {
     const float x = 0.05F * static_cast<float>(i) + 0.025F;
     wall.rays.push_back({Eigen::Vector2f::Zero(), Eigen::Vector2f(x, 2.02F), true});
@@ -40,28 +40,28 @@ TEST(ProgressiveMatcher, SaysThatItStopped) {
   for (const StageEstimate& stage : result.stages) EXPECT_EQ(stage.pose, Pose2());
 }
 
-TEST(ProgressiveMatcher, TheSeedAloneDecides) {
+TEST(ProgressiveMatcher, TheSeedDeterminesTheResult) {
   const Submap map = room::map();
   const Pose2 truth(0.2, 0.1, 0.3), initial_guess = truth * Pose2(0.06, -0.04, 0.04);
   const Points points = hitsOf(room::scanFrom(truth));
-  const auto poseWith = [&](const Matcher& matcher) {
+  const auto matchWith = [&](const Matcher& matcher) {
     return matcher.match(map, {points, initial_guess, {initial_guess}, false, 1.0});
   };
   MatcherConfig config;
   config.method = "progressive";
   const std::unique_ptr<Matcher> matcher = makeMatcher(config);
-  const MatchResult first = poseWith(*matcher), again = poseWith(*matcher),
-                    other_matcher = poseWith(*makeMatcher(config));
+  const MatchResult first = matchWith(*matcher), again = matchWith(*matcher),
+                    other_matcher = matchWith(*makeMatcher(config));
   for (const MatchResult& same : {again, other_matcher}) {
     EXPECT_EQ(same.pose, first.pose);
     EXPECT_EQ(same.covariance, first.covariance);
     EXPECT_EQ(same.score, first.score);
   }
   config.progressive.seed = 2;
-  EXPECT_FALSE(poseWith(*makeMatcher(config)).pose == first.pose);
+  EXPECT_FALSE(matchWith(*makeMatcher(config)).pose == first.pose);
 }
 
-TEST(ProgressiveMatcher, SearchesWhereTheStartIsFarOff) {
+TEST(ProgressiveMatcher, SearchesIfTheInitialGuessIsFarOff) {
   const Submap map = room::map(kTurned);
   const Pose2 in_room(0.3, 0.2, 0.4), truth = kTurned * in_room;
   const Pose2 initial_guess = truth * Pose2(0.5, -0.4, 0.7);
@@ -75,8 +75,8 @@ TEST(ProgressiveMatcher, SearchesWhereTheStartIsFarOff) {
   EXPECT_NEAR(normalizeAngle(result.pose.yaw - truth.yaw), 0.0, 0.01);
 }
 
-/// Mean of e' P^-1 e over many matches with 1 cm of range noise; 3 where the covariance is true.
-TEST(ProgressiveMatcher, CovarianceIsThatOfTheError) {
+/// Mean of e' P^-1 e over many matches with 1 cm of range noise. It is 3 for a correct covariance.
+TEST(ProgressiveMatcher, CovarianceAgreesWithTheErrors) {
   MatcherConfig config;
   config.method = "progressive";
   const std::unique_ptr<Matcher> matcher = makeMatcher(config);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kBeams = 200.0;
 
-/// A wall along x at y = 2.02 m, seen from the origin: in the cells from 2.0 to 2.05 m.
+/// A wall along x at y = 2.02 m, seen from the origin. It is in the 5 cm cells from 2.0 to 2.05 m.
 OccupancyGrid wall() {
   PlanarScan scan;
   for (int i = -40; i < 40; ++i) {
@@ -24,14 +24,14 @@ OccupancyGrid wall() {
   return grid;
 }
 
-/// End points on a line at `y`, away from the ends of the wall.
+/// End points on a line at `y`, not near the ends of the wall.
 Points lineAt(float y) {
   Points points;
   for (int i = -40; i <= 40; ++i) points.emplace_back(0.025F * static_cast<float>(i), y);
   return points;
 }
 
-/// Paper 002 eq. 21 by hand.
+/// The voting likelihood [Xie 2010, eq. 21], computed directly.
 double countedVotes(const OccupancyGrid& grid, int level, const Points& points, const Pose2& pose) {
   const double cell_m = 0.05 * (1 << level);
   double sum = 0.0;
@@ -45,32 +45,33 @@ double countedVotes(const OccupancyGrid& grid, int level, const Points& points, 
   return sum / static_cast<double>(points.size());
 }
 
-TEST(VotingLikelihood, CountsTheProbabilitiesOfOccupiedCells) {
+TEST(VotingLikelihood, SumsTheProbabilitiesOfOccupiedCells) {
   const OccupancyGrid grid = wall();
-  // Two on the wall, one in front of it in free space, one behind it in unknown space.
+  // Two points on the wall, one in front of it in free space, one behind it in unknown space.
   const Points points = {{0.01F, 2.01F}, {0.12F, 2.04F}, {0.0F, 1.5F}, {0.0F, 2.17F}};
   EXPECT_NEAR(votingLikelihood(grid, 0, points, Pose2()), 2 * 0.9 / 4, 1e-4);
   EXPECT_NEAR(votingLikelihood(grid, 1, points, Pose2()), 2 * 0.9 / 4, 1e-4);
-  EXPECT_NEAR(votingLikelihood(grid, 2, points, Pose2()), 3 * 0.9 / 4, 1e-4) << "2.0 to 2.2 m";
+  EXPECT_NEAR(votingLikelihood(grid, 2, points, Pose2()), 3 * 0.9 / 4, 1e-4)
+      << "the 20 cm cell is from 2.0 to 2.2 m";
   EXPECT_NEAR(votingLikelihood(grid, 0, points, Pose2(0.0, -0.14, 0.0)), 0.9 / 4, 1e-4);
   EXPECT_EQ(votingLikelihood(grid, 0, {}, Pose2()), 0.0);
 }
 
-TEST(VotingLikelihood, EqualsThePlainCountAnywhere) {
+TEST(VotingLikelihood, EqualsTheDirectComputation) {
   const Submap map = room::map();
   const Points points = hitsOf(room::scanFrom(Pose2(0.2, 0.1, 0.3)));
   Random random(1);
   for (int i = 0; i < 200; ++i) {
     const Pose2 pose(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-kPi, kPi));
     for (int level = 0; level < OccupancyGrid::kLevels; ++level) {
-      // One point on the border of a cell may be rounded to either side.
+      // A point on the border of a cell may be rounded to either side.
       ASSERT_NEAR(votingLikelihood(map.grid(), level, points, pose),
                   countedVotes(map.grid(), level, points, pose), 1.5 / 360);
     }
   }
 }
 
-TEST(StandardCandidates, AreNormalAndLikelyOnesComeFirst) {
+TEST(StandardCandidates, AreNormalAndSortedByLikelihood) {
   const StandardCandidates candidates = standardCandidates(20000, 1);
   ASSERT_EQ(candidates.size(), 20000U);
   EXPECT_EQ(candidates.front(), Eigen::Vector3f::Zero());
@@ -88,7 +89,7 @@ TEST(StandardCandidates, AreNormalAndLikelyOnesComeFirst) {
   }
 }
 
-TEST(StandardCandidates, FollowFromTheSeed) {
+TEST(StandardCandidates, AreDeterminedByTheSeed) {
   EXPECT_EQ(standardCandidates(50, 7), standardCandidates(50, 7));
   EXPECT_NE(standardCandidates(50, 7), standardCandidates(50, 8));
   EXPECT_EQ(standardCandidates(1, 7).size(), 1U);
@@ -105,10 +106,10 @@ TEST(MotionSpread, GrowsWithTheMotion) {
   EXPECT_EQ(still.angular_rad, 0.01);
   const CandidateSpread moving = motionSpread(Pose2(1, 2, 3.1), Pose2(1.3, 2.4, -3.1), config);
   EXPECT_NEAR(moving.linear_m, 0.5 * 0.5, 1e-12);
-  EXPECT_NEAR(moving.angular_rad, 0.25 * (2 * kPi - 6.2), 1e-12) << "the short way round";
+  EXPECT_NEAR(moving.angular_rad, 0.25 * (2 * kPi - 6.2), 1e-12) << "the smaller angle";
 }
 
-TEST(BestCandidate, IsTheMaximumOfAllOfThem) {
+TEST(BestCandidate, IsTheCandidateWithTheMaximumPosterior) {
   const Submap map = room::map();
   const Pose2 truth(0.2, 0.1, 0.3), center = truth * Pose2(0.05, -0.06, 0.03);
   const Points points = hitsOf(room::scanFrom(truth));
@@ -134,14 +135,14 @@ TEST(BestCandidate, IsTheMaximumOfAllOfThem) {
         bestCandidate(map.grid(), level, points, center, spread, candidates, kBeams);
     EXPECT_EQ(estimate.pose, winner);
     EXPECT_EQ(estimate.vote, votingLikelihood(map.grid(), level, points, winner));
-    // What is given up early has a weight below e^-6.
+    // Candidates that are dropped early have a weight below e^-6.
     EXPECT_NEAR(estimate.mean.x, center.x + first.x() / total, 0.005);
     EXPECT_NEAR(estimate.mean.y, center.y + first.y() / total, 0.005);
     EXPECT_NEAR(estimate.mean.yaw, center.yaw + first.z() / total, 0.0025);
   }
 }
 
-TEST(BestCandidate, WhereNothingVotesIsTheCenter) {
+TEST(BestCandidate, IsTheCenterIfNoPointVotes) {
   const OccupancyGrid empty{OccupancyGridConfig()};
   const Pose2 center(1, 2, 3);
   for (const Points& points : {Points(), lineAt(2.0F)}) {
@@ -150,15 +151,16 @@ TEST(BestCandidate, WhereNothingVotesIsTheCenter) {
     EXPECT_EQ(estimate.pose, center);
     EXPECT_EQ(estimate.mean, center);
     EXPECT_EQ(estimate.vote, 0.0);
-    // Nothing is known but the motion model.
+    // The posterior is that of the motion model.
     EXPECT_NEAR(estimate.covariance(0, 0), 0.01, 0.004);
     EXPECT_NEAR(estimate.covariance(2, 2), 0.0025, 0.001);
   }
 }
 
 TEST(ProgressiveRefiner, FindsADisplacementWithinTheFinestCell) {
-  // Turned, so that the walls cross the cells in all ways: along the borders of cells all points
-  // err by half a cell the same way, and no vote can see it.
+  // The room is rotated, so that the walls cross the cells at many positions. If walls were
+  // parallel to the cells, all points could have the same error of up to half a cell, which votes
+  // cannot resolve.
   const Pose2 map_T_room(0.013, 0.021, 0.3);
   const Submap map = room::map(map_T_room);
   const ProgressiveRefiner refiner{ProgressiveConfig()};
@@ -188,12 +190,12 @@ TEST(ProgressiveRefiner, CandidateSpaceShrinks) {
   }
 }
 
-// The line lies in the wall's cell of 20 cm, but 7 cm off that of 10 cm: no correction on the first
-// level, at least 7 cm on the second one.
-TEST(ProgressiveRefiner, StopsWhereAFinerCorrectionExceedsTheCoarserOne) {
+// The line is in the same 20 cm cell as the wall, but 7 cm away from its 10 cm cell. So the first
+// level makes no correction and the second one at least 7 cm.
+TEST(ProgressiveRefiner, StopsIfAFinerCorrectionExceedsTheCoarserOne) {
   const OccupancyGrid grid = wall();
   const Points points = lineAt(2.17F);
-  for (const double slack_cells : {0.0, 0.3}) {  // to the letter, and 6 cm
+  for (const double slack_cells : {0.0, 0.3}) {  // exactly as in the paper, and 6 cm
     ProgressiveConfig config;
     config.slack_cells = slack_cells;
     const Refinement result =
@@ -202,15 +204,16 @@ TEST(ProgressiveRefiner, StopsWhereAFinerCorrectionExceedsTheCoarserOne) {
     EXPECT_EQ(result.levels, 1);
     EXPECT_EQ(result.corrections_m[0], 0.0);
     EXPECT_GE(result.corrections_m[1], 0.07);
-    for (const Pose2& pose : result.poses) EXPECT_EQ(pose, Pose2()) << "the coarse one is kept";
+    for (const Pose2& pose : result.poses)
+      EXPECT_EQ(pose, Pose2()) << "the coarse pose must be kept";
     EXPECT_NEAR(result.finest.vote, 0.9, 1e-4);
   }
 }
 
-TEST(ProgressiveRefiner, GoesOnWhereTheCoarserCellCouldNotSeeIt) {
+TEST(ProgressiveRefiner, ContinuesIfTheCoarserLevelCannotResolveTheCorrection) {
   ProgressiveConfig config;
   config.slack_cells = 0.75;  // 15 cm
-  config.shrink = 1.0;        // the wall's cell of 5 cm is another 5 cm away
+  config.shrink = 1.0;        // the 5 cm cell of the wall is another 5 cm away
   const Refinement result =
       ProgressiveRefiner(config).refine(wall(), lineAt(2.17F), Pose2(), {0.1, 0.001});
   EXPECT_FALSE(result.stopped);
@@ -219,7 +222,7 @@ TEST(ProgressiveRefiner, GoesOnWhereTheCoarserCellCouldNotSeeIt) {
   EXPECT_GE(result.poses[1].y, -0.17 - 1e-6);
   EXPECT_LE(result.poses[1].y, -0.07 + 1e-6);
   EXPECT_GE(result.poses[2].y, -0.17 - 1e-6);
-  EXPECT_LE(result.poses[2].y, -0.12 + 1e-6) << "within the wall's cell of 5 cm";
+  EXPECT_LE(result.poses[2].y, -0.12 + 1e-6) << "in the 5 cm cell of the wall";
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The exhaustive search at the borders of its window and on input that no laser gives.
+// Tests of the exhaustive search at the borders of its window and with unusual input.
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ Submap onePost() {
   return map;
 }
 
-CorrelativeConfig indifferent() {
+CorrelativeConfig withoutMotionPenalty() {
   CorrelativeConfig config;
   config.linear_preference = config.angular_preference = 0.0;
   return config;
@@ -35,42 +35,43 @@ CorrelativeConfig indifferent() {
 SearchResult searchFor(const Submap& post, double offset_x, double offset_y, double window_m) {
   const Points points = {Eigen::Vector2f(0.025F, 0.025F)};
   return searchWindow(post.surface(), points, Pose2(offset_x, offset_y, 0.0), {window_m, 0.0},
-                      indifferent());
+                      withoutMotionPenalty());
 }
 
-TEST(SearchLimits, WindowReachesExactlyItsBorder) {
+TEST(SearchLimits, TheWindowIncludesItsBorder) {
   const Submap post = onePost();
   for (const double sign : {-1.0, 1.0}) {
-    // Four cells away: found by a window of four cells, one of three comes one cell short of it.
+    // Four cells away: found with a window of four cells, missed by one cell with a window of
+    // three.
     const SearchResult found = searchFor(post, sign * 4 * kCell, -sign * 4 * kCell, 4 * kCell);
     EXPECT_NEAR(found.pose.x, 0.0, 1e-6);
     EXPECT_NEAR(found.pose.y, 0.0, 1e-6);
     EXPECT_DOUBLE_EQ(found.score, 1.0);
     const SearchResult shorter = searchFor(post, sign * 4 * kCell, 0.0, 3 * kCell);
     EXPECT_NEAR(shorter.pose.x, sign * kCell, 1e-6);
-    // The likelihood a cell from the wall, in steps of 1/255: exp(-0.05² / (2 * 0.1²)).
+    // The likelihood at a distance of one cell, in steps of 1/255: exp(-0.05² / (2 * 0.1²)).
     EXPECT_NEAR(shorter.score, std::exp(-0.125), 0.5 / 255.0 + 1e-6);
   }
 }
 
-TEST(SearchLimits, EmptyWindowIsTheCenterAlone) {
+TEST(SearchLimits, AnEmptyWindowReturnsTheCenter) {
   const SearchResult found = searchFor(onePost(), 0.1, 0.0, 0.0);
   EXPECT_EQ(found.pose, Pose2(0.1, 0.0, 0.0));
   EXPECT_NEAR(found.score, std::exp(-0.5), 0.5 / 255.0 + 1e-6);
 }
 
-TEST(SearchLimits, PreferenceIsWhatTheMotionCosts) {
+TEST(SearchLimits, SubtractsThePenaltyOfTheMotion) {
   CorrelativeConfig config;
   config.linear_preference = 0.3;
   const Points points = {Eigen::Vector2f(0.025F, 0.025F)};
   const SearchResult found =
       searchWindow(onePost().surface(), points, Pose2(0.15, 0.2, 0.0), {0.3, 0.0}, config);
-  // Straight to the post: 0.25 m, worth it.
+  // The motion to the post is 0.25 m; its penalty is smaller than the gain.
   EXPECT_NEAR(found.pose.distance(), 0.0, 1e-6);
   EXPECT_NEAR(found.penalized_score, 1.0 - 0.3 * 0.25, 1e-6);
 }
 
-TEST(SearchLimits, TenMetresAllRoundFindTheOnePoseInTheRoom) {
+TEST(SearchLimits, FindsThePoseInAWindowOfTenMetersAndAllYaws) {
   Submap map{OccupancyGridConfig()};
   map.insert(room::scanFrom(Pose2()), Pose2());
   const Pose2 truth(0.3, -0.2, 2.2);
@@ -82,7 +83,7 @@ TEST(SearchLimits, TenMetresAllRoundFindTheOnePoseInTheRoom) {
   EXPECT_NEAR(normalizeAngle(found.mean.yaw - truth.yaw), 0.0, 0.02);
 }
 
-TEST(SearchLimits, NoPointsGiveTheCenterByBruteForceToo) {
+TEST(SearchLimits, BruteForceReturnsTheCenterWithoutPoints) {
   const Submap post = onePost();
   const Pose2 center(1.0, 2.0, 0.3);
   const SearchResult found =
@@ -92,13 +93,13 @@ TEST(SearchLimits, NoPointsGiveTheCenterByBruteForceToo) {
   EXPECT_TRUE(found.covariance.allFinite());
 }
 
-TEST(SearchLimits, FarPointsCostNeitherMemoryNorTime) {
+TEST(SearchLimits, IgnoresFarPoints) {
   Submap map{OccupancyGridConfig()};
   map.insert(room::scanFrom(Pose2()), Pose2());
   const Pose2 truth(0.2, 0.1, 0.1);
   Points points = hitsOf(room::scanFrom(truth));
   const auto start = std::chrono::steady_clock::now();
-  // An image with all of them would have 400 000 cells a side.
+  // An image that covers them would have 400 000 × 400 000 cells.
   for (const float range : {200.0F, 1000.0F, 9999.0F}) points.push_back({range, 0.5F * range});
   const SearchWindow window{0.3, 0.2};
   const SearchResult found =
@@ -113,7 +114,7 @@ TEST(SearchLimits, FarPointsCostNeitherMemoryNorTime) {
   EXPECT_DOUBLE_EQ(found.penalized_score, expected.penalized_score);
 }
 
-TEST(SearchLimits, OnlyFarPointsGiveTheCenter) {
+TEST(SearchLimits, ReturnsTheCenterIfAllPointsAreFar) {
   const Points points(3, Eigen::Vector2f(5000.0F, 0.0F));
   const SearchResult found =
       searchWindow(onePost().surface(), points, Pose2(), {0.3, 0.2}, CorrelativeConfig());
@@ -122,7 +123,7 @@ TEST(SearchLimits, OnlyFarPointsGiveTheCenter) {
   EXPECT_TRUE(found.covariance.allFinite());
 }
 
-TEST(SearchLimits, CovarianceIsSymmetricAndNotNegativeAnywhere) {
+TEST(SearchLimits, CovarianceIsSymmetricAndPositiveSemidefinite) {
   Submap map{OccupancyGridConfig()};
   map.insert(room::scanFrom(Pose2()), Pose2());
   for (int i = 0; i < 40; ++i) {

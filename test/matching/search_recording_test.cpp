@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The exhaustive search finds the very pose that brute force finds, in the map of a real building.
+// The exhaustive search finds the same pose as brute force in the map of a real building.
 
 #include <gtest/gtest.h>
 
@@ -22,13 +22,13 @@ class SearchRecording : public ::testing::Test {
     if (log().scans.empty()) log() = mapLog(folder + "/freiburg/fr079.clf.bz2", kResolution_m);
   }
 
-  /// Mapped once for all tests.
+  /// The map is built once for all tests.
   static MappedLog& log() {
     static MappedLog instance{Submap(OccupancyGridConfig()), {}};
     return instance;
   }
 
-  /// Searches `count` scans, evenly spread, from random places of the window.
+  /// Searches `count` scans of the recording, starting at random positions in the window.
   static void compare(std::size_t count, const SearchWindow& window, std::uint64_t seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> share(-1.0, 1.0);
@@ -47,7 +47,8 @@ class SearchRecording : public ::testing::Test {
       ASSERT_EQ(found.score, expected.score) << "scan " << i;
       ASSERT_EQ(found.penalized_score, expected.penalized_score) << "scan " << i;
       ASSERT_EQ(found.mean, expected.mean) << "scan " << i;
-      // The two images end at different cells, which the outermost poses of the surface may touch.
+      // The images of the two searches have different borders, which may cut off the outermost
+      // poses of the surface.
       ASSERT_LT((found.covariance - expected.covariance).norm(), 1e-3 * expected.covariance.norm())
           << "scan " << i;
     }

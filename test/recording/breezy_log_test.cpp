@@ -34,8 +34,7 @@ TEST(BreezyLog, ReadsTimeRangesAndMounting) {
   const auto recording = openRecording(folder.write("a.dat", lineOf(361431443, 5, 6)));
   EXPECT_EQ(recording->scanCount(), 1U);
   EXPECT_TRUE(recording->hasOdometry());
-  EXPECT_EQ(recording->description(),
-            "BreezySLAM log, 1 scans of a URG-04LX, with odometry from the wheels");
+  EXPECT_EQ(recording->description(), "BreezySLAM log, 1 scans of a URG-04LX, with wheel odometry");
   const RecordedScan recorded = readAll(*recording).at(0);
   const LaserScan& scan = recorded.scan;
   EXPECT_EQ(scan.stamp, 361.431443);
@@ -49,7 +48,7 @@ TEST(BreezyLog, ReadsTimeRangesAndMounting) {
   EXPECT_EQ(recorded.base_T_laser.translation(), Eigen::Vector3d(0.145, 0.0, 0.0));
 }
 
-TEST(BreezyLog, OneTurnOfBothWheelsIsTheirCircumference) {
+TEST(BreezyLog, OneTurnOfBothWheelsDrivesTheirCircumference) {
   const TemporaryFolder folder;
   const auto recording =
       openRecording(folder.write("a.dat", lineOf(100000, 500, 900) + lineOf(200000, 2500, 2900)));
@@ -60,12 +59,12 @@ TEST(BreezyLog, OneTurnOfBothWheelsIsTheirCircumference) {
   EXPECT_NEAR(scans.at(1).odom_T_base->yaw, 0.0, 1e-12);
 }
 
-TEST(BreezyLog, TheRightWheelTurnsItToTheLeft) {
+TEST(BreezyLog, RightWheelTurnsTheVehicleToTheLeft) {
   const TemporaryFolder folder;
   std::string text;
   for (int i = 0; i <= 2000; ++i) text += lineOf(100000 * (i + 1L), 0, i);
   const std::vector<RecordedScan> scans = readAll(*openRecording(folder.write("a.dat", text)));
-  // In small steps, which follow the arc around the left wheel.
+  // Many small steps follow the arc around the left wheel.
   const double angle = 2.0 * kPi * kWheelRadius / kAxle;
   const Pose2& end = *scans.back().odom_T_base;
   EXPECT_NEAR(end.yaw, angle, 1e-9);
@@ -87,7 +86,7 @@ TEST(BreezyLog, BrokenLinesAreSkippedAndCounted) {
   EXPECT_CONTAINS(recording->warnings().at(0), "line 2: broken line skipped");
 }
 
-TEST(RealBreezyLog, DrivesThroughTheMines) {
+TEST(RealBreezyLog, DriveInTheMinesIsPlausible) {
   const std::string data = dataFolder();
   SKIP_WITHOUT_DATA(data);
   const auto recording = openRecording(data + "/mav/urg04lx_mines_exp2.dat");
@@ -98,7 +97,8 @@ TEST(RealBreezyLog, DrivesThroughTheMines) {
   for (std::size_t i = 1; i < scans.size(); ++i) {
     const Pose2 step = scans[i - 1].odom_T_base->inverse() * *scans[i].odom_T_base;
     path += step.distance();
-    EXPECT_LT(step.distance(), 3.0 * (scans[i].time - scans[i - 1].time));  // a fast rover
+    EXPECT_LT(step.distance(),
+              3.0 * (scans[i].time - scans[i - 1].time));  // largest plausible speed
     EXPECT_GT(scans[i].time, scans[i - 1].time);
   }
   EXPECT_GT(path, 20.0);

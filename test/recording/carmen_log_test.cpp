@@ -19,7 +19,7 @@
 namespace kestrel {
 namespace {
 
-/// A FLASER line whose beams all read `range`.
+/// A FLASER line in which every beam has the same `range`.
 std::string frontLaser(std::size_t beams, double range, const std::string& poses,
                        const std::string& stamp) {
   std::ostringstream line;
@@ -73,7 +73,7 @@ TEST(CarmenLine, KnowsTheFansOfTheSick) {
   EXPECT_NEAR(fan(361).angle_min + 360.0 * fan(361).angle_increment, degToRad(90.0), 1e-6);
 }
 
-TEST(CarmenLine, AnglesSurviveALaserScanMessage) {
+TEST(CarmenLine, AnglesAreExactInALaserScanMessage) {
   const LaserScan scan = parseCarmenScan(frontLaser(180, 1.0, kOrigin, "1"), 80.99).scan;
   for (const double value : {scan.angle_min, scan.angle_increment, scan.range_max}) {
     const volatile float message_field = static_cast<float>(value);
@@ -93,7 +93,7 @@ TEST(CarmenLine, ReadsRobotLaser) {
   EXPECT_EQ(scan.scan.stamp, 12.5);
 }
 
-TEST(CarmenLine, RefusesBrokenLines) {
+TEST(CarmenLine, RejectsBrokenLines) {
   const auto problem = [](const std::string& line) {
     try {
       parseCarmenScan(line, 80.0);
@@ -112,9 +112,9 @@ TEST(CarmenLine, RefusesBrokenLines) {
   EXPECT_CONTAINS(problem("FLASER 1 1.0x 0 0 0 0 0 0 5.0 host 0"), "finite");
   EXPECT_CONTAINS(problem("FLASER 1 nan 0 0 0 0 0 0 5.0 host 0"), "finite");
   EXPECT_CONTAINS(problem("FLASER 1 1.0 0 0 inf 0 0 0 5.0 host 0"), "laser pose is not a finite");
-  EXPECT_CONTAINS(problem("FLASER -1 0 0 0 0 0 0 5.0 host 0"), "sensible count");
-  EXPECT_CONTAINS(problem("FLASER 1e99 0 0 0 0 0 0 5.0 host 0"), "sensible count");
-  EXPECT_CONTAINS(problem("FLASER 1.5 1 0 0 0 0 0 0 5.0 host 0"), "sensible count");
+  EXPECT_CONTAINS(problem("FLASER -1 0 0 0 0 0 0 5.0 host 0"), "valid count");
+  EXPECT_CONTAINS(problem("FLASER 1e99 0 0 0 0 0 0 5.0 host 0"), "valid count");
+  EXPECT_CONTAINS(problem("FLASER 1.5 1 0 0 0 0 0 0 5.0 host 0"), "valid count");
 }
 
 TEST(CarmenLog, ReadsPlainBzip2AndGzip) {
@@ -140,7 +140,7 @@ TEST(CarmenLog, ReadsPlainBzip2AndGzip) {
   }
 }
 
-TEST(CarmenLog, TakesTheMountingFromTheParameterOrThePoses) {
+TEST(CarmenLog, MountingComesFromTheParameterOrThePoses) {
   const TemporaryFolder folder;
   const std::string behind = "0 -0.04 1.5707963267948966 0 0 1.5707963267948966";
   const auto mountingOf = [&](const std::string& text) {
@@ -154,7 +154,7 @@ TEST(CarmenLog, TakesTheMountingFromTheParameterOrThePoses) {
   EXPECT_EQ(parameter.translation(), Eigen::Vector3d(0.3, 0.0, 0.0));
 }
 
-TEST(CarmenLog, DoesNotMistakeACorrectedPoseForAMounting) {
+TEST(CarmenLog, CorrectedPosesAreNotUsedAsMounting) {
   const TemporaryFolder folder;
   CarmenLog log(folder.write(
       "log", frontLaser(180, 1.0, "5 5 1 0 0 0", "1") + frontLaser(180, 1.0, "6 5 1 2 0 0", "2")));
@@ -163,7 +163,7 @@ TEST(CarmenLog, DoesNotMistakeACorrectedPoseForAMounting) {
   EXPECT_CONTAINS(log.warnings()[0], "robot_frontlaser_offset");
 }
 
-TEST(CarmenLog, NoReturnIsWhatTheParameterSays) {
+TEST(CarmenLog, NoReturnLimitComesFromTheParameter) {
   const TemporaryFolder folder;
   CarmenLog log(folder.write("log", "PARAM robot_front_laser_max 50.5 host 0\n" +
                                         frontLaser(180, 50.5, kOrigin, "1") +
@@ -176,7 +176,7 @@ TEST(CarmenLog, NoReturnIsWhatTheParameterSays) {
   EXPECT_FALSE(scans.at(0).odom_T_base);
 }
 
-TEST(CarmenLog, SkipsCountsAndNamesBrokenLines) {
+TEST(CarmenLog, BrokenLinesAreSkippedCountedAndReported) {
   const TemporaryFolder folder;
   const std::string good = frontLaser(180, 1.0, kOrigin, "1");
   CarmenLog log(folder.write("log", kHeader + good + "FLASER 180 1.0 nan\n" + good +
@@ -189,7 +189,7 @@ TEST(CarmenLog, SkipsCountsAndNamesBrokenLines) {
   EXPECT_CONTAINS(log.warnings()[0], "line 4: broken FLASER line");
 }
 
-TEST(CarmenLog, WarnsOnceOfAnUnknownFan) {
+TEST(CarmenLog, WarnsOnceAboutAnUnknownFan) {
   const TemporaryFolder folder;
   const std::string line = frontLaser(7, 1.0, kOrigin, "1");
   CarmenLog log(folder.write("log", line + line));
@@ -198,7 +198,7 @@ TEST(CarmenLog, WarnsOnceOfAnUnknownFan) {
   EXPECT_CONTAINS(log.warnings()[0], "line 1: FLASER with 7 beams");
 }
 
-TEST(CarmenLog, UsesWhatIsLeftOfACutOffArchive) {
+TEST(CarmenLog, CutOffArchiveKeepsItsBeginning) {
   const TemporaryFolder folder;
   std::string text;
   for (int i = 0; i < 200; ++i) {
@@ -213,21 +213,21 @@ TEST(CarmenLog, UsesWhatIsLeftOfACutOffArchive) {
   EXPECT_CONTAINS(log.warnings()[0], "damaged or cut off");
 }
 
-TEST(OpenRecording, SaysWhatIsWrongWithAFile) {
+TEST(OpenRecording, ErrorsDescribeTheProblem) {
   const TemporaryFolder folder;
   const auto problem = [&](const std::string& path) {
     return messageOf([&] { openRecording(path); });
   };
-  EXPECT_CONTAINS(problem(folder.file("none.clf")), "none.clf: no such file");
+  EXPECT_CONTAINS(problem(folder.file("none.clf")), "none.clf: the file does not exist");
   EXPECT_CONTAINS(problem(folder.file("")), "is a folder");
-  EXPECT_CONTAINS(problem(folder.write("a", "")), "neither a rosbag nor a CARMEN log");
-  EXPECT_CONTAINS(problem(folder.write("b", "Dear all,\nno laser here\n")), "neither a rosbag");
-  EXPECT_CONTAINS(problem(folder.write("c", std::string(5000, '\0'))), "neither a rosbag");
-  EXPECT_CONTAINS(problem(folder.write("d", "BZh91AY&SYgarbage")), "neither a rosbag");
-  EXPECT_CONTAINS(problem(folder.write("e", "ODOM 0 0 0 0 0 0 1 h 1\n")), "without a laser");
+  EXPECT_CONTAINS(problem(folder.write("a", "")), "unknown format; use a rosbag");
+  EXPECT_CONTAINS(problem(folder.write("b", "Dear all,\nno laser here\n")), "unknown format");
+  EXPECT_CONTAINS(problem(folder.write("c", std::string(5000, '\0'))), "unknown format");
+  EXPECT_CONTAINS(problem(folder.write("d", "BZh91AY&SYgarbage")), "unknown format");
+  EXPECT_CONTAINS(problem(folder.write("e", "ODOM 0 0 0 0 0 0 1 h 1\n")), "has no laser");
 }
 
-/// Every end of the relations is the stamp of a scan.
+/// Checks that both stamps of every relation are stamps of scans.
 void expectEveryRelationEndIsAScan(const std::string& name, std::size_t scans,
                                    std::size_t relations) {
   const std::string data = dataFolder();
@@ -252,13 +252,9 @@ void expectEveryRelationEndIsAScan(const std::string& name, std::size_t scans,
   }
 }
 
-TEST(RealLogs, RelationsOfIntelNameOneScanEach) {
-  expectEveryRelationEndIsAScan("intel", 13631, 2984);
-}
+TEST(RealLogs, RelationsOfIntelMatchScans) { expectEveryRelationEndIsAScan("intel", 13631, 2984); }
 
-TEST(RealLogs, RelationsOfFr079NameOneScanEach) {
-  expectEveryRelationEndIsAScan("fr079", 4934, 1685);
-}
+TEST(RealLogs, RelationsOfFr079MatchScans) { expectEveryRelationEndIsAScan("fr079", 4934, 1685); }
 
 TEST(RealLogs, MountingAndOdometryOfFr079) {
   const std::string data = dataFolder();
@@ -273,7 +269,7 @@ TEST(RealLogs, MountingAndOdometryOfFr079) {
   EXPECT_EQ(scan.scan.ranges[0], 1.67F);
 }
 
-// The wheels measured the way as it was driven; sorted by stamp it would be 661 m.
+// The odometry has this length in the order of the file; sorted by stamp it would be 661 m.
 TEST(RealLogs, IntelIsReadInTheOrderOfTheFile) {
   const std::string data = dataFolder();
   SKIP_WITHOUT_DATA(data);

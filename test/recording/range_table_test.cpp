@@ -42,7 +42,7 @@ std::string packed(const TemporaryFolder& folder, const std::string& text) {
   return path;
 }
 
-TEST(RangeTable, ALineIsAScanOfTheLaserWithThisNumberOfBeams) {
+TEST(RangeTable, NumberOfRangesDeterminesTheLaser) {
   const TemporaryFolder folder;
   const auto recording =
       openRecording(folder.write("a.csv", lineOf(1081, 1.25) + lineOf(1081, 2.0)));
@@ -78,16 +78,17 @@ TEST(RangeTable, KnowsTheFansOfTheUrg) {
   }
 }
 
-TEST(RangeTable, AnUnknownFanIsTakenTo270DegreesWithAWarning) {
+TEST(RangeTable, UnknownFanGets270DegreesAndAWarning) {
   const TemporaryFolder folder;
   const auto recording = openRecording(folder.write("a.csv", lineOf(541, 1.0)));
   const LaserScan scan = readAll(*recording).at(0).scan;
   EXPECT_NEAR(scan.angle_min, degToRad(-135.0), 1e-12);
   EXPECT_NEAR(scan.angle_increment, degToRad(0.5), 1e-12);
-  EXPECT_CONTAINS(recording->warnings().at(0), "541 ranges a line does not say its field of view");
+  EXPECT_CONTAINS(recording->warnings().at(0),
+                  "541 ranges per line does not give its field of view");
 }
 
-TEST(RangeTable, TheRateIsTheUsers) {
+TEST(RangeTable, RateComesFromTheOptions) {
   const TemporaryFolder folder;
   const std::string path = folder.write("a.csv", lineOf(682, 1.0) + lineOf(682, 1.0));
   RecordingOptions options;
@@ -110,7 +111,7 @@ TEST(RangeTable, BrokenLinesAreSkippedCountedAndLeaveAGap) {
   ASSERT_EQ(scans.size(), 2U);
   EXPECT_EQ(scans[1].scan.stamp, 0.05);
   EXPECT_EQ(recording->skipped(), (std::map<std::string, std::size_t>{{"broken line", 2}}));
-  EXPECT_EQ(recording->warnings().at(0), "line 2: broken line skipped: not all of it are numbers");
+  EXPECT_EQ(recording->warnings().at(0), "line 2: broken line skipped: a field is not a number");
 }
 
 TEST(RangeTable, KeepsNanAndInfAndReadsCarriageReturns) {
@@ -126,17 +127,18 @@ TEST(RangeTable, KeepsNanAndInfAndReadsCarriageReturns) {
   EXPECT_EQ(ranges[7], 8.0F);
 }
 
-TEST(RangeTable, OtherTextIsNone) {
+TEST(RangeTable, OtherTextIsNotATable) {
   const TemporaryFolder folder;
   for (const char* text : {"a,b,c,d,e,f,g,h,i\n", "1,2,3\n", "1 2 3 4 5 6 7 8 9\n",
                            "1,2,3,4,5,6,,8\n", "", "1,2,3,4,5,6,7,8,\n"}) {
     EXPECT_FALSE(looksLikeRangeTable(folder.write("a.csv", text))) << text;
-    EXPECT_CONTAINS(messageOf([&] { openRecording(folder.file("a.csv")); }),
-                    "a.csv: is neither a rosbag nor a CARMEN log, a BreezySLAM log or a table");
+    EXPECT_CONTAINS(
+        messageOf([&] { openRecording(folder.file("a.csv")); }),
+        "a.csv: unknown format; use a rosbag, a CARMEN log, a BreezySLAM log or a table");
   }
 }
 
-TEST(RangeTable, XzIsUnpackedAndACutOffFileKeepsItsBeginning) {
+TEST(RangeTable, XzIsDecompressedAndACutOffFileKeepsItsBeginning) {
   const TemporaryFolder folder;
   std::string text;
   for (int i = 0; i < 300; ++i) text += lineOf(1081, 1.0 + std::sin(i * i));
@@ -150,7 +152,7 @@ TEST(RangeTable, XzIsUnpackedAndACutOffFileKeepsItsBeginning) {
   EXPECT_CONTAINS(recording->warnings().back(), "the compressed data are damaged or cut off");
 }
 
-TEST(RealRangeTable, TheQuadrotorTakesOff) {
+TEST(RealRangeTable, ReadsTheQuadrotorTakeoff) {
   const std::string data = dataFolder();
   SKIP_WITHOUT_DATA(data);
   const auto recording = openRecording(data + "/mav/quadrotor_takeoff_utm30lx.csv.xz");

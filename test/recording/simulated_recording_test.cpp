@@ -29,7 +29,7 @@ std::vector<RecordedScan> readAll(Recording& recording) {
   return scans;
 }
 
-TEST(SimulatedRecording, HoldsWhatTheSensorsSend) {
+TEST(SimulatedRecording, ContainsTheMessagesOfTheSensors) {
   const Place place = smallPlace();
   const VehicleModel vehicle = smallVehicle();
   SimulatedRecording recording(place, vehicle, kSeed);
@@ -57,7 +57,7 @@ TEST(SimulatedRecording, HoldsWhatTheSensorsSend) {
   EXPECT_EQ(recording.heights()[9].height_m, heights[9].height_m);
 }
 
-TEST(SimulatedRecording, TheTruthIsTheMotionAtTheStampOfEveryScan) {
+TEST(SimulatedRecording, TruthIsTheMotionAtTheStampsOfTheScans) {
   VehicleModel vehicle = smallVehicle();
   vehicle.stamp_jitter_s = 0.003;
   vehicle.loss_probability = 0.2;
@@ -79,9 +79,9 @@ TEST(SimulatedRecording, TheTruthIsTheMotionAtTheStampOfEveryScan) {
   EXPECT_NEAR(truth.back().pose.x, 1.0, 0.02);
 }
 
-TEST(SimulatedRecording, TimesAreStrictlyMonotoneWhereStampsAreNot) {
+TEST(SimulatedRecording, TimesIncreaseEvenIfStampsJumpBack) {
   VehicleModel vehicle = smallVehicle();
-  vehicle.stamp_jitter_s = 0.1;  // as long as the time between two scans
+  vehicle.stamp_jitter_s = 0.1;  // equal to the time between two scans
   SimulatedRecording recording(smallPlace(), vehicle, kSeed);
   const auto read = readAll(recording);
   std::size_t back = 0;
@@ -92,7 +92,7 @@ TEST(SimulatedRecording, TimesAreStrictlyMonotoneWhereStampsAreNot) {
   EXPECT_GT(back, 0U);
 }
 
-TEST(SimulatedRecording, WithoutALaserItHoldsTheClouds) {
+TEST(SimulatedRecording, WithoutALaserItContainsTheClouds) {
   VehicleModel vehicle = smallVehicle();
   vehicle.laser.reset();
   vehicle.base_T_lidar.translation().z() = 0.3;
@@ -109,7 +109,7 @@ TEST(SimulatedRecording, WithoutALaserItHoldsTheClouds) {
   }
 }
 
-TEST(SimulatedRecording, DescribesItselfAndRefusesAVehicleThatSeesNothing) {
+TEST(SimulatedRecording, HasADescriptionAndRejectsAVehicleWithoutScanner) {
   EXPECT_EQ(SimulatedRecording(smallPlace(), smallVehicle(), 1).description(),
             "simulated flight in room with small");
   EXPECT_THROW(SimulatedRecording(smallPlace(), VehicleModel(), 1), std::invalid_argument);

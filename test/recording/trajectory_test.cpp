@@ -22,7 +22,7 @@ TEST(Trajectory, WritesTheTumFormat) {
             "0.500000 0.000000 0.000000 0 0 0 1.000000000 0.000000000\n");
 }
 
-TEST(Trajectory, RoundTripKeepsStampsToTheBitAndPosesToAMicrometer) {
+TEST(Trajectory, RoundTripKeepsStampsExactlyAndPosesToAMicrometer) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.tum");
   const Trajectory written = {{1.0 / 3.0, Pose2(0.1, 0.2, 3.1)},
@@ -40,7 +40,7 @@ TEST(Trajectory, RoundTripKeepsStampsToTheBitAndPosesToAMicrometer) {
   }
 }
 
-TEST(Trajectory, ReadsCommentsAndQuaternionsOfOthers) {
+TEST(Trajectory, ReadsCommentsAndNegatedQuaternions) {
   const TemporaryFolder folder;
   const std::string path = folder.write(
       "a.tum", "# stamp tx ty tz qx qy qz qw\n\n 1 2 3 4 0 0 -0.7071068 -0.7071068\r\n");
@@ -49,7 +49,7 @@ TEST(Trajectory, ReadsCommentsAndQuaternionsOfOthers) {
   EXPECT_NEAR(read[0].pose.yaw, kPi / 2.0, 1e-7);
 }
 
-TEST(Trajectory, SaysWhatIsWrongWithAFile) {
+TEST(Trajectory, ErrorsDescribeTheProblem) {
   const TemporaryFolder folder;
   const auto problem = [&](const std::string& content) {
     const std::string path = folder.write("a.tum", content);
@@ -61,7 +61,8 @@ TEST(Trajectory, SaysWhatIsWrongWithAFile) {
   EXPECT_CONTAINS(problem("1 0 nan 0 0 0 0 1\n"), "'nan' is not a finite number");
   EXPECT_CONTAINS(problem("1 0 0 0 0 0 0 0\n"), "quaternion");
   EXPECT_CONTAINS(problem("# nothing\n"), "has no poses");
-  EXPECT_CONTAINS(messageOf([&] { readTum(folder.file("b.tum")); }), "b.tum: no such file");
+  EXPECT_CONTAINS(messageOf([&] { readTum(folder.file("b.tum")); }),
+                  "b.tum: the file does not exist");
   EXPECT_CONTAINS(messageOf([&] { writeTum(folder.file("no/b.tum"), {}); }), "no/b.tum: cannot be");
 }
 

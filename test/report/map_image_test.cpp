@@ -35,7 +35,7 @@ cairo_status_t readSome(void* closure, unsigned char* data, unsigned int length)
   return CAIRO_STATUS_SUCCESS;
 }
 
-/// The gray values of a PNG, row-major from above.
+/// The gray values of a PNG, row-major, top row first.
 std::vector<int> graysOf(const std::string& png) {
   Source source{png};
   const std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> surface(
@@ -53,7 +53,7 @@ std::vector<int> graysOf(const std::string& png) {
   return grays;
 }
 
-TEST(MapImageTest, TheUpperRowComesFirst) {
+TEST(MapImageTest, FirstRowIsTheTopOfTheMap) {
   const MapImage image = renderMap(mapOf(2, 2, {kU, kF, kO, kF}));
   EXPECT_EQ(image.width, 2);
   EXPECT_EQ(image.height, 2);
@@ -61,8 +61,9 @@ TEST(MapImageTest, TheUpperRowComesFirst) {
   EXPECT_EQ(graysOf(image.png), (std::vector<int>{0, 254, 205, 254}));
 }
 
-TEST(MapImageTest, ALargeMapIsShrunkAndKeepsItsWalls) {
-  // Lower row first; at most two pixels: blocks of 2 x 2 cells, the last column is a block of one.
+TEST(MapImageTest, LargeMapIsReducedAndKeepsItsWalls) {
+  // Bottom row first. With at most two pixels, blocks have 2 x 2 cells; the last one has one
+  // column.
   const MapImage image = renderMap(mapOf(3, 2, {kF, kU, kU, kO, kF, kF}), 2);
   EXPECT_EQ(image.width, 2);
   EXPECT_EQ(image.height, 1);
@@ -70,13 +71,13 @@ TEST(MapImageTest, ALargeMapIsShrunkAndKeepsItsWalls) {
   EXPECT_EQ(graysOf(image.png), (std::vector<int>{0, 254}));
 }
 
-TEST(MapImageTest, AnEmptyMapIsNoImage) {
+TEST(MapImageTest, EmptyMapGivesNoImage) {
   const MapImage image = renderMap(MapSnapshot());
   EXPECT_TRUE(image.png.empty());
   EXPECT_EQ(image.width, 0);
 }
 
-TEST(Base64Test, TheVectorsOfRfc4648) {
+TEST(Base64Test, MatchesTheVectorsOfRfc4648) {
   EXPECT_EQ(base64(""), "");
   EXPECT_EQ(base64("f"), "Zg==");
   EXPECT_EQ(base64("fo"), "Zm8=");

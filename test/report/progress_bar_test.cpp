@@ -11,7 +11,7 @@
 namespace kestrel {
 namespace {
 
-/// What a bar writes about a run of `scans` scans.
+/// The output of a bar for a run of `scans` scans.
 std::string outputOf(bool terminal, std::size_t scans) {
   const TemporaryFolder folder;
   std::FILE* file = std::fopen(folder.file("out").c_str(), "w");
@@ -22,7 +22,7 @@ std::string outputOf(bool terminal, std::size_t scans) {
   return readFile(folder.file("out"));
 }
 
-TEST(ProgressBarTest, SaysHowFarHowFastAndHowLong) {
+TEST(ProgressBarTest, ShowsProgressSpeedAndRemainingTime) {
   EXPECT_EQ(ProgressBar::text({500, 2000, 50.0}, 25.0),
             " 25 %  500 of 2000 scans  2 x real time  1:15 left");
   EXPECT_EQ(ProgressBar::text({2000, 2000, 200.0}, 4.0),
@@ -30,7 +30,7 @@ TEST(ProgressBarTest, SaysHowFarHowFastAndHowLong) {
   EXPECT_EQ(ProgressBar::text({0, 0, 0.0}, 0.0), "100 %  0 of 0 scans  0 x real time  0:00 left");
 }
 
-TEST(ProgressBarTest, ALineForEveryTenthWithoutATerminal) {
+TEST(ProgressBarTest, PrintsALineForEveryTenPercentWithoutATerminal) {
   const std::string output = outputOf(false, 1000);
   EXPECT_EQ(std::count(output.begin(), output.end(), '\n'), 10);
   EXPECT_EQ(output.find('\r'), std::string::npos);
@@ -38,7 +38,7 @@ TEST(ProgressBarTest, ALineForEveryTenthWithoutATerminal) {
   EXPECT_CONTAINS(output, "\n100 %  1000 of 1000 scans");
 }
 
-TEST(ProgressBarTest, OneLineOnATerminal) {
+TEST(ProgressBarTest, UpdatesOneLineOnATerminal) {
   const std::string output = outputOf(true, 1000);
   EXPECT_EQ(std::count(output.begin(), output.end(), '\n'), 1);
   EXPECT_EQ(output[0], '\r');

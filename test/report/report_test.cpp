@@ -55,10 +55,10 @@ TEST(ReportTest, NeedsNothingFromTheNetwork) {
   }
 }
 
-TEST(ReportTest, CarriesMapPathAndCurves) {
+TEST(ReportTest, ContainsMapPathAndCharts) {
   const auto data = dataOf(reportHtml(runOf(10), infoOf(true)));
   EXPECT_EQ(data["map"]["width"], 2);
-  EXPECT_EQ(data["map"]["metresPerPixel"], 0.5);
+  EXPECT_EQ(data["map"]["metersPerPixel"], 0.5);
   EXPECT_EQ(data["map"]["originY"], -2.0);
   EXPECT_EQ(data["map"]["png"].get<std::string>().rfind("data:image/png;base64,iVBORw0KGgo", 0),
             0U);
@@ -72,7 +72,7 @@ TEST(ReportTest, CarriesMapPathAndCurves) {
   EXPECT_EQ(data["charts"][3]["v"][9], 0.1);  // 0.01 rad every 0.1 s
 }
 
-TEST(ReportTest, ALongRunIsThinnedOutButKeepsItsWorstScan) {
+TEST(ReportTest, LongRunIsReducedButKeepsItsWorstScan) {
   const std::string html = reportHtml(runOf(30000), infoOf(true));
   const auto data = dataOf(html);
   EXPECT_LE(data["charts"][0]["v"].size(), 5000U);
@@ -85,7 +85,7 @@ TEST(ReportTest, ALongRunIsThinnedOutButKeepsItsWorstScan) {
   EXPECT_LT(html.size(), 1000000U);
 }
 
-TEST(ReportTest, NothingMeasuredIsLeftWithoutTiming) {
+TEST(ReportTest, WithoutTimingNoMeasuredValueIsWritten) {
   OfflineRun slow = runOf(10);
   slow.processing_s = 99.0;
   slow.peak_memory_mb = 999.0;
@@ -102,7 +102,7 @@ TEST(ReportTest, MarksChangedParameters) {
   }
 }
 
-TEST(ReportTest, AFileNameCannotBreakThePage) {
+TEST(ReportTest, FileNameCannotBreakThePage) {
   RunInfo info = infoOf(true);
   info.recording = "</script><b>\"&\xff.bag";
   const std::string html = reportHtml(runOf(2), info);
@@ -110,7 +110,7 @@ TEST(ReportTest, AFileNameCannotBreakThePage) {
   EXPECT_EQ(dataOf(html)["title"], "</script><b>\"&\xef\xbf\xbd.bag");
 }
 
-TEST(ReportTest, AnEmptyRunIsAPageToo) {
+TEST(ReportTest, EmptyRunGivesAPage) {
   const auto data = dataOf(reportHtml(OfflineRun(), infoOf(true)));
   EXPECT_EQ(data["map"]["width"], 0);
   EXPECT_TRUE(data["path"]["t"].empty());

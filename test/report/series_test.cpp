@@ -11,22 +11,22 @@ namespace {
 
 using Indices = std::vector<std::size_t>;
 
-TEST(SeriesTest, AShortSeriesIsKeptWhole) {
+TEST(SeriesTest, ShortSeriesIsNotReduced) {
   EXPECT_EQ(minMaxIndices({}, 4), Indices{});
   EXPECT_EQ(minMaxIndices({3, 1, 2, 5}, 4), (Indices{0, 1, 2, 3}));
 }
 
-TEST(SeriesTest, KeepsTheExtremesOfEveryStretchInOrder) {
-  // Two stretches between the ends: 1 to 4 and 5 to 8.
+TEST(SeriesTest, KeepsTheExtremesOfEveryIntervalInOrder) {
+  // Two intervals between the ends: 1 to 4 and 5 to 8.
   const std::vector<double> values = {0, 1, 9, 2, -3, 4, 4, -5, 8, 0};
   EXPECT_EQ(minMaxIndices(values, 6), (Indices{0, 2, 4, 7, 8, 9}));
 }
 
-TEST(SeriesTest, AConstantStretchIsOnePoint) {
+TEST(SeriesTest, ConstantIntervalIsOnePoint) {
   EXPECT_EQ(minMaxIndices(std::vector<double>(10, 1.0), 4), (Indices{0, 1, 8, 9}));
 }
 
-TEST(SeriesTest, RandomSeriesKeepTheirRangeWithinTheLimit) {
+TEST(SeriesTest, RandomSeriesKeepTheirRangeAndRespectTheLimit) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
   for (const std::size_t n : {5U, 101U, 5001U, 13631U}) {
@@ -63,12 +63,12 @@ TEST(SeriesTest, SpeedsOfAConstantMotion) {
   }
 }
 
-TEST(SeriesTest, TurningThroughPiIsNoJump) {
+TEST(SeriesTest, YawWrapAtPiIsNoJump) {
   const Speeds speeds = speedsOf({0.0, 1.0}, {Pose2(0, 0, kPi - 0.1), Pose2(0, 0, kPi + 0.1)});
   EXPECT_NEAR(speeds.angular_rad_s[1], 0.2, 1e-9);
 }
 
-TEST(SeriesTest, EqualTimesGiveNoInfiniteSpeed) {
+TEST(SeriesTest, EqualTimesGiveFiniteSpeeds) {
   const Speeds speeds = speedsOf({1.0, 1.0}, {Pose2(0, 0, 0), Pose2(1, 0, 0)});
   EXPECT_EQ(speeds.linear_m_s, (std::vector<double>{0.0, 0.0}));
 }

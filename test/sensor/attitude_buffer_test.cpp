@@ -27,7 +27,7 @@ Attitude lookUp(const AttitudeBuffer& buffer, double time) {
   return attitude;
 }
 
-TEST(AttitudeParts, SeparateYawFromTilt) {
+TEST(AttitudeParts, YawAndTiltAreSeparated) {
   const Quaterniond q = fromEuler(0.2, -0.3, 2.0);
   EXPECT_NEAR(yawOf(q), 2.0, 1e-12);
   EXPECT_LT(withoutYaw(q).angularDistance(fromEuler(0.2, -0.3, 0.0)), 1e-12);
@@ -43,9 +43,9 @@ TEST(AttitudeBuffer, InterpolatesBetweenTwoAttitudes) {
   EXPECT_LT(attitude.stabilized_R_base.angularDistance(fromEuler(0.05, 0.0, 0.0)), 1e-9);
 }
 
-TEST(AttitudeBuffer, IntegratesTheGyroAndNotTheMagnetometer) {
+TEST(AttitudeBuffer, IntegratesTheGyroInsteadOfTheOrientation) {
   AttitudeBuffer buffer;
-  // The rate grows from 0 to 2 rad/s in 1 s: 1 rad. The quaternion's yaw jumps about.
+  // The rate grows from 0 to 2 rad/s in 1 s: 1 rad. The yaw of the quaternion jumps.
   for (int i = 0; i <= 100; ++i) {
     const double t = 0.01 * i;
     buffer.add(t, fromEuler(0.0, 0.0, 0.5 * (i % 3)), Vector3d(0.0, 0.0, 2.0 * t));
@@ -55,14 +55,14 @@ TEST(AttitudeBuffer, IntegratesTheGyroAndNotTheMagnetometer) {
               0.505 * 0.505, 1e-9);
 }
 
-TEST(AttitudeBuffer, TakesTheTurnFromTheOrientationWhereThereIsNoGyro) {
+TEST(AttitudeBuffer, UsesTheYawOfTheOrientationWithoutAGyro) {
   AttitudeBuffer buffer;
   for (int i = 0; i <= 80; ++i) buffer.add(0.1 * i, fromEuler(0.0, 0.0, 0.1 * i), std::nullopt);
   EXPECT_NEAR(lookUp(buffer, 8.0).integrated_yaw - lookUp(buffer, 0.05).integrated_yaw, 7.95, 1e-9);
 }
 
-TEST(AttitudeBuffer, TheHeadingOfATiltedBaseIsThatOfItsYaw) {
-  // A base that is tilted and turns about the vertical of the world at 1 rad/s.
+TEST(AttitudeBuffer, IntegratesTheYawRateOfATiltedBase) {
+  // A tilted base that turns about the vertical at 1 rad/s.
   const Quaterniond tilt = fromEuler(0.3, -0.2, 0.0);
   AttitudeBuffer buffer;
   for (int i = 0; i <= 100; ++i) {
@@ -72,7 +72,7 @@ TEST(AttitudeBuffer, TheHeadingOfATiltedBaseIsThatOfItsYaw) {
   EXPECT_NEAR(lookUp(buffer, 1.0).integrated_yaw - lookUp(buffer, 0.0).integrated_yaw, 1.0, 1e-9);
 }
 
-TEST(AttitudeBuffer, ALateStampIsPutIntoItsPlace) {
+TEST(AttitudeBuffer, SortsALateStamp) {
   AttitudeBuffer sorted, shuffled;
   const int order[] = {0, 2, 1, 4, 5, 3, 6};
   for (int i = 0; i <= 6; ++i) {
@@ -87,7 +87,7 @@ TEST(AttitudeBuffer, ALateStampIsPutIntoItsPlace) {
   }
 }
 
-TEST(AttitudeBuffer, SaysWhyThereIsNone) {
+TEST(AttitudeBuffer, ReportsWhyThereIsNoAttitude) {
   AttitudeBuffer buffer;
   Attitude attitude;
   EXPECT_EQ(buffer.lookup(1.0, attitude), AttitudeError::kEmpty);
@@ -104,7 +104,7 @@ TEST(AttitudeBuffer, SaysWhyThereIsNone) {
   EXPECT_EQ(buffer.covers(1.05, 2.05), AttitudeError::kNotYet);
 }
 
-TEST(AttitudeBuffer, RefusesWhatIsNotFiniteTwiceThereOrTooOld) {
+TEST(AttitudeBuffer, RefusesInvalidDuplicateAndOldAttitudes) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   AttitudeBuffer buffer;
   EXPECT_TRUE(buffer.add(100.0, Quaterniond::Identity(), std::nullopt));
@@ -117,17 +117,17 @@ TEST(AttitudeBuffer, RefusesWhatIsNotFiniteTwiceThereOrTooOld) {
   EXPECT_EQ(buffer.size(), 1U);
 }
 
-TEST(AttitudeBuffer, ForgetsTheDistantPast) {
+TEST(AttitudeBuffer, RemovesAttitudesOlderThanTheHistory) {
   AttitudeBuffer buffer;
   for (int i = 0; i < 10000; ++i) buffer.add(0.01 * i, Quaterniond::Identity(), Vector3d::UnitZ());
   EXPECT_LE(buffer.size(), 1001U);
   EXPECT_NEAR(*buffer.latest(), 99.99, 1e-9);
-  // Yaws go on over what was forgotten.
+  // The integrated yaw continues although its first part is removed.
   EXPECT_NEAR(lookUp(buffer, *buffer.latest()).integrated_yaw, 99.99, 1e-6);
 }
 
 TEST(AttitudeBuffer, IntegratesTheHorizontalAcceleration) {
-  // Tilted by 0.1 rad, it accelerates with 1.5 m/s² along its nose and turns at 1 rad/s.
+  // Tilted by 0.1 rad, the vehicle accelerates with 1.5 m/s² forward and turns at 1 rad/s.
   const Quaterniond tilt = fromEuler(0.0, 0.1, 0.0);
   const Vector3d force = tilt.inverse() * Vector3d(1.5, 0.0, 9.81);
   AttitudeBuffer buffer;
@@ -144,9 +144,9 @@ TEST(AttitudeBuffer, IntegratesTheHorizontalAcceleration) {
   EXPECT_NEAR(gained.y(), 1.5 * (1.0 - std::cos(1.0)), 1e-4);
 }
 
-TEST(AttitudeBuffer, DoesNotTakeEverythingForAnAcceleration) {
+TEST(AttitudeBuffer, IgnoresImplausibleAccelerations) {
   AttitudeBuffer buffer;
-  for (const Vector3d& force : {Vector3d(0, 0, 1), Vector3d(0, 0, 1000)}) {  // in g; broken
+  for (const Vector3d& force : {Vector3d(0, 0, 1), Vector3d(0, 0, 1000)}) {  // unit g; broken
     buffer.add(static_cast<double>(buffer.size()), Quaterniond::Identity(), Vector3d::Zero(),
                force);
     EXPECT_FALSE(lookUp(buffer, *buffer.latest()).integrated_acceleration);

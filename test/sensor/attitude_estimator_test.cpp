@@ -45,18 +45,18 @@ struct KnownMotion {
 /// Angle between the true and the estimated vertical, rad.
 double tiltError(const KnownMotion& motion, const EstimatedAttitude& attitude) {
   const Vector3d up = Vector3d::UnitZ();
-  const Vector3d is = motion.world_R_base(attitude.stamp).conjugate() * up;
+  const Vector3d actual = motion.world_R_base(attitude.stamp).conjugate() * up;
   const Vector3d estimated = attitude.world_R_base.conjugate() * up;
-  return std::atan2(is.cross(estimated).norm(), is.dot(estimated));
+  return std::atan2(actual.cross(estimated).norm(), actual.dot(estimated));
 }
 
-/// Flies a motion past an estimator.
-class Observed {
+/// Feeds the readings of a motion to an estimator.
+class EstimatedMotion {
  public:
-  explicit Observed(KnownMotion motion, const AttitudeConfig& config = AttitudeConfig())
+  explicit EstimatedMotion(KnownMotion motion, const AttitudeConfig& config = AttitudeConfig())
       : motion_(std::move(motion)), estimator_(config) {}
 
-  /// Largest error of roll and pitch from the present to `until` (s), rad.
+  /// Runs until `until` (s). Returns the largest error of roll and pitch, rad.
   double fly(double until, double rate_hz = 100.0) {
     double worst = 0.0;
     for (; time_ < until; time_ += 1.0 / rate_hz) {
@@ -99,8 +99,9 @@ KnownMotion swinging(double amplitude, double frequency_rad_s) {
   return motion;
 }
 
-/// Tilts forward within 0.3 s such that the thrust stays on the body's z axis, accelerates with
-/// `size` (m/s²) from 10 s on for `duration` (s), and brakes for as long where `brakes`.
+/// From 10 s on the vehicle accelerates with `size` (m/s²) for `duration` (s), and brakes for the
+/// same time if `brakes`. It tilts within 0.3 s so that the thrust stays along the z axis of the
+/// body.
 KnownMotion accelerating(double size, double duration, bool brakes) {
   const auto acceleration = [=](double t) {
     const auto pulse = [=](double from) {
@@ -125,9 +126,9 @@ TEST(AttitudeEstimator, FindsAConstantTiltAtOnceAndKeepsIt) {
                                   fromEuler(0.0, 0.5 * kPi, 0.0), fromEuler(2.5, 0.4, -2.0)}) {
     KnownMotion motion;
     motion.world_R_base = [=](double) { return tilt; };
-    Observed observed(motion);
+    EstimatedMotion observed(motion);
     EXPECT_LT(observed.fly(20.0), 1e-7);
-    EXPECT_EQ(observed.attitudes(), 2000) << "those of the start are made known later, but all";
+    EXPECT_EQ(observed.attitudes(), 2000) << "all collected attitudes must be returned";
   }
 }
 
@@ -137,10 +138,10 @@ TEST(AttitudeEstimator, IntegratesASpinExactly) {
     return fromEuler(0.0, 0.0, 2.0 * t) * fromEuler(0.1, 0.2, 0.0);
   };
   for (const double rate_hz : {10.0, 100.0, 2000.0}) {
-    Observed observed(motion);
+    EstimatedMotion observed(motion);
     EXPECT_LT(observed.fly(20.0, rate_hz), 1e-6) << rate_hz << " Hz";
     const double turned = yawOf(observed.last().world_R_base) - 2.0 * observed.last().stamp;
-    Observed again(motion);
+    EstimatedMotion again(motion);
     again.fly(0.4, rate_hz);
     const double start = yawOf(again.last().world_R_base) - 2.0 * again.last().stamp;
     EXPECT_NEAR(normalizeAngle(turned - start), 0.0, 1e-5) << rate_hz << " Hz";
@@ -149,27 +150,27 @@ TEST(AttitudeEstimator, IntegratesASpinExactly) {
 
 TEST(AttitudeEstimator, FollowsSwingsAtAnyRate) {
   const KnownMotion motion = swinging(degToRad(20.0), 3.0);
-  EXPECT_LT(radToDeg(Observed(motion).fly(60.0, 2000.0)), 0.02);
-  EXPECT_LT(radToDeg(Observed(motion).fly(60.0, 200.0)), 0.02);
-  EXPECT_LT(radToDeg(Observed(motion).fly(60.0, 50.0)), 0.05);
-  EXPECT_LT(radToDeg(Observed(motion).fly(60.0, 10.0)), 1.0);
+  EXPECT_LT(radToDeg(EstimatedMotion(motion).fly(60.0, 2000.0)), 0.02);
+  EXPECT_LT(radToDeg(EstimatedMotion(motion).fly(60.0, 200.0)), 0.02);
+  EXPECT_LT(radToDeg(EstimatedMotion(motion).fly(60.0, 50.0)), 0.05);
+  EXPECT_LT(radToDeg(EstimatedMotion(motion).fly(60.0, 10.0)), 1.0);
 }
 
-TEST(AttitudeEstimator, TwoSecondsOfAccelerationCostLittle) {
+TEST(AttitudeEstimator, TwoSecondsOfAccelerationCauseLittleError) {
   for (const bool brakes : {false, true}) {
-    Observed observed(accelerating(2.0, 2.0, brakes));
+    EstimatedMotion observed(accelerating(2.0, 2.0, brakes));
     EXPECT_LT(observed.fly(9.9), 1e-7);
     const double worst = radToDeg(observed.fly(30.0));
     EXPECT_LT(worst, 1.5);
-    EXPECT_GT(worst, 0.1) << "the motion is none that costs anything";
+    EXPECT_GT(worst, 0.1) << "the motion must cause some error";
     observed.fly(40.0);
-    EXPECT_LT(radToDeg(observed.fly(60.0)), 0.1) << "nothing is left of it";
+    EXPECT_LT(radToDeg(observed.fly(60.0)), 0.1) << "the error must decay";
     RecordProperty(brakes ? "degrees_with_braking" : "degrees", std::to_string(worst));
   }
 }
 
-TEST(AttitudeEstimator, ACircleThatIsFlownForAMinuteCostsLittle) {
-  KnownMotion motion;  // 2 m/s at a radius of 2 m, nose ahead, from rest to rest within 5 s
+TEST(AttitudeEstimator, AMinuteOfCirclingCausesLittleError) {
+  KnownMotion motion;  // 2 m/s at a radius of 2 m, nose ahead, reached within 5 s from rest
   const auto rate = [](double t) { return t < 10.0 ? 0.0 : std::min((t - 10.0) / 5.0, 1.0); };
   const auto angle = [](double t) {
     if (t < 10.0) return 0.0;
@@ -183,14 +184,14 @@ TEST(AttitudeEstimator, ACircleThatIsFlownForAMinuteCostsLittle) {
     return fromEuler(0.0, 0.0, angle(t)) *
            fromEuler(-std::atan2(2.0 * rate(t) * rate(t), kGravity), 0.0, 0.0);
   };
-  Observed observed(motion);
+  EstimatedMotion observed(motion);
   EXPECT_LT(radToDeg(observed.fly(70.0)), 2.0);
 }
 
-TEST(AttitudeEstimator, AStartWhileAcceleratingIsCorrected) {
+TEST(AttitudeEstimator, CorrectsAnInitializationDuringAcceleration) {
   KnownMotion motion;
   motion.acceleration = [](double t) { return Vector3d(t < 1.0 ? 1.5 : 0.0, 0.0, 0.0); };
-  Observed observed(motion);
+  EstimatedMotion observed(motion);
   EXPECT_NEAR(radToDeg(observed.fly(0.5)), radToDeg(std::atan(1.5 / kGravity)), 0.5);
   observed.fly(6.0);
   EXPECT_LT(radToDeg(observed.fly(15.0)), 3.0);
@@ -202,54 +203,54 @@ TEST(AttitudeEstimator, LearnsTheBiasAtAStandstill) {
   motion.gyro_bias = {0.02, -0.015, 0.01};
   motion.gyro_noise = 0.005;
   motion.force_noise = 0.05;
-  Observed observed(motion);
+  EstimatedMotion observed(motion);
   EXPECT_LT(radToDeg(observed.fly(10.0)), 1.0);
   EXPECT_LT((observed.estimator().gyroBias() - motion.gyro_bias).norm(), 0.001);
-  EXPECT_LT(observed.last().rate.norm(), 0.03) << "what is left is noise";
+  EXPECT_LT(observed.last().rate.norm(), 0.03) << "only noise remains";
 }
 
 TEST(AttitudeEstimator, LearnsTheBiasOfRollAndPitchInFlight) {
   KnownMotion motion = swinging(0.1, 2.0);
   motion.gyro_bias = {0.02, -0.02, 0.0};
-  Observed observed(motion);
+  EstimatedMotion observed(motion);
   EXPECT_LT(radToDeg(observed.fly(30.0)), 6.0);
   observed.fly(300.0);
   EXPECT_LT((observed.estimator().gyroBias() - motion.gyro_bias).head<2>().norm(), 0.007);
   EXPECT_LT(radToDeg(observed.fly(330.0)), 1.0);
 }
 
-TEST(AttitudeEstimator, ASteadyTurnIsNoBias) {
+TEST(AttitudeEstimator, ASteadyTurnIsNotTakenForBias) {
   KnownMotion motion;
   motion.world_R_base = [](double t) { return fromEuler(0.0, 0.0, 0.1 * t); };
-  Observed observed(motion);
+  EstimatedMotion observed(motion);
   observed.fly(60.0);
   EXPECT_LT(observed.estimator().gyroBias().norm(), 1e-6);
   EXPECT_NEAR(observed.last().rate.z(), 0.1, 1e-6);
 }
 
-TEST(AttitudeEstimator, TenMinutesOfNoiseAndBias) {
+TEST(AttitudeEstimator, StaysAccurateForTenMinutesWithNoiseAndBias) {
   KnownMotion motion = swinging(degToRad(15.0), 2.0);
   motion.gyro_bias = {0.004, -0.003, 0.005};
   motion.gyro_noise = 0.02;
-  motion.force_noise = 2.0;  // of the motors
-  Observed observed(motion);
+  motion.force_noise = 2.0;  // vibration of the motors
+  EstimatedMotion observed(motion);
   observed.fly(20.0, 200.0);
   EXPECT_LT(radToDeg(observed.fly(600.0, 200.0)), 1.5);
 }
 
-TEST(AttitudeEstimator, ChangingRatesAndGaps) {
-  Observed observed(swinging(degToRad(20.0), 2.0));
+TEST(AttitudeEstimator, StaysAccurateWithChangingRatesAndGaps) {
+  EstimatedMotion observed(swinging(degToRad(20.0), 2.0));
   observed.fly(5.0, 2000.0);
   EXPECT_LT(radToDeg(observed.fly(10.0, 10.0)), 1.0);
   EXPECT_LT(radToDeg(observed.fly(15.0, 500.0)), 1.0);
-  observed.skip(0.4);  // is integrated, badly, and corrected soon
+  observed.skip(0.4);  // integrated inaccurately, but corrected soon
   observed.fly(17.0);
   EXPECT_LT(radToDeg(observed.fly(20.0)), 1.0);
-  observed.skip(30.0);  // starts again
+  observed.skip(30.0);  // initializes again
   EXPECT_LT(radToDeg(observed.fly(60.0)), 1.0);
 }
 
-TEST(AttitudeEstimator, DoesNotBeginWithoutGravity) {
+TEST(AttitudeEstimator, DoesNotInitializeWithoutGravity) {
   AttitudeEstimator estimator{AttitudeConfig()};
   for (int i = 0; i < 100; ++i) {
     EXPECT_TRUE(estimator.add(0.01 * i, Vector3d::Zero(), Vector3d(0.0, 0.0, 1.0)).empty());
@@ -264,16 +265,16 @@ TEST(AttitudeEstimator, DoesNotBeginWithoutGravity) {
   EXPECT_FALSE(estimator.refusedGravity());
 }
 
-TEST(AttitudeEstimator, FreeFallAndKnocksDoNotTurnIt) {
+TEST(AttitudeEstimator, FreeFallAndShocksCauseLittleError) {
   KnownMotion motion;
   motion.acceleration = [](double t) {
     return t > 5.0 && t < 5.5 ? Vector3d(0.0, 0.0, -kGravity)
                               : Vector3d(t > 7.0 && t < 7.05 ? 80.0 : 0.0, 0.0, 0.0);
   };
-  EXPECT_LT(radToDeg(Observed(motion).fly(20.0)), 0.5);
+  EXPECT_LT(radToDeg(EstimatedMotion(motion).fly(20.0)), 0.5);
 }
 
-TEST(AttitudeEstimator, StampsThatDoNotAscendAreIgnored) {
+TEST(AttitudeEstimator, IgnoresStampsThatDoNotAscend) {
   AttitudeEstimator estimator{AttitudeConfig()};
   for (int i = 0; i < 100; ++i) {
     estimator.add(0.01 * i, Vector3d::Zero(), Vector3d(0.0, 0.0, kGravity));

@@ -12,16 +12,17 @@ namespace {
 
 using AttitudeTrackerHealth = AttitudeTrackerTest;
 
-TEST_F(AttitudeTrackerHealth, Silent) {
+TEST_F(AttitudeTrackerHealth, DetectsASilentImu) {
   feed(1.0);
   EXPECT_EQ(tracker_.status(time_ + 0.4).health, ImuHealth::kOk);
   time_ += 0.9;
   expect(ImuHealth::kSilent, "0.91 s");
   expectRecovery();
-  EXPECT_EQ(tracker_.status(0.0).health, ImuHealth::kOk) << "a clock behind the stamps is no fault";
+  EXPECT_EQ(tracker_.status(0.0).health, ImuHealth::kOk)
+      << "a clock behind the stamps is not a fault";
 }
 
-TEST_F(AttitudeTrackerHealth, Frozen) {
+TEST_F(AttitudeTrackerHealth, DetectsAFrozenImu) {
   feed(1.0);
   const ImuSample stuck = trueSample(time_);
   const auto freeze = [&](ImuSample& sample) {
@@ -32,17 +33,17 @@ TEST_F(AttitudeTrackerHealth, Frozen) {
   EXPECT_EQ(feed(0.49, freeze), 49);
   expect(ImuHealth::kOk, "");
   EXPECT_LE(feed(1.0, freeze), 2);
-  expect(ImuHealth::kFrozen, "very same reading");
+  expect(ImuHealth::kFrozen, "the same reading");
   EXPECT_GE(status().rejected.at("frozen"), 98U);
   expectRecovery(kPeriod);
 }
 
-TEST_F(AttitudeTrackerHealth, AGyroOfZeroIsNotFrozen) {
+TEST_F(AttitudeTrackerHealth, AConstantGyroIsNotFrozen) {
   EXPECT_EQ(feed(3.0, [](ImuSample& sample) { sample.angular_velocity = Vector3d::Zero(); }), 300);
   expect(ImuHealth::kOk, "");
 }
 
-TEST_F(AttitudeTrackerHealth, AnOrientationAloneIsEnough) {
+TEST_F(AttitudeTrackerHealth, AcceptsAnOrientationWithoutOtherValues) {
   EXPECT_EQ(feed(3.0,
                  [](ImuSample& sample) {
                    sample.angular_velocity.reset();
@@ -52,14 +53,14 @@ TEST_F(AttitudeTrackerHealth, AnOrientationAloneIsEnough) {
   expectAttitude(1e-9);
 }
 
-/// As if the whole IMU were turned, while tf does not say so.
+/// Rotates the whole IMU without changing tf.
 void turnImu(ImuSample& sample, const Quaterniond& imu_R_turned) {
   sample.world_R_imu = *sample.world_R_imu * imu_R_turned;
   sample.angular_velocity = imu_R_turned.conjugate() * *sample.angular_velocity;
   sample.linear_acceleration = imu_R_turned.conjugate() * *sample.linear_acceleration;
 }
 
-TEST_F(AttitudeTrackerHealth, UpsideDown) {
+TEST_F(AttitudeTrackerHealth, DetectsAnUpsideDownImu) {
   for (const bool raw : {false, true}) {
     tracker_ = AttitudeTracker();
     const auto turn = [&](ImuSample& sample) {
@@ -67,7 +68,7 @@ TEST_F(AttitudeTrackerHealth, UpsideDown) {
       if (raw) makeRaw(sample);
     };
     feed(0.4, turn);
-    EXPECT_EQ(status().health, ImuHealth::kOk) << "a moment is allowed: a flip";
+    EXPECT_EQ(status().health, ImuHealth::kOk) << "a short time is allowed for a flip";
     feed(0.5, turn);
     expect(ImuHealth::kUpsideDown, "degrees");
     expect(ImuHealth::kUpsideDown, "tf");
@@ -75,7 +76,7 @@ TEST_F(AttitudeTrackerHealth, UpsideDown) {
   expectRecovery();
 }
 
-TEST_F(AttitudeTrackerHealth, OnItsSide) {
+TEST_F(AttitudeTrackerHealth, DetectsAnImuOnItsSide) {
   feed(4.0, [](ImuSample& sample) { turnImu(sample, fromEuler(1.4, 0.0, 0.0)); });
   EXPECT_EQ(status().health, ImuHealth::kOk);
   feed(2.0, [](ImuSample& sample) { turnImu(sample, fromEuler(1.4, 0.0, 0.0)); });
@@ -83,7 +84,7 @@ TEST_F(AttitudeTrackerHealth, OnItsSide) {
   expectRecovery();
 }
 
-TEST_F(AttitudeTrackerHealth, OrientationAndAccelerometerDisagree) {
+TEST_F(AttitudeTrackerHealth, DetectsDisagreementOfOrientationAndAccelerometer) {
   const auto turn = [](double angle) {
     return [=](ImuSample& sample) {
       sample.linear_acceleration = fromEuler(angle, 0.0, 0.0) * *sample.linear_acceleration;
@@ -99,7 +100,7 @@ TEST_F(AttitudeTrackerHealth, OrientationAndAccelerometerDisagree) {
   expectRecovery(20.0);
 }
 
-TEST_F(AttitudeTrackerHealth, AccelerationsOfAFlightAreNoContradiction) {
+TEST_F(AttitudeTrackerHealth, AccelerationsInFlightAreNotAContradiction) {
   feed(30.0, [](ImuSample& sample) {
     const double push = 6.0 * std::sin(3.0 * sample.stamp);
     *sample.linear_acceleration +=
@@ -109,7 +110,7 @@ TEST_F(AttitudeTrackerHealth, AccelerationsOfAFlightAreNoContradiction) {
   EXPECT_EQ(status().message, "");
 }
 
-TEST_F(AttitudeTrackerHealth, GravityWithTheWrongSign) {
+TEST_F(AttitudeTrackerHealth, DetectsGravityWithTheWrongSign) {
   const auto negate = [](ImuSample& sample) { *sample.linear_acceleration *= -1.0; };
   feed(5.0, negate);
   expect(ImuHealth::kContradiction, "wrong sign");
@@ -121,9 +122,9 @@ TEST_F(AttitudeTrackerHealth, GravityWithTheWrongSign) {
   expect(ImuHealth::kUpsideDown, "wrong sign");
 }
 
-TEST_F(AttitudeTrackerHealth, AccelerationInG) {
+TEST_F(AttitudeTrackerHealth, DetectsAccelerationInUnitsOfG) {
   const auto scale = [](ImuSample& sample) { *sample.linear_acceleration /= kG; };
-  EXPECT_EQ(feed(5.0, scale), 500) << "the orientation is good all the same";
+  EXPECT_EQ(feed(5.0, scale), 500) << "the orientation is still usable";
   expect(ImuHealth::kOk, "seems to be in g");
   tracker_ = AttitudeTracker();
   feed(5.0, [&](ImuSample& sample) {

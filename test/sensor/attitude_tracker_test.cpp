@@ -13,7 +13,7 @@
 namespace kestrel {
 namespace {
 
-TEST_F(AttitudeTrackerTest, SaysThatNothingHasCome) {
+TEST_F(AttitudeTrackerTest, ReportsThatNoReadingHasArrived) {
   expect(ImuHealth::kNoData, "no reading");
   EXPECT_EQ(tracker_.buffer().size(), 0U);
 }
@@ -29,7 +29,7 @@ TEST_F(AttitudeTrackerTest, UsesTheOrientation) {
   expectAttitude(1e-9);
 }
 
-TEST_F(AttitudeTrackerTest, AnyMounting) {
+TEST_F(AttitudeTrackerTest, WorksWithAnyMounting) {
   for (const Quaterniond& base_R_imu :
        {fromEuler(kPi, 0.0, 0.0), fromEuler(0.5 * kPi, 0.0, 0.0), fromEuler(0.0, -0.5 * kPi, 1.0),
         fromEuler(-2.0, 0.7, 2.5)}) {
@@ -53,7 +53,7 @@ TEST_F(AttitudeTrackerTest, AnyMounting) {
   }
 }
 
-TEST_F(AttitudeTrackerTest, SourceForcesOrientationOrRaw) {
+TEST_F(AttitudeTrackerTest, TheSourceParameterSelectsOrientationOrRaw) {
   AttitudeConfig config;
   config.source = "raw";
   tracker_ = AttitudeTracker(config);
@@ -67,7 +67,7 @@ TEST_F(AttitudeTrackerTest, SourceForcesOrientationOrRaw) {
   expect(ImuHealth::kInvalid, "no orientation");
 }
 
-TEST_F(AttitudeTrackerTest, SaysWhatIsMissing) {
+TEST_F(AttitudeTrackerTest, ReportsMissingValues) {
   feed(1.0, [](ImuSample& sample) {
     makeRaw(sample);
     sample.angular_velocity.reset();
@@ -83,7 +83,7 @@ TEST_F(AttitudeTrackerTest, SaysWhatIsMissing) {
   expectRecovery();
 }
 
-TEST_F(AttitudeTrackerTest, NotFinite) {
+TEST_F(AttitudeTrackerTest, RejectsValuesThatAreNotFinite) {
   feed(1.0);
   const Change changes[] = {[](ImuSample& s) { s.world_R_imu->y() = kNan; },
                             [](ImuSample& s) { s.angular_velocity->z() = kInfinity; },
@@ -96,7 +96,7 @@ TEST_F(AttitudeTrackerTest, NotFinite) {
   EXPECT_EQ(status().rejected.at("not finite"), 60U);
 }
 
-TEST_F(AttitudeTrackerTest, AStampThatIsNoTime) {
+TEST_F(AttitudeTrackerTest, RejectsInvalidStamps) {
   feed(1.0);
   for (const double stamp : {kNan, kInfinity, -kInfinity, 1e300}) {
     ImuSample sample = trueSample(time_);
@@ -108,7 +108,7 @@ TEST_F(AttitudeTrackerTest, AStampThatIsNoTime) {
   expectRecovery();
 }
 
-TEST_F(AttitudeTrackerTest, QuaternionsThatAreNoRotations) {
+TEST_F(AttitudeTrackerTest, RejectsQuaternionsThatAreNotUnit) {
   feed(1.0);
   for (const double norm : {0.0, 0.5, 0.94, 1.06, 3.0}) {
     EXPECT_EQ(feed(0.1, [&](ImuSample& s) { s.world_R_imu->coeffs() *= norm; }), 0) << norm;
@@ -125,7 +125,7 @@ TEST_F(AttitudeTrackerTest, QuaternionsThatAreNoRotations) {
   expectRecovery();
 }
 
-TEST_F(AttitudeTrackerTest, ImpossibleValues) {
+TEST_F(AttitudeTrackerTest, RejectsImpossibleValues) {
   feed(1.0);
   EXPECT_EQ(feed(0.1, [](ImuSample& s) { s.angular_velocity->x() = 1e200; }), 0);
   expect(ImuHealth::kInvalid, "rad/s is impossible");
@@ -134,18 +134,19 @@ TEST_F(AttitudeTrackerTest, ImpossibleValues) {
   expectRecovery();
 }
 
-TEST_F(AttitudeTrackerTest, ALateReadingIsPutInItsPlace) {
+TEST_F(AttitudeTrackerTest, SortsALateReading) {
   feed(1.0);
   time_ += kPeriod;  // one is late
   feed(0.05);
   EXPECT_TRUE(tracker_.add(trueSample(time_ - 6.0 * kPeriod), base_R_imu_));
   EXPECT_EQ(tracker_.buffer().size(), 106U);
-  EXPECT_FALSE(tracker_.add(trueSample(time_ - 6.0 * kPeriod), base_R_imu_)) << "and not twice";
+  EXPECT_FALSE(tracker_.add(trueSample(time_ - 6.0 * kPeriod), base_R_imu_))
+      << "a duplicate must be rejected";
   EXPECT_EQ(status().rejected.at("duplicate"), 1U);
   expectRecovery();
 }
 
-TEST_F(AttitudeTrackerTest, TheEstimateTakesNoLateReading) {
+TEST_F(AttitudeTrackerTest, TheEstimatorRejectsALateReading) {
   feed(1.0, makeRaw);
   ImuSample late = trueSample(time_ - 5.5 * kPeriod);
   makeRaw(late);
@@ -155,7 +156,7 @@ TEST_F(AttitudeTrackerTest, TheEstimateTakesNoLateReading) {
   expectAttitude(1e-3);
 }
 
-TEST_F(AttitudeTrackerTest, ASingleStampFarAwayIsNotBelieved) {
+TEST_F(AttitudeTrackerTest, RejectsASingleStampThatJumps) {
   feed(1.0);
   for (const double shift : {-3600.0, -5.0, 5.0, 3600.0}) {
     EXPECT_FALSE(tracker_.add(trueSample(time_ + shift), base_R_imu_));
@@ -164,17 +165,17 @@ TEST_F(AttitudeTrackerTest, ASingleStampFarAwayIsNotBelieved) {
   EXPECT_EQ(status().rejected.at("stamp jumps"), 4U);
 }
 
-TEST_F(AttitudeTrackerTest, AClockThatWasSet) {
+TEST_F(AttitudeTrackerTest, FollowsAClockThatWasSet) {
   feed(1.0);
   for (const double shift : {-60.0, 3600.0}) {
     time_ += shift;
-    EXPECT_EQ(feed(0.5), 48) << "the first two are only evidence";
+    EXPECT_EQ(feed(0.5), 48) << "the first two stamps after the jump are rejected";
     EXPECT_EQ(tracker_.buffer().latest(), time_ - kPeriod);
     expectRecovery();
   }
 }
 
-TEST_F(AttitudeTrackerTest, Restart) {
+TEST_F(AttitudeTrackerTest, RestartForgetsAllButTheCounters) {
   feed(1.0);
   tracker_.restart();
   EXPECT_EQ(tracker_.buffer().size(), 0U);
@@ -184,7 +185,7 @@ TEST_F(AttitudeTrackerTest, Restart) {
   expectRecovery();
 }
 
-TEST_F(AttitudeTrackerTest, AttitudesFromElsewhere) {
+TEST_F(AttitudeTrackerTest, AcceptsAttitudesFromAnotherSource) {
   for (int i = 0; i < 100; ++i, time_ += kPeriod) {
     EXPECT_TRUE(tracker_.addAttitude(time_, trueAttitude(time_)));
   }
@@ -195,7 +196,7 @@ TEST_F(AttitudeTrackerTest, AttitudesFromElsewhere) {
   EXPECT_EQ(status().used, 100U);
 }
 
-/// Mostly plausible numbers, sometimes anything that a double can be.
+/// Mostly plausible numbers, sometimes arbitrary ones.
 double anything(Random& random, double size) {
   constexpr double kShareOfGarbage = 0.02;
   if (random.uniform() > kShareOfGarbage) return random.uniform(-size, size);
@@ -203,7 +204,7 @@ double anything(Random& random, double size) {
   return garbage[static_cast<std::size_t>(random.uniform(0.0, 9.0))];
 }
 
-TEST_F(AttitudeTrackerTest, GarbageNeverGetsOut) {
+TEST_F(AttitudeTrackerTest, GarbageNeverReachesTheBuffer) {
   Random random(7);
   const auto vector = [&](double size) {
     return Vector3d(anything(random, size), anything(random, size), anything(random, size));

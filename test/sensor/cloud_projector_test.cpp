@@ -16,11 +16,11 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kStamp = 50.0;
-constexpr double kRadius = 6.0;  // of a round room, m
+constexpr double kRadius = 6.0;  // of the round room, m
 constexpr double kHeight = 1.2;  // of the lidar over the floor, m
 
-/// What a lidar of 16 rings sees in a round room of endless walls, one column after the other; it
-/// turns about the vertical with `yaw_rate` (rad/s) meanwhile.
+/// The cloud of a lidar with 16 rings in a round room with infinitely high walls, column by column.
+/// The lidar turns about the vertical at `yaw_rate` (rad/s) during the sweep.
 PointCloud scanRoundRoom(const Quaterniond& orientation, double yaw_rate) {
   PointCloud cloud;
   cloud.stamp = kStamp;
@@ -51,7 +51,7 @@ AttitudeBuffer attitudeOf(const Quaterniond& orientation, double yaw_rate) {
   return buffer;
 }
 
-Projection projectIt(const PointCloud& cloud, const AttitudeBuffer* attitude) {
+Projection projectCloud(const PointCloud& cloud, const AttitudeBuffer* attitude) {
   VehicleState vehicle;
   vehicle.attitude = attitude;
   vehicle.height_m = kHeight;
@@ -61,7 +61,7 @@ Projection projectIt(const PointCloud& cloud, const AttitudeBuffer* attitude) {
 TEST(CloudProjector, SlicesARoomFromATiltedAndTurningLidar) {
   const Quaterniond tilt(AngleAxisd(0.15, Vector3d(0.6, 0.8, 0.0)));
   const AttitudeBuffer attitude = attitudeOf(tilt, 1.5);
-  const Projection result = projectIt(scanRoundRoom(tilt, 1.5), &attitude);
+  const Projection result = projectCloud(scanRoundRoom(tilt, 1.5), &attitude);
   ASSERT_EQ(result.error, ScanError::kNone) << result.message;
   EXPECT_GT(result.counts.hits, 600U);
   EXPECT_LE(result.scan.rays.size(), 1080U);
@@ -72,43 +72,43 @@ TEST(CloudProjector, SlicesARoomFromATiltedAndTurningLidar) {
   }
 }
 
-TEST(CloudProjector, KeepsTheNearestReturnOfEveryDirectionWhereItTrulyIs) {
+TEST(CloudProjector, KeepsTheNearestReturnOfEveryDirection) {
   PointCloud cloud;
   cloud.stamp = kStamp;
   cloud.points = {
       {5.0F, 0.001F, 0.1F, 0.0F}, {3.0F, 0.001F, -0.2F, 0.0F}, {4.0F, 0.001F, 0.0F, 0.0F}};
-  const Projection result = projectIt(cloud, nullptr);
+  const Projection result = projectCloud(cloud, nullptr);
   ASSERT_EQ(result.scan.rays.size(), 1U);
   EXPECT_TRUE(result.scan.rays[0].hit);
   EXPECT_FLOAT_EQ(result.scan.rays[0].end.x(), 3.0F);
   EXPECT_FLOAT_EQ(result.scan.rays[0].end.y(), 0.001F);
 }
 
-TEST(CloudProjector, WhatIsOutsideOfTheSliceClearsWhatItPassed) {
+TEST(CloudProjector, AReturnOutsideTheSliceClearsTheSpaceInsideIt) {
   PointCloud cloud;
   cloud.stamp = kStamp;
-  cloud.points = {{4.0F, 0.001F, 3.0F, 0.0F}};  // 1.5 m high after 2 m
-  const Projection result = projectIt(cloud, nullptr);
+  cloud.points = {{4.0F, 0.001F, 3.0F, 0.0F}};  // leaves the slice (1.5 m high) after 2 m
+  const Projection result = projectCloud(cloud, nullptr);
   ASSERT_EQ(result.scan.rays.size(), 1U);
   EXPECT_FALSE(result.scan.rays[0].hit);
   EXPECT_NEAR(result.scan.rays[0].end.x(), 2.0, 1e-5);
   EXPECT_EQ(result.counts.outside, 1U);
 }
 
-TEST(CloudProjector, CountsWhatIsInvalidAndRefusesWhatIsEmptyOrBroken) {
+TEST(CloudProjector, CountsInvalidPointsAndRefusesInvalidClouds) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   PointCloud cloud;
   cloud.stamp = kStamp;
-  EXPECT_EQ(projectIt(cloud, nullptr).error, ScanError::kNoBeams);
+  EXPECT_EQ(projectCloud(cloud, nullptr).error, ScanError::kNoBeams);
   cloud.points = {{nan, 1.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F, 0.0F}};
-  const Projection result = projectIt(cloud, nullptr);
+  const Projection result = projectCloud(cloud, nullptr);
   EXPECT_EQ(result.error, ScanError::kNoValidBeam);
   EXPECT_EQ(result.counts.invalid, 2U);
-  cloud.points = {{1.0F, 0.0F, 0.0F, 0.0F}, {1.0F, 0.0F, 0.0F, 1e6F}};  // µs for s
-  EXPECT_EQ(projectIt(cloud, nullptr).error, ScanError::kBadGeometry);
+  cloud.points = {{1.0F, 0.0F, 0.0F, 0.0F}, {1.0F, 0.0F, 0.0F, 1e6F}};  // µs instead of s
+  EXPECT_EQ(projectCloud(cloud, nullptr).error, ScanError::kBadGeometry);
   cloud.points = {{1.0F, 0.0F, 0.0F, 0.0F}};
   cloud.stamp = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(projectIt(cloud, nullptr).error, ScanError::kBadStamp);
+  EXPECT_EQ(projectCloud(cloud, nullptr).error, ScanError::kBadStamp);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace kestrel {
 namespace {
 
-/// Scans as a broken driver, a cut message or a bit error could make them.
+/// Scans with the errors of a broken driver, a truncated message or flipped bits.
 class GarbageScans {
  public:
   LaserScan next() {
@@ -35,10 +35,11 @@ class GarbageScans {
   }
 
  private:
-  /// The sane value mostly, so that many scans reach the beams; else anything.
+  /// Mostly the valid value, so that many scans are projected; sometimes an arbitrary one.
   double field(double sane) { return random_() % 16 != 0 ? sane : static_cast<double>(anyFloat()); }
 
-  /// Every second time a plausible range, else any 32 bits: NaN, infinities, denormal numbers.
+  /// A plausible range in half of the cases, else 32 arbitrary bits: NaN, infinities, denormal
+  /// numbers.
   float anyFloat() {
     const auto bits = static_cast<std::uint32_t>(random_());
     if (bits % 2 == 0) return static_cast<float>(bits % 40000) * 1e-3F;
@@ -50,7 +51,7 @@ class GarbageScans {
   std::mt19937_64 random_{117};
 };
 
-TEST(ScanProjector, GarbageGivesFiniteRaysOrAReason) {
+TEST(ScanProjector, GarbageGivesFiniteRaysOrAnError) {
   GarbageScans garbage;
   ScanProjector projector{ProjectorConfig()};
   std::size_t used = 0, refused = 0;
@@ -71,7 +72,7 @@ TEST(ScanProjector, GarbageGivesFiniteRaysOrAReason) {
               scan.ranges.size());
     ASSERT_EQ(counts.hits, result.scan.hitCount());
   }
-  EXPECT_GT(used, 5000U);  // the test is worth something only where both happen
+  EXPECT_GT(used, 5000U);  // both cases must occur
   EXPECT_GT(refused, 1000U);
 }
 

@@ -17,7 +17,8 @@ constexpr double kPeriod = 0.05;  // of a range finder, s
 
 class HeightTrackerTest : public ::testing::Test {
  protected:
-  /// Feeds readings for `duration`; the largest difference between what is tracked and `height`.
+  /// Feeds readings for `duration` (s). Returns the largest difference between tracked and true
+  /// height, m.
   double fly(double duration, const std::function<double(double)>& height,
              const std::function<double(double)>& floor) {
     double worst = 0.0;
@@ -43,17 +44,17 @@ class HeightTrackerTest : public ::testing::Test {
 double level(double) { return 0.0; }
 double hover(double) { return 1.5; }
 
-TEST_F(HeightTrackerTest, KnowsNothingAtFirst) {
+TEST_F(HeightTrackerTest, HasNoHeightWithoutReadings) {
   EXPECT_FALSE(tracker_.height(time_));
   EXPECT_EQ(tracker_.source(time_), HeightSource::kNone);
 }
 
-TEST_F(HeightTrackerTest, AFilterThatKnowsIsBelievedFirst) {
+TEST_F(HeightTrackerTest, ThePoseFilterIsPreferred) {
   EXPECT_TRUE(tracker_.addRange({time_, 1.03}, nullptr));
   EXPECT_TRUE(tracker_.addFiltered({time_, 1.0}));
   EXPECT_EQ(tracker_.height(time_), 1.0);
   EXPECT_EQ(tracker_.source(time_), HeightSource::kFilter);
-  for (const double until = time_ + 2.0; time_ < until;) {  // it falls silent
+  for (const double until = time_ + 2.0; time_ < until;) {  // no more readings of the filter
     EXPECT_TRUE(tracker_.addRange({time_ += kPeriod, 1.03}, nullptr));
   }
   EXPECT_EQ(tracker_.height(time_), 1.03);
@@ -64,7 +65,7 @@ TEST_F(HeightTrackerTest, AFilterThatKnowsIsBelievedFirst) {
   EXPECT_EQ(tracker_.counts().at("filter: not finite"), 1U);
 }
 
-TEST_F(HeightTrackerTest, AFilterStepsOverATableToo) {
+TEST_F(HeightTrackerTest, FilteredHeightsHaveStepDetectionToo) {
   const auto below = [](double time) { return time < 1001.0 ? 0.0 : 0.7; };
   for (; time_ < 1002.0; time_ += 0.01) {
     EXPECT_TRUE(tracker_.addFiltered({time_, 1.5 - below(time_)}));
@@ -72,7 +73,7 @@ TEST_F(HeightTrackerTest, AFilterStepsOverATableToo) {
   }
 }
 
-TEST_F(HeightTrackerTest, TheParameterIsUsedWhereNothingMeasures) {
+TEST_F(HeightTrackerTest, TheParameterIsUsedWithoutReadings) {
   HeightConfig config;
   config.fixed_m = 1.2;
   tracker_ = HeightTracker(config);
@@ -101,7 +102,7 @@ TEST_F(HeightTrackerTest, InterpolatesBetweenReadings) {
   EXPECT_FALSE(tracker_.height(kNan));
 }
 
-TEST_F(HeightTrackerTest, IsCorrectedWithTheTilt) {
+TEST_F(HeightTrackerTest, CorrectsTheRangeForTheTilt) {
   AttitudeBuffer attitude;
   const double tilt = 0.3;
   attitude.add(10.0, Eigen::Quaterniond(Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX())), {});
@@ -117,14 +118,15 @@ TEST_F(HeightTrackerTest, IsCorrectedWithTheTilt) {
 TEST_F(HeightTrackerTest, ATableIsNotTheFloor) {
   const auto table = [](double t) { return t > 1002.0 && t < 1004.0 ? 0.75 : 0.0; };
   const auto climb = [](double t) { return 1.5 + 0.3 * std::sin(t); };
-  EXPECT_LT(fly(3.0, climb, table), 0.2) << "the step takes one reading's motion with it";
+  EXPECT_LT(fly(3.0, climb, table), 0.2)
+      << "the motion during one reading becomes part of the step";
   EXPECT_NEAR(tracker_.stepBelow(), 0.75, 0.05);
   fly(3.0, climb, table);
   EXPECT_EQ(tracker_.stepBelow(), 0.0);
   EXPECT_LT(fly(3.0, climb, table), 1e-12);
 }
 
-TEST_F(HeightTrackerTest, AFloorThatStaysIsFollowed) {
+TEST_F(HeightTrackerTest, ALongStepBecomesTheFloor) {
   const auto storey = [](double t) { return t > 1001.0 ? 0.6 : 0.0; };
   fly(2.0, hover, storey);
   EXPECT_NEAR(*tracker_.height(time_), 1.5, 1e-9);
@@ -132,26 +134,26 @@ TEST_F(HeightTrackerTest, AFloorThatStaysIsFollowed) {
   EXPECT_NEAR(*tracker_.height(time_), 0.9, 1e-9);
 }
 
-TEST_F(HeightTrackerTest, ASpikeChangesNothing) {
+TEST_F(HeightTrackerTest, IgnoresASpike) {
   const auto spike = [](double t) { return std::abs(t - 1001.0) < 0.01 ? 1.2 : 0.0; };
   EXPECT_LT(fly(2.0, hover, spike), 1e-9);
   EXPECT_EQ(tracker_.stepBelow(), 0.0);
 }
 
-TEST_F(HeightTrackerTest, TheLasersViewOfTheFloorSettlesWhatATableIs) {
+TEST_F(HeightTrackerTest, HeightsFromTheLaserDistinguishTableAndFloor) {
   fly(1.0, hover, level);
   const auto table = [](double) { return 0.75; };
-  for (int i = 0; i < 20; ++i) {  // ten seconds over a long table, whose floor the laser sees
+  for (int i = 0; i < 20; ++i) {  // ten seconds over a long table; the laser sees the floor
     fly(0.5, hover, table);
     tracker_.addProjection(time_ - kPeriod, seen({}, 1.45));
   }
   EXPECT_NEAR(*tracker_.height(time_), 1.5, 1e-9);
   tracker_.addProjection(time_, seen({}, 0.8));
   fly(0.1, hover, table);
-  EXPECT_NEAR(*tracker_.height(time_), 0.75, 1e-9) << "the laser says that it is the floor";
+  EXPECT_NEAR(*tracker_.height(time_), 0.75, 1e-9) << "the laser confirms that it is the floor";
 }
 
-TEST_F(HeightTrackerTest, MirrorAndFloorWithoutARangeFinder) {
+TEST_F(HeightTrackerTest, UsesMirrorAndFloorWithoutARangeFinder) {
   tracker_.addProjection(10.0, seen({}, 1.1));
   EXPECT_EQ(tracker_.height(10.0), 1.1);
   EXPECT_EQ(tracker_.source(10.0), HeightSource::kFloor);
@@ -167,7 +169,7 @@ TEST_F(HeightTrackerTest, MirrorAndFloorWithoutARangeFinder) {
   EXPECT_FALSE(tracker_.height(12.0));
 }
 
-TEST_F(HeightTrackerTest, BadReadingsAreCountedAndNotUsed) {
+TEST_F(HeightTrackerTest, CountsAndRejectsBadReadings) {
   fly(1.0, hover, level);
   const std::pair<double, const char*> bad[] = {{kInfinity, "infinite"}, {-kInfinity, "too close"},
                                                 {kNan, "not finite"},    {0.0, "not positive"},
@@ -185,11 +187,11 @@ TEST_F(HeightTrackerTest, BadReadingsAreCountedAndNotUsed) {
   EXPECT_EQ(tracker_.counts().at("late"), 1U);
   EXPECT_NEAR(*tracker_.height(time_), 1.5, 1e-12);
   for (int i = 0; i < 40; ++i, time_ += kPeriod) tracker_.addRange({time_, kInfinity}, nullptr);
-  EXPECT_FALSE(tracker_.height(time_)) << "all is older than a second";
-  EXPECT_LT(fly(1.0, hover, level), 1e-12) << "and it recovers at once";
+  EXPECT_FALSE(tracker_.height(time_)) << "all readings are older than a second";
+  EXPECT_LT(fly(1.0, hover, level), 1e-12) << "must recover at once";
 }
 
-TEST_F(HeightTrackerTest, AClockThatWasSetBack) {
+TEST_F(HeightTrackerTest, FollowsAClockThatWasSetBack) {
   fly(1.0, hover, level);
   time_ -= 100.0;
   for (int i = 0; i < 10; ++i, time_ += kPeriod) tracker_.addRange({time_, 0.7}, nullptr);

@@ -14,8 +14,8 @@ Eigen::Quaterniond pitched(double pitch) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()));
 }
 
-/// The returns of a sweep that leans forward by `pitch` (rad), of a wall at x = `wall` and, behind
-/// the base, of a ceiling `ceiling` m above it.
+/// The returns of a sweep that is pitched forward by `pitch` (rad): from a wall at x = `wall`, and
+/// from a ceiling `ceiling` m above the base and behind it.
 std::vector<Eigen::Vector3f> returnsOf(double pitch, double wall, double ceiling) {
   std::vector<Eigen::Vector3f> returns;
   for (int i = 0; i < 60; ++i) {
@@ -26,7 +26,7 @@ std::vector<Eigen::Vector3f> returnsOf(double pitch, double wall, double ceiling
   return returns;
 }
 
-TEST(LevelSurfaces, RemembersACeilingAndIsNotFooledByAWall) {
+TEST(LevelSurfaces, RemembersACeilingAndIgnoresAWall) {
   LevelSurfaces surfaces;
   for (int i = 0; i < 20; ++i) {
     const double pitch = degToRad(5.0 + 0.5 * i), time = 0.05 * i;
@@ -36,12 +36,14 @@ TEST(LevelSurfaces, RemembersACeilingAndIsNotFooledByAWall) {
   }
   ASSERT_TRUE(surfaces.ceilingHeight(0.95, 1.0));
   EXPECT_NEAR(*surfaces.ceilingHeight(0.95, 1.0), 1.5, 0.01);
-  EXPECT_NEAR(*surfaces.ceilingHeight(100.0, 2.0), 0.5, 0.01) << "it hangs over the floor";
-  EXPECT_FALSE(surfaces.ceilingHeight(100.0, std::nullopt)) << "only for a moment without height";
-  EXPECT_FALSE(surfaces.floorHeight(0.95)) << "the wall ahead is no floor";
+  EXPECT_NEAR(*surfaces.ceilingHeight(100.0, 2.0), 0.5, 0.01)
+      << "its height over the floor is constant";
+  EXPECT_FALSE(surfaces.ceilingHeight(100.0, std::nullopt))
+      << "it expires if the height is unknown";
+  EXPECT_FALSE(surfaces.floorHeight(0.95)) << "the wall ahead is not the floor";
 }
 
-TEST(LevelSurfaces, ALineNeedsTiltAndReturns) {
+TEST(LevelSurfaces, FindsALineOnlyWithTiltAndReturns) {
   EXPECT_FALSE(outermostLine(returnsOf(0.02, 3.0, 1.0), pitched(0.02), +1));
   EXPECT_FALSE(outermostLine({}, pitched(0.2), +1));
   const auto highest = outermostLine(returnsOf(0.2, 3.0, 1.0), pitched(0.2), +1);

@@ -12,15 +12,15 @@
 namespace kestrel {
 namespace {
 
-TEST(RangeCorrection, IsLinearBetweenItsRangesAndConstantBeyond) {
+TEST(RangeCorrection, IsLinearBetweenRangesAndConstantBeyond) {
   const RangeCorrection correction("4:0.2, 6:-0.4");
-  EXPECT_FLOAT_EQ(correction.corrected(2.0F), 2.1F);  // from zero at zero
+  EXPECT_FLOAT_EQ(correction.corrected(2.0F), 2.1F);  // linear from 0 at range 0
   EXPECT_FLOAT_EQ(correction.corrected(4.0F), 4.2F);
   EXPECT_FLOAT_EQ(correction.corrected(5.0F), 4.9F);
   EXPECT_FLOAT_EQ(correction.corrected(9.0F), 8.6F);
 }
 
-TEST(RangeCorrection, LeavesAloneWhatIsNoRange) {
+TEST(RangeCorrection, DoesNotChangeInvalidRanges) {
   const RangeCorrection correction("4:0.2");
   EXPECT_EQ(correction.corrected(0.0F), 0.0F);
   EXPECT_EQ(correction.corrected(-1.0F), -1.0F);
@@ -34,7 +34,7 @@ TEST(RangeCorrection, AnEmptyTextCorrectsNothing) {
   EXPECT_EQ(RangeCorrection("").corrected(3.0F), 3.0F);
 }
 
-TEST(RangeCorrection, RefusesWhatItCannotRead) {
+TEST(RangeCorrection, RefusesInvalidTexts) {
   for (const char* text : {"4", "4:", "4:x", "0:1", "-1:0.1", "4:0.1, 3:0.1", "4:-5", "4:nan"}) {
     EXPECT_THROW(RangeCorrection{text}, std::invalid_argument) << text;
   }

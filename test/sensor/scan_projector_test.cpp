@@ -26,7 +26,7 @@ LaserScan makeScan(std::vector<float> ranges) {
   return scan;
 }
 
-/// Only the beams are filtered, not the heights.
+/// A slice so high that only the beam filter has an effect.
 ProjectorConfig projectorConfig(const BeamFilterConfig& beams) {
   ProjectorConfig config;
   config.beams = beams;
@@ -62,7 +62,7 @@ TEST(ScanProjector, ProjectsBeamsIntoTheBaseFrame) {
   }
 }
 
-TEST(ScanProjector, UsesTheMounting) {
+TEST(ScanProjector, AppliesTheMounting) {
   Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
   base_T_laser.translate(Eigen::Vector3d(0.1, -0.2, 0.3));
   base_T_laser.rotate(Eigen::AngleAxisd(kPi / 2.0, Eigen::Vector3d::UnitZ()));
@@ -73,7 +73,7 @@ TEST(ScanProjector, UsesTheMounting) {
   expectPoint(result.scan.rays[1].end, -1.9F, -0.2F);
 }
 
-TEST(ScanProjector, MirrorsALaserThatHangsUpsideDown) {
+TEST(ScanProjector, MirrorsAnUpsideDownLaser) {
   Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
   base_T_laser.rotate(Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX()));
   const Projection result = project(makeScan({1.0F, 2.0F}), BeamFilterConfig(), base_T_laser);
@@ -82,7 +82,7 @@ TEST(ScanProjector, MirrorsALaserThatHangsUpsideDown) {
   expectPoint(result.scan.rays[1].end, 0.0F, -2.0F);
 }
 
-TEST(ScanProjector, ShortensATiltedBeamToTheHorizontal) {
+TEST(ScanProjector, ProjectsATiltedBeamToTheHorizontalPlane) {
   Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
   base_T_laser.rotate(Eigen::AngleAxisd(kPi / 3.0, Eigen::Vector3d::UnitY()));
   const Projection result = project(makeScan({2.0F, 2.0F}), BeamFilterConfig(), base_T_laser);
@@ -91,7 +91,7 @@ TEST(ScanProjector, ShortensATiltedBeamToTheHorizontal) {
   expectPoint(result.scan.rays[1].end, 0.0F, 2.0F);
 }
 
-TEST(ScanProjector, DirectionsMatchSineAndCosineToTheLastBeam) {
+TEST(ScanProjector, BeamDirectionsStayAccurateUpToTheLastBeam) {
   LaserScan scan = makeScan(std::vector<float>(20000, 10.0F));
   scan.angle_min = -2.5;
   scan.angle_increment = 2.0 * kPi / 20000.0;
@@ -104,7 +104,7 @@ TEST(ScanProjector, DirectionsMatchSineAndCosineToTheLastBeam) {
   }
 }
 
-TEST(ScanProjector, AcceptsAFanThatTurnsClockwise) {
+TEST(ScanProjector, AcceptsAClockwiseScan) {
   LaserScan scan = makeScan({1.0F, 2.0F});
   scan.angle_increment = -kPi / 2.0;
   expectPoint(project(scan).scan.rays.at(1).end, 0.0F, -2.0F);
@@ -130,13 +130,13 @@ TEST(ScanProjector, FollowsRep117) {
   expectPoint(result.scan.rays[1].end, 0.5F * std::cos(0.6F), 0.5F * std::sin(0.6F));
 }
 
-TEST(ScanProjector, ClearsNoFartherThanTheSensorSees) {
+TEST(ScanProjector, ClearsAtMostUpToTheRangeOfTheSensor) {
   LaserScan scan = makeScan({kInf, 5.6F, 5.5F});
   scan.range_max = 5.6F;
   const Projection result = project(scan);  // clear_range_m is 10
   ASSERT_EQ(result.scan.rays.size(), 3U);
   EXPECT_FALSE(result.scan.rays[0].hit);
-  EXPECT_FALSE(result.scan.rays[1].hit);  // drivers say range_max for no return
+  EXPECT_FALSE(result.scan.rays[1].hit);  // some drivers send range_max for no return
   EXPECT_TRUE(result.scan.rays[2].hit);
   expectPoint(result.scan.rays[0].end, 5.6F, 0.0F);
   expectPoint(result.scan.rays[1].end, 0.0F, 5.6F);
@@ -151,7 +151,7 @@ TEST(ScanProjector, ClearRangeZeroTurnsClearingOff) {
   EXPECT_TRUE(result.scan.rays[0].hit);
 }
 
-TEST(ScanProjector, RangeMaxZeroIsUnset) {
+TEST(ScanProjector, TreatsARangeMaxOfZeroAsUnset) {
   LaserScan scan = makeScan({2.0F, 29.0F, 31.0F});
   scan.range_max = 0.0;
   const Projection result = project(scan);
@@ -160,7 +160,7 @@ TEST(ScanProjector, RangeMaxZeroIsUnset) {
   EXPECT_EQ(result.counts.clears, 1U);
 }
 
-TEST(ScanProjector, AScanOfNoReturnsClears) {
+TEST(ScanProjector, AScanWithoutReturnsClears) {
   const Projection result = project(makeScan({kInf, kInf, kInf}));
   EXPECT_EQ(result.error, ScanError::kNone);
   EXPECT_EQ(result.counts.clears, 3U);
@@ -222,7 +222,7 @@ TEST(ScanProjector, RefusesAMountingThatIsNotFinite) {
             ScanError::kBadGeometry);
 }
 
-TEST(ScanProjector, EveryErrorHasAWord) {
+TEST(ScanProjector, EveryErrorHasAText) {
   EXPECT_STREQ(toString(ScanError::kNone), "none");
   EXPECT_STREQ(toString(ScanError::kNoBeams), "no-beams");
   EXPECT_STREQ(toString(ScanError::kBadGeometry), "bad-geometry");

@@ -35,7 +35,7 @@ Isometry3d poseOf(const Vector3d& position, const Quaterniond& orientation) {
   return pose;
 }
 
-/// Range to the four endless walls of the room and to its floor, z = 0.
+/// Range to the nearest of the four infinitely high walls and the floor (z = 0), m.
 double castInRoom(const Vector3d& origin, const Vector3d& direction) {
   double range = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 2; ++axis) {
@@ -46,7 +46,7 @@ double castInRoom(const Vector3d& origin, const Vector3d& direction) {
   return range;
 }
 
-/// What a laser in the room measures, each beam at its own time.
+/// The scan of a laser in the room, with each beam at its own time.
 LaserScan scanRoom(const PoseAt& world_T_laser, double time_increment) {
   LaserScan scan;
   scan.stamp = kStamp;
@@ -78,7 +78,7 @@ AttitudeBuffer imuOf(const PoseAt& world_T_base) {
   return buffer;
 }
 
-/// Largest distance of a hit from the room's walls, where the scan is placed at the true pose.
+/// Largest distance of a hit from the walls if the scan is placed at the true pose, m.
 double worstWallDistance(const PlanarScan& scan, const Isometry3d& world_T_base) {
   const double yaw = yawOf(Quaterniond(world_T_base.linear()));
   const Eigen::Rotation2Dd rotation(yaw);
@@ -94,7 +94,7 @@ double worstWallDistance(const PlanarScan& scan, const Isometry3d& world_T_base)
 
 const Isometry3d kMounting = poseOf(Vector3d(0.1, -0.05, 0.08), tilt(kPi, 0.0, 0.3));
 
-TEST(TiltedProjection, PutsTheWallsOfATiltedLaserWhereTheyAre) {
+TEST(TiltedProjection, ProjectsTheWallsOfATiltedLaserToTheirPositions) {
   const Isometry3d world_T_base = poseOf(Vector3d(0.5, -0.7, 1.0), tilt(0.17, -0.12, 0.6));
   const PoseAt base = [&](double) { return world_T_base; };
   const LaserScan scan = scanRoom([&](double t) { return base(t) * kMounting; }, 0.0);
@@ -109,12 +109,12 @@ TEST(TiltedProjection, PutsTheWallsOfATiltedLaserWhereTheyAre) {
   EXPECT_LT(worstWallDistance(result.scan, world_T_base), 1e-4);
   EXPECT_NEAR(result.tilt_rad, tiltOf(tilt(0.17, -0.12)), 1e-9);
 
-  // Without the attitude the walls are elsewhere: what the projector is for.
+  // Without the attitude the walls are at wrong positions.
   const Projection level = projector.project(scan, kMounting);
   EXPECT_GT(worstWallDistance(level.scan, world_T_base), 0.05);
 }
 
-TEST(TiltedProjection, TurnsEveryBeamWithTheAttitudeAtItsOwnTime) {
+TEST(TiltedProjection, RotatesEveryBeamWithTheAttitudeAtItsOwnTime) {
   // 2 rad/s of yaw, 3 rad/s of roll and 1 m/s of translation during a sweep of 19 ms.
   const PoseAt base = [](double t) {
     const double s = t - kStamp;
@@ -138,7 +138,7 @@ TEST(TiltedProjection, TurnsEveryBeamWithTheAttitudeAtItsOwnTime) {
             0.01);
 }
 
-TEST(TiltedProjection, FloorIsNoWallAndBeamsClearWhatTheyPassed) {
+TEST(TiltedProjection, ReturnsFromTheFloorAreNotHitsButClear) {
   const Isometry3d world_T_base = poseOf(Vector3d(0.0, 0.0, 0.5), tilt(0.0, 0.25));
   const PoseAt base = [&](double) { return world_T_base; };
   const LaserScan scan = scanRoom(base, 0.0);
@@ -150,8 +150,8 @@ TEST(TiltedProjection, FloorIsNoWallAndBeamsClearWhatTheyPassed) {
       ScanProjector(ProjectorConfig()).project(scan, Isometry3d::Identity(), vehicle);
   EXPECT_GT(result.counts.floor, 100U);
   EXPECT_LT(worstWallDistance(result.scan, world_T_base), 1e-4);
-  // Straight ahead the beam meets the floor at 0.5 / tan(0.25); 0.15 m over it, it leaves the
-  // slice.
+  // The beam straight ahead hits the floor at 0.5 / tan(0.25). It leaves the slice 0.15 m above the
+  // floor.
   const double expected = (0.5 - 0.15) / std::tan(0.25);
   bool found = false;
   for (const PlanarRay& ray : result.scan.rays) {
@@ -162,7 +162,7 @@ TEST(TiltedProjection, FloorIsNoWallAndBeamsClearWhatTheyPassed) {
   EXPECT_TRUE(found);
 }
 
-TEST(TiltedProjection, LeavesOutWhatIsAboveAndBelowTheSlice) {
+TEST(TiltedProjection, LeavesOutReturnsAboveAndBelowTheSlice) {
   ProjectorConfig config;
   config.slice_min_m = -0.2;
   config.slice_max_m = 0.3;
@@ -173,7 +173,7 @@ TEST(TiltedProjection, LeavesOutWhatIsAboveAndBelowTheSlice) {
   vehicle.attitude = &attitude;
   const Projection result =
       ScanProjector(config).project(scanRoom(base, 0.0), Isometry3d::Identity(), vehicle);
-  // Ahead, 4 m · tan(0.1) = 0.40 m below; behind as much above: both are outside of the slice.
+  // Ahead the returns are 4 m · tan(0.1) = 0.40 m below, behind 0.40 m above: outside of the slice.
   EXPECT_GT(result.counts.outside, 300U);
   for (const PlanarRay& ray : result.scan.rays) {
     const double below = ray.end.x() * std::tan(0.1);
@@ -182,7 +182,7 @@ TEST(TiltedProjection, LeavesOutWhatIsAboveAndBelowTheSlice) {
   }
 }
 
-TEST(TiltedProjection, DropsAScanBeyondTheTiltLimitOrWithoutAttitude) {
+TEST(TiltedProjection, RefusesAScanBeyondTheTiltLimitOrWithoutAttitude) {
   const PoseAt base = [](double) { return poseOf(Vector3d(0, 0, 1), tilt(0.7, 0.0)); };
   const LaserScan scan = scanRoom(base, 0.0);
   AttitudeBuffer attitude = imuOf(base);
@@ -196,7 +196,7 @@ TEST(TiltedProjection, DropsAScanBeyondTheTiltLimitOrWithoutAttitude) {
   EXPECT_EQ(projector.project(scan, Isometry3d::Identity(), vehicle).error, ScanError::kNoAttitude);
 }
 
-TEST(TiltedProjection, MeasuresTheHeightByAMirror) {
+TEST(TiltedProjection, MeasuresTheHeightWithAMirror) {
   ProjectorConfig config;
   config.mirror_angles = "120:135";
   config.mirror_distance_m = 0.08;
@@ -212,7 +212,8 @@ TEST(TiltedProjection, MeasuresTheHeightByAMirror) {
     const Vector3d mirror =
         orientation * (mounting * (0.08 * Vector3d(std::cos(angle), std::sin(angle), 0.0)));
     const Vector3d down = orientation * -Vector3d::UnitZ();
-    const double range = 0.08 + (1.3 + mirror.z()) / -down.z();  // the base is 1.3 m high
+    // The base is 1.3 m above the floor.
+    const double range = 0.08 + (1.3 + mirror.z()) / -down.z();
     scan.ranges.push_back(angle >= degToRad(120.0) - 1e-9 ? static_cast<float>(range) : 3.0F);
   }
   AttitudeBuffer attitude = imuOf([&](double) { return poseOf(Vector3d::Zero(), orientation); });
@@ -224,7 +225,7 @@ TEST(TiltedProjection, MeasuresTheHeightByAMirror) {
   EXPECT_EQ(result.counts.masked, 61U);
 }
 
-/// The heights that the projector finds while the vehicle's pitch grows from 3 to 9 degrees.
+/// The heights over the floor that the projector finds while the pitch grows from 3 to 9 degrees.
 std::vector<double> floorHeights(double height, double x) {
   ScanProjector projector{ProjectorConfig()};
   std::vector<double> heights;
@@ -246,15 +247,17 @@ std::vector<double> floorHeights(double height, double x) {
   return heights;
 }
 
-TEST(TiltedProjection, FindsTheHeightOverTheFloorByItsReturns) {
+TEST(TiltedProjection, FindsTheHeightOverTheFloorFromItsReturns) {
   const std::vector<double> heights = floorHeights(0.5, -3.8);
   ASSERT_GT(heights.size(), 3U);
   for (const double height : heights) EXPECT_NEAR(height, 0.5, 0.02);
 }
 
-TEST(TiltedProjection, AWallAheadIsNoFloor) { EXPECT_TRUE(floorHeights(50.0, 1.0).empty()); }
+TEST(TiltedProjection, AWallAheadIsNotTakenForTheFloor) {
+  EXPECT_TRUE(floorHeights(50.0, 1.0).empty());
+}
 
-TEST(TiltedProjection, LeavesOutMixedPixelsButNotWallsSeenAtAFlatAngle) {
+TEST(TiltedProjection, LeavesOutMixedPixelsButKeepsWallsAtAGrazingAngle) {
   LaserScan scan;
   scan.stamp = kStamp;
   scan.angle_min = 0.0;
@@ -265,7 +268,7 @@ TEST(TiltedProjection, LeavesOutMixedPixelsButNotWallsSeenAtAFlatAngle) {
             1U);
 
   scan.ranges.clear();
-  for (int i = 0; i < 400; ++i) {  // a wall 1 m to the left, seen along it
+  for (int i = 0; i < 400; ++i) {  // a wall 1 m to the left, at a grazing angle
     scan.ranges.push_back(static_cast<float>(1.0 / std::sin(0.05 + i * scan.angle_increment)));
   }
   const Projection wall = ScanProjector(ProjectorConfig()).project(scan, Isometry3d::Identity());

@@ -25,7 +25,7 @@ bool strictlyMonotone(const std::vector<double>& times) {
   return true;
 }
 
-/// 0.1 s apart.
+/// Stamps with a period of 0.1 s.
 std::vector<double> evenStamps(std::size_t count, double start) {
   std::vector<double> stamps;
   for (std::size_t i = 0; i < count; ++i) stamps.push_back(start + 0.1 * static_cast<double>(i));
@@ -41,7 +41,7 @@ TEST(MonotoneTime, KeepsGoodStamps) {
   EXPECT_EQ(monotone.repaired(), 0U);
 }
 
-TEST(MonotoneTime, GoesOnEvenlyWhereAStampIsLate) {
+TEST(MonotoneTime, ContinuesEvenlyAfterALateStamp) {
   std::vector<double> stamps = evenStamps(60, 100.0);
   stamps[40] -= 0.35;
   const std::vector<double> times = repairAll(stamps);
@@ -52,7 +52,7 @@ TEST(MonotoneTime, GoesOnEvenlyWhereAStampIsLate) {
   EXPECT_EQ(times[39], stamps[39]);
 }
 
-TEST(MonotoneTime, EvensOutStampsOfALoggerThatWritesInBursts) {
+TEST(MonotoneTime, SmoothsTheStampsOfALoggerThatWritesInBursts) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> delay(0.0, 0.9);
   std::vector<double> stamps = evenStamps(3000, 0.0);
@@ -65,7 +65,7 @@ TEST(MonotoneTime, EvensOutStampsOfALoggerThatWritesInBursts) {
   }
 }
 
-TEST(MonotoneTime, IgnoresASingleJumpByAnHour) {
+TEST(MonotoneTime, IgnoresASingleJumpOfAnHour) {
   for (const double jump : {3600.0, -3600.0}) {
     std::vector<double> stamps = evenStamps(60, 10000.0);
     const std::vector<double> good = stamps;
@@ -75,7 +75,7 @@ TEST(MonotoneTime, IgnoresASingleJumpByAnHour) {
   }
 }
 
-TEST(MonotoneTime, ClosesTheGapOfAJumpThatLasts) {
+TEST(MonotoneTime, RemovesTheGapOfAPermanentJump) {
   for (const double jump : {3600.0, -3600.0}) {
     const std::vector<double> good = evenStamps(60, 10000.0);
     std::vector<double> stamps = good;
@@ -85,7 +85,7 @@ TEST(MonotoneTime, ClosesTheGapOfAJumpThatLasts) {
   }
 }
 
-TEST(MonotoneTime, ContinuesWhereABagLoops) {
+TEST(MonotoneTime, ContinuesWhenABagIsPlayedAgain) {
   const std::vector<double> once = evenStamps(200, 500.0);
   std::vector<double> stamps;
   for (int loop = 0; loop < 3; ++loop) stamps.insert(stamps.end(), once.begin(), once.end());
@@ -94,7 +94,7 @@ TEST(MonotoneTime, ContinuesWhereABagLoops) {
   for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(times[i], expected[i], 1e-3) << i;
 }
 
-TEST(MonotoneTime, IsMonotoneForAnyGarbage) {
+TEST(MonotoneTime, IsMonotoneForArbitraryStamps) {
   std::mt19937 random(2);
   std::vector<double> stamps = {std::numeric_limits<double>::quiet_NaN(),
                                 std::numeric_limits<double>::infinity(),

@@ -30,7 +30,7 @@ inline Quaterniond fromEuler(double roll, double pitch, double yaw) {
          AngleAxisd(roll, Vector3d::UnitX());
 }
 
-/// A vehicle that rolls a little to and fro while it turns.
+/// A vehicle that rolls slightly from side to side while it turns.
 inline Quaterniond trueAttitude(double time) {
   return fromEuler(0.1 * std::sin(time), 0.05, 0.2 * time);
 }
@@ -47,12 +47,12 @@ inline ImuSample trueSample(double time, const Quaterniond& base_R_imu = Quatern
   return sample;
 }
 
-/// An IMU on a vehicle, sample by sample.
+/// Feeds the readings of an IMU on a vehicle to a tracker.
 class AttitudeTrackerTest : public ::testing::Test {
  protected:
   using Change = std::function<void(ImuSample&)>;
 
-  /// Feeds readings for `duration`, each changed by `change`; how many were used.
+  /// Feeds readings for `duration` (s), each changed by `change`. Returns how many were used.
   int feed(
       double duration, const Change& change = [](ImuSample&) {}) {
     int used = 0;
@@ -72,7 +72,7 @@ class AttitudeTrackerTest : public ::testing::Test {
     EXPECT_NE(status().message.find(text), std::string::npos) << status().message;
   }
 
-  /// Good readings are used at once and nothing is wrong any more.
+  /// Good readings must be used at once, and the health must be ok.
   void expectRecovery(double within = 0.05) {
     feed(within);
     expect(ImuHealth::kOk, "");
@@ -80,7 +80,7 @@ class AttitudeTrackerTest : public ::testing::Test {
     expectAttitude(1e-6);
   }
 
-  /// The newest attitude is the true one.
+  /// The newest attitude must be the true one.
   void expectAttitude(double tolerance_rad) const {
     const std::optional<double> latest = tracker_.buffer().latest();
     ASSERT_TRUE(latest);

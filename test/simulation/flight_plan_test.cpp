@@ -29,7 +29,7 @@ Place room() {
   return place;
 }
 
-/// Distance to anything solid, by geometry and not by rays.
+/// Distance to the nearest solid, computed without ray casting.
 double distanceToSolids(const Place& place, const Eigen::Vector3d& point) {
   double distance = std::min(point.z(), place.parts.ceiling_m - point.z());
   for (const Box& box : place.parts.boxes) {
@@ -55,7 +55,7 @@ double smallestDistance(const Place& place, const Motion& motion) {
   return smallest;
 }
 
-TEST(RandomPlan, FlightsStayClearOfEverythingAlsoOfGlass) {
+TEST(RandomPlan, FlightsKeepTheirDistanceFromSolidsAndGlass) {
   const Place place = room();
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const FlightPlan plan = randomPlan(place, 30.0, seed);
@@ -64,7 +64,7 @@ TEST(RandomPlan, FlightsStayClearOfEverythingAlsoOfGlass) {
   }
 }
 
-TEST(RandomPlan, WanderAboutWithYawAndHeightForAboutTheGivenTime) {
+TEST(RandomPlan, ChangesYawAndHeightForAboutTheGivenTime) {
   double farthest = 0.0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const FlightPlan plan = randomPlan(room(), 30.0, seed);
@@ -83,20 +83,20 @@ TEST(RandomPlan, WanderAboutWithYawAndHeightForAboutTheGivenTime) {
   EXPECT_GT(farthest, 4.0);
 }
 
-TEST(RandomPlan, BeginsWhereThePlanOfThePlaceBegins) {
+TEST(RandomPlan, BeginsAtTheFirstWaypointOfThePlacesPlan) {
   const FlightPlan plan = randomPlan(room(), 10.0, 1);
   EXPECT_EQ(plan.waypoints.front().position, room().plan.waypoints.front().position);
   EXPECT_EQ(plan.waypoints.front().yaw, 0.3);
 }
 
-TEST(RandomPlan, KeepsAwayFromWherePeopleWalk) {
+TEST(RandomPlan, KeepsAwayFromThePathsOfPeople) {
   Place place = room();
   Walker walker;
   walker.corners = {{-3.0, 0.2}, {3.0, 0.2}};
   place.parts.walkers = {walker};
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     for (const FlightPlan::Waypoint& waypoint : randomPlan(place, 30.0, seed).waypoints) {
-      EXPECT_LT(waypoint.position.y(), -0.7) << seed;  // begins on this side
+      EXPECT_LT(waypoint.position.y(), -0.7) << seed;  // the flight begins on this side
     }
   }
 }
@@ -110,15 +110,15 @@ TEST(RandomPlan, SameSeedSamePlan) {
   EXPECT_NE(a.waypoints.back().position, other.waypoints.back().position);
 }
 
-TEST(RandomPlan, StaysWhereThereIsNoWay) {
+TEST(RandomPlan, HoversIfNoWaypointCanBeReached) {
   Place place = room();
-  place.parts.boxes.push_back({{-2.5, -1.5, 1.5}, {0.8, 0.8, 3.0}});  // in a cage
+  place.parts.boxes.push_back({{-2.5, -1.5, 1.5}, {0.8, 0.8, 3.0}});  // encloses the vehicle
   const FlightPlan plan = randomPlan(place, 20.0, 1);
   EXPECT_EQ(plan.waypoints.size(), 1U);
   EXPECT_EQ(plan.waypoints[0].hover_s, 20.0);
 }
 
-TEST(RandomPlan, ClimbsFirstWhereThePlanBeginsCloseToTheFloor) {
+TEST(RandomPlan, ClimbsFirstIfThePlanBeginsCloseToTheFloor) {
   Place place = room();
   place.plan.waypoints[0].position.z() = 0.3;
   const FlightPlan plan = randomPlan(place, 20.0, 1);
@@ -127,7 +127,7 @@ TEST(RandomPlan, ClimbsFirstWhereThePlanBeginsCloseToTheFloor) {
   EXPECT_EQ(plan.waypoints[1].position, Eigen::Vector3d(-2.5, -1.5, 0.7));
 }
 
-TEST(RandomPlan, RefusesAPlaceWithoutAStartAndADurationThatIsNone) {
+TEST(RandomPlan, RejectsAPlaceWithoutAPlanAndANonFiniteDuration) {
   Place place = room();
   EXPECT_THROW(randomPlan(place, std::numeric_limits<double>::infinity(), 1),
                std::invalid_argument);
@@ -136,7 +136,7 @@ TEST(RandomPlan, RefusesAPlaceWithoutAStartAndADurationThatIsNone) {
   EXPECT_THROW(randomPlan(place, 10.0, 1), std::invalid_argument);
 }
 
-TEST(BuiltInPlaces, HaveRoomForRandomFlights) {
+TEST(BuiltInPlaces, AllowRandomFlights) {
   for (const Place& place : places()) {
     const FlightPlan plan = randomPlan(place, 20.0, 1);
     const auto motion = flyQuadrotor(plan, place.quadrotor, 1);
@@ -145,7 +145,7 @@ TEST(BuiltInPlaces, HaveRoomForRandomFlights) {
   }
 }
 
-TEST(BuiltInPlaces, AreFlownAlongTheirPlans) {
+TEST(BuiltInPlaces, FlightsFollowTheirPlans) {
   for (const Place& place : places()) {
     const auto motion = flyQuadrotor(place.plan, place.quadrotor, 1);
     const Eigen::Vector3d end = motion->at(motion->duration()).world_T_base.translation();

@@ -27,13 +27,13 @@ class FlightSimulatorTest : public testing::Test {
   const KnownMotion motion_ = KnownMotion(4.0);
 };
 
-TEST_F(FlightSimulatorTest, EverySensorSendsAtItsRateFromTheStartToTheEnd) {
+TEST_F(FlightSimulatorTest, EverySensorSendsAtItsRateDuringTheWholeFlight) {
   const auto counts = countsByType(simulateAll(world_, motion_, smallVehicle(), 1));
   const std::vector<std::size_t> expected = {39, 19, 401, 81, 41, 401, 41};
   EXPECT_EQ(counts, expected);  // laser, lidar, IMU, range finder, barometer, truth, walkers
 }
 
-TEST_F(FlightSimulatorTest, MessagesComeInTheOrderOfTheirArrival) {
+TEST_F(FlightSimulatorTest, MessagesAreSortedByArrival) {
   const auto events = simulateAll(world_, motion_, smallVehicle(), 1);
   EXPECT_EQ(events.front().arrival, kFlightStart);
   for (std::size_t i = 1; i < events.size(); ++i) {
@@ -41,7 +41,7 @@ TEST_F(FlightSimulatorTest, MessagesComeInTheOrderOfTheirArrival) {
   }
 }
 
-TEST_F(FlightSimulatorTest, LatencyIsThatOfTheSensorAfterItsSweep) {
+TEST_F(FlightSimulatorTest, ArrivalIsTheEndOfTheSweepPlusTheLatency) {
   constexpr double kRounding = 1e-6;  // of stamps of 1.4e9 s
   for (const FlightEvent& event : simulateAll(world_, motion_, smallVehicle(), 1)) {
     const std::vector<double> expected = {0.0091 + 0.005, 0.2 + 0.005, 0.005, 0.01, 0.02, 0.0, 0.0};
@@ -50,7 +50,7 @@ TEST_F(FlightSimulatorTest, LatencyIsThatOfTheSensorAfterItsSweep) {
   }
 }
 
-TEST_F(FlightSimulatorTest, StampsInsideOfMessagesAreThoseOfTheEvents) {
+TEST_F(FlightSimulatorTest, StampsOfMessagesEqualThoseOfTheEvents) {
   for (const FlightEvent& event : simulateAll(world_, motion_, smallVehicle(), 1)) {
     if (const auto* scan = std::get_if<LaserScan>(&event.message)) {
       ASSERT_EQ(scan->stamp, event.stamp);
@@ -81,7 +81,7 @@ TEST_F(FlightSimulatorTest, TruthIsTheMotionAtItsStamp) {
   EXPECT_EQ(walkers, 41U);
 }
 
-TEST_F(FlightSimulatorTest, JitterIsInTheStampsAndNotInWhatIsMeasured) {
+TEST_F(FlightSimulatorTest, JitterChangesStampsButNotMeasurements) {
   VehicleModel vehicle = smallVehicle();
   const auto clean = simulateAll(world_, motion_, vehicle, 1);
   vehicle.stamp_jitter_s = 0.002;
@@ -101,7 +101,7 @@ TEST_F(FlightSimulatorTest, JitterIsInTheStampsAndNotInWhatIsMeasured) {
   EXPECT_NEAR(deviationOf(errors), 0.002, 0.0003);
 }
 
-TEST_F(FlightSimulatorTest, LostMessagesAreMissingAndTheOthersUnchanged) {
+TEST_F(FlightSimulatorTest, LossDoesNotChangeTheRemainingMessages) {
   VehicleModel vehicle = smallVehicle();
   std::map<double, LaserScan> all;
   for (const auto& scan : messagesOf<LaserScan>(simulateAll(world_, motion_, vehicle, 1))) {
@@ -119,7 +119,7 @@ TEST_F(FlightSimulatorTest, LostMessagesAreMissingAndTheOthersUnchanged) {
   EXPECT_EQ(counts, (std::vector<std::size_t>{0, 0, 0, 0, 0, 401, 41}));
 }
 
-TEST_F(FlightSimulatorTest, OneSensorMoreDoesNotChangeTheOthers) {
+TEST_F(FlightSimulatorTest, AddingASensorDoesNotChangeTheOthers) {
   const auto all = messagesOf<LaserScan>(simulateAll(world_, motion_, smallVehicle(), 1));
   VehicleModel vehicle = smallVehicle();
   vehicle.imu.reset();
@@ -130,7 +130,7 @@ TEST_F(FlightSimulatorTest, OneSensorMoreDoesNotChangeTheOthers) {
   for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(all[i].ranges, alone[i].ranges);
 }
 
-TEST_F(FlightSimulatorTest, ASecondLaserSweepsHalfwayBetweenTheSweepsOfTheFirst) {
+TEST_F(FlightSimulatorTest, SecondLaserIsShiftedByHalfAPeriod) {
   VehicleModel vehicle = smallVehicle();
   const auto alone = messagesOf<LaserScan>(simulateAll(world_, motion_, vehicle, 1));
   vehicle.second_laser = vehicle.laser;
@@ -149,7 +149,7 @@ TEST_F(FlightSimulatorTest, ASecondLaserSweepsHalfwayBetweenTheSweepsOfTheFirst)
   }
 }
 
-TEST_F(FlightSimulatorTest, ABlockedViewCoversItsBeamsWhileItLasts) {
+TEST_F(FlightSimulatorTest, BlockedViewCoversItsBeamsDuringItsTime) {
   VehicleModel vehicle = smallVehicle();
   const auto free = messagesOf<LaserScan>(simulateAll(world_, motion_, vehicle, 1));
   BlockedView view;
@@ -174,7 +174,7 @@ TEST_F(FlightSimulatorTest, ABlockedViewCoversItsBeamsWhileItLasts) {
   }
 }
 
-TEST_F(FlightSimulatorTest, SameSeedSameMessagesOtherSeedOtherMessages) {
+TEST_F(FlightSimulatorTest, SeedDeterminesTheMessages) {
   const auto ranges = [&](std::uint64_t seed) {
     return messagesOf<LaserScan>(simulateAll(world_, motion_, smallVehicle(), seed))[3].ranges;
   };
@@ -182,13 +182,13 @@ TEST_F(FlightSimulatorTest, SameSeedSameMessagesOtherSeedOtherMessages) {
   EXPECT_NE(ranges(1), ranges(2));
 }
 
-TEST_F(FlightSimulatorTest, RefusesARateThatIsNone) {
+TEST_F(FlightSimulatorTest, RejectsARateOfZero) {
   VehicleModel vehicle;
   vehicle.imu->rate_hz = 0.0;
   EXPECT_THROW(FlightSimulator(world_, motion_, vehicle, 1), std::invalid_argument);
 }
 
-TEST(VehicleModels, NamesChooseTheScannerAndUnknownOnesAreAnsweredWithTheKnown) {
+TEST(VehicleModels, NameSelectsTheScannerAndUnknownNamesListTheKnown) {
   const VehicleModel utm = quadrotorWith("utm30lx");
   EXPECT_EQ(utm.laser->beams, 1081);
   EXPECT_FALSE(utm.lidar.has_value());
@@ -201,7 +201,7 @@ TEST(VehicleModels, NamesChooseTheScannerAndUnknownOnesAreAnsweredWithTheKnown) 
     FAIL() << "accepted";
   } catch (const std::invalid_argument& error) {
     const std::string text = error.what();
-    EXPECT_EQ(text.find("unknown sensor 'sonar'; there are utm30lx"), 0U) << text;
+    EXPECT_EQ(text.find("unknown sensor 'sonar'; known: utm30lx"), 0U) << text;
     EXPECT_NE(text.find("vlp16"), std::string::npos) << text;
   }
 }

@@ -28,8 +28,8 @@ class ImuAndHeightModelsTest : public testing::Test {
   const KnownMotion motion_ = KnownMotion(4.0);
 };
 
-TEST_F(ImuAndHeightModelsTest, AnIdealImuMeasuresTurnRateAndSpecificForceInItsOwnFrame) {
-  // Mounted nose down and turned: its axes are not those of the base.
+TEST_F(ImuAndHeightModelsTest, IdealImuMeasuresAngularVelocityAndSpecificForceInItsFrame) {
+  // Mounted nose down and rotated, so that its axes differ from those of the base.
   const Eigen::Quaterniond base_R_imu(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()) *
                                       Eigen::AngleAxisd(kPi / 2.0, Eigen::Vector3d::UnitY()));
   VehicleModel vehicle = onlyImu(idealImu());
@@ -63,7 +63,7 @@ TEST_F(ImuAndHeightModelsTest, ImuNoiseIsItsDensityTimesTheRootOfTheRate) {
   EXPECT_NEAR(meanOf(accelerometer), 9.81, 0.002);
 }
 
-TEST_F(ImuAndHeightModelsTest, ImuBiasesAreDrawnOnceAndWalk) {
+TEST_F(ImuAndHeightModelsTest, ImuBiasesAreRandomAtTheStartAndWalk) {
   ImuModel imu = idealImu();
   imu.gyro_bias = 0.01;
   imu.accelerometer_bias = 0.1;
@@ -82,7 +82,7 @@ TEST_F(ImuAndHeightModelsTest, ImuBiasesAreDrawnOnceAndWalk) {
   EXPECT_NEAR(deviationOf(walks), 0.002 * std::sqrt(4.0), 0.0004);
 }
 
-TEST_F(ImuAndHeightModelsTest, AttitudeErrorsWanderAboutTheGivenDeviation) {
+TEST_F(ImuAndHeightModelsTest, AttitudeErrorsHaveTheGivenDeviationAndCorrelationTime) {
   ImuModel imu = idealImu();
   imu.rate_hz = 10.0;
   imu.attitude_sigma_rad = 0.01;
@@ -96,11 +96,11 @@ TEST_F(ImuAndHeightModelsTest, AttitudeErrorsWanderAboutTheGivenDeviation) {
   }
   EXPECT_NEAR(deviationOf(rolls), 0.01, 0.0006);
   EXPECT_NEAR(deviationOf(yaws), 0.05, 0.003);
-  // exp(-0.1 / 2) is the correlation of neighbors: they differ by sqrt(1 - correlation).
+  // Neighbors have the correlation exp(-0.1 / 2), which determines their difference.
   EXPECT_NEAR(noiseOf(rolls), 0.01 * std::sqrt(1.0 - std::exp(-0.05)), 0.0003);
 }
 
-TEST_F(ImuAndHeightModelsTest, MisalignmentTurnsAllThatAnImuMeasures) {
+TEST_F(ImuAndHeightModelsTest, MisalignmentRotatesAllMeasurementsOfAnImu) {
   ImuModel imu = idealImu();
   imu.misalignment_rad = 0.02;
   std::vector<double> tilts;
@@ -108,12 +108,13 @@ TEST_F(ImuAndHeightModelsTest, MisalignmentTurnsAllThatAnImuMeasures) {
     const ImuSample sample = imuOf(NoMotion(0.0), imu, seed).at(0);
     tilts.push_back(sample.linear_acceleration->y() / 9.81);
     const Eigen::Vector3d down = sample.world_R_imu->conjugate() * kGravity;
-    EXPECT_LT((down - *sample.linear_acceleration).norm(), 1e-9);  // one and the same box
+    EXPECT_LT((down - *sample.linear_acceleration).norm(),
+              1e-9);  // the same misalignment for both sensors
   }
   EXPECT_NEAR(deviationOf(tilts), 0.02, 0.002);
 }
 
-TEST_F(ImuAndHeightModelsTest, ARawImuGivesNoOrientation) {
+TEST_F(ImuAndHeightModelsTest, RawImuGivesNoOrientation) {
   ImuModel imu;
   imu.gives_orientation = false;
   const ImuSample raw = imuOf(motion_, imu, 1).at(7);
@@ -123,7 +124,7 @@ TEST_F(ImuAndHeightModelsTest, ARawImuGivesNoOrientation) {
   EXPECT_EQ(*raw.angular_velocity, *full.angular_velocity);
 }
 
-TEST_F(ImuAndHeightModelsTest, RangeFinderAndBarometerHaveTheirErrors) {
+TEST_F(ImuAndHeightModelsTest, RangeFinderAndBarometerHaveTheGivenErrors) {
   VehicleModel vehicle;
   vehicle.barometer->drift_m_per_sqrt_s = 0.0;
   std::vector<double> ranges, heights;

@@ -9,7 +9,7 @@
 namespace kestrel {
 namespace {
 
-TEST(LidarModel, ItsPointsLieOnTheWallAndTheFloor) {
+TEST(LidarModel, PointsLieOnWallFloorAndCeiling) {
   LidarModel lidar = lidarModels().front();
   lidar.errors = BeamErrors();
   Random random(1);
@@ -21,7 +21,7 @@ TEST(LidarModel, ItsPointsLieOnTheWallAndTheFloor) {
     const PointCloud::Point& point = cloud.points[i];
     EXPECT_NEAR(point.time, static_cast<double>(i / 16) / 18000.0, 1e-7);
     if (std::isnan(point.x)) {
-      EXPECT_EQ(i % 16, 8u);  // one degree upwards: the ceiling is 115 m away
+      EXPECT_EQ(i % 16, 8u);  // at one degree upwards, the ceiling is 115 m away
       ++none;
       continue;
     }
@@ -41,7 +41,7 @@ TEST(LidarModel, ItsPointsLieOnTheWallAndTheFloor) {
   EXPECT_LT(none, 1000);  // about half a turn
 }
 
-TEST(LidarModel, TurnsClockwiseFromItsBack) {
+TEST(LidarModel, TurnsClockwiseStartingBehindTheSensor) {
   LidarModel lidar = lidarModels().front();
   Random random(1);
   const World world = worldOf({{{-3, 0, 1}, {1, 1, 2}}, {{0, 3, 1}, {1, 1, 2}}});
@@ -51,7 +51,7 @@ TEST(LidarModel, TurnsClockwiseFromItsBack) {
   EXPECT_NEAR(level_ring(452).y, 2.5, 0.1);  // a quarter of a turn later it looks to the left
 }
 
-TEST(LidarModel, ItsColumnsAreCastAtTheirOwnTime) {
+TEST(LidarModel, EachColumnIsCastAtItsOwnTime) {
   LidarModel lidar = lidarModels().front();
   lidar.errors = BeamErrors();
   SteadyMotion motion;

@@ -30,7 +30,7 @@ Points alongPlan(const FlightPlan& plan) {
   return points;
 }
 
-/// The distance to the nearest thing around, in all directions.
+/// The distance to the nearest obstacle in any direction.
 double clearance(const World& world, const Eigen::Vector3d& point, double time) {
   constexpr int kAzimuths = 72;
   double nearest = std::numeric_limits<double>::infinity();
@@ -46,7 +46,7 @@ double clearance(const World& world, const Eigen::Vector3d& point, double time) 
   return nearest;
 }
 
-/// Share of a perfect laser's beams that meet something within its range.
+/// Share of the beams of an ideal laser that get a return within `max_range`.
 double seenShare(const World& world, const Eigen::Vector3d& point, double max_range) {
   constexpr int kBeams = 360;
   int seen = 0;
@@ -86,18 +86,18 @@ double yawSpread(const Place& place) {
 
 class EveryPlace : public testing::TestWithParam<std::string> {};
 
-TEST_P(EveryPlace, ItsPlanKeepsItsDistance) {
+TEST_P(EveryPlace, PlanKeepsItsDistance) {
   const Place& place = kestrel::place(GetParam());
   const World world(place.parts);
   const Points points = alongPlan(place.plan);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double time = 0.1 * static_cast<double>(i) / place.plan.speed_m_s;
-    const double needed = points[i].z() < 0.61 ? 0.4 : 0.6;  // closer to the floor it is slow
+    const double needed = points[i].z() < 0.61 ? 0.4 : 0.6;  // slow near the floor
     ASSERT_GE(clearance(world, points[i], time), needed) << "at " << points[i].transpose();
   }
 }
 
-TEST_P(EveryPlace, ItsFlightKeepsItsDistanceInGustsToo) {
+TEST_P(EveryPlace, FlightKeepsItsDistanceInGusts) {
   const Place& place = kestrel::place(GetParam());
   const World world(place.parts);
   double time = 0.0;
@@ -109,7 +109,7 @@ TEST_P(EveryPlace, ItsFlightKeepsItsDistanceInGustsToo) {
 }
 
 TEST_P(EveryPlace, IsClosed) {
-  // From anywhere on the flight, every level beam ends somewhere.
+  // From every point of the plan, every horizontal beam hits something.
   const Place& place = kestrel::place(GetParam());
   const World world(place.parts);
   for (const Eigen::Vector3d& point : alongPlan(place.plan)) {
@@ -141,12 +141,12 @@ TEST(Places, AreFoundByName) {
     FAIL() << "found the moon";
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(),
-                 "unknown world 'moon'; there are laboratory, ring, corridor, hall, cluttered, "
+                 "unknown world 'moon'; known: laboratory, ring, corridor, hall, cluttered, "
                  "glass, people, doors, town, large_town");
   }
 }
 
-TEST(Places, TheLaboratoryIsThePapers) {
+TEST(Places, LaboratoryHasTheSizeOfThePaper) {
   const Place& lab = place("laboratory");
   EXPECT_EQ(lab.plan.speed_m_s, 0.5);
   QuadrotorConfig calm = lab.quadrotor;
@@ -154,7 +154,7 @@ TEST(Places, TheLaboratoryIsThePapers) {
   const Points path = flown({lab.name, "", lab.parts, lab.plan, calm});
   EXPECT_NEAR(lengthOf(path), 25.0, 0.5);
   EXPECT_LT((path.back() - path.front()).norm(), 0.05);
-  // 8 m by 8 m between the walls, above all the furniture.
+  // 8 m by 8 m between the walls, measured above the furniture.
   const World world(lab.parts);
   EXPECT_NEAR(world.cast({0, 0, 2.9}, {1, 0, 0}, 0.0, 100.0).distance, 4.0, 1e-9);
   EXPECT_NEAR(world.cast({0, 0, 2.9}, {-1, 0, 0}, 0.0, 100.0).distance, 4.0, 1e-9);
@@ -163,7 +163,7 @@ TEST(Places, TheLaboratoryIsThePapers) {
   EXPECT_EQ(yawSpread(lab), 4.0);
 }
 
-TEST(Places, TheRingIsFlownAroundOnceAndABitMore) {
+TEST(Places, RingFlightIsOneLoopAndEightMeters) {
   const Place& ring = place("ring");
   EXPECT_EQ(ring.plan.speed_m_s, 1.0);
   const Points points = alongPlan(ring.plan);
@@ -171,8 +171,8 @@ TEST(Places, TheRingIsFlownAroundOnceAndABitMore) {
   EXPECT_EQ(yawSpread(ring), 4.0);
 }
 
-TEST(Places, TheRingHasSomethingEveryFewMeters) {
-  // What a perfect laser sees straight to the right, on the walls along the flight.
+TEST(Places, RingHasAFeatureEveryFewMeters) {
+  // Ranges of an ideal laser to the right, along one side of the ring.
   const Place& ring = place("ring");
   const World world(ring.parts);
   double bare = 0.0, longest = 0.0;
@@ -185,7 +185,7 @@ TEST(Places, TheRingHasSomethingEveryFewMeters) {
   EXPECT_GT(longest, 0.5);
 }
 
-TEST(Places, TheCorridorIsLongAndHasFewFeatures) {
+TEST(Places, CorridorIsLongAndHasFewFeatures) {
   const World world(place("corridor").parts);
   EXPECT_NEAR(world.cast({0.1, 0, 1}, {1, 0, 0}, 0.0, 100.0).distance, 59.9, 1e-9);
   int edges = 0;
@@ -197,10 +197,10 @@ TEST(Places, TheCorridorIsLongAndHasFewFeatures) {
       before = seen;
     }
   }
-  EXPECT_EQ(edges, 8);  // two of each door
+  EXPECT_EQ(edges, 8);  // two per door
 }
 
-TEST(Places, TheHallIsLargerThanTheLasersRange) {
+TEST(Places, HallIsLargerThanTheLaserRange) {
   const Place& hall = place("hall");
   const World world(hall.parts);
   double smallest = 1.0;
@@ -208,10 +208,10 @@ TEST(Places, TheHallIsLargerThanTheLasersRange) {
     smallest = std::min(smallest, seenShare(world, point, 30.0));
   }
   EXPECT_LT(smallest, 0.3);
-  EXPECT_GT(smallest, 0.01);  // but something is always there
+  EXPECT_GT(smallest, 0.01);  // but never nothing
 }
 
-TEST(Places, TheClutteredRoomDiffersWithHeight) {
+TEST(Places, ClutteredRoomDiffersWithHeight) {
   const Place& room = place("cluttered");
   const World world(room.parts);
   const auto ranges = [&](double height) {
@@ -241,7 +241,7 @@ TEST(Places, TheClutteredRoomDiffersWithHeight) {
   EXPECT_EQ(highest, 2.0);
 }
 
-TEST(Places, TheOfficeHasBeamsWithoutAReturn) {
+TEST(Places, OfficeHasBeamsWithoutReturn) {
   const Place& office = place("glass");
   const World world(office.parts);
   double least = 1.0;
@@ -252,7 +252,7 @@ TEST(Places, TheOfficeHasBeamsWithoutAReturn) {
   EXPECT_GT(least, 0.4);
 }
 
-TEST(Places, PeopleWalkInTheRoom) {
+TEST(Places, OnlyPeopleHasWalkers) {
   EXPECT_EQ(place("people").parts.walkers.size(), 4u);
   for (const Place& other : places()) {
     EXPECT_EQ(other.parts.walkers.empty(), other.name != "people") << other.name;

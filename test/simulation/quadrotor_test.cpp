@@ -28,7 +28,7 @@ FlightPlan square() {
   return plan;
 }
 
-/// Full accelerations there and back along both axes.
+/// Flights with full acceleration back and forth along both axes.
 FlightPlan dashes() {
   FlightPlan plan;
   plan.smooth = false;
@@ -85,7 +85,7 @@ void expectConsistent(const Motion& motion) {
   }
 }
 
-TEST(Quadrotor, EveryMemberOfTheStateIsTheDerivativeThatItsNameSays) {
+TEST(Quadrotor, VelocitiesAndAccelerationsAreExactDerivatives) {
   expectConsistent(*flyQuadrotor(square(), QuadrotorConfig(), kSeed));
   expectConsistent(*flyQuadrotor(dashes(), QuadrotorConfig(), kSeed));
   QuadrotorConfig level;
@@ -93,7 +93,7 @@ TEST(Quadrotor, EveryMemberOfTheStateIsTheDerivativeThatItsNameSays) {
   expectConsistent(*flyQuadrotor(dashes(), level, kSeed));
 }
 
-TEST(Quadrotor, InStillAirOnlyGravityAndThrustAlongTheBodyAccelerate) {
+TEST(Quadrotor, WithoutWindTheSpecificForceIsAlongTheBodyAxis) {
   const auto motion = flyQuadrotor(dashes(), stillAir(), kSeed);
   double largest_horizontal = 0.0;
   for (double t = 0.0; t < motion->duration(); t += 0.01) {
@@ -106,7 +106,7 @@ TEST(Quadrotor, InStillAirOnlyGravityAndThrustAlongTheBodyAccelerate) {
   EXPECT_GT(largest_horizontal, 3.0);
 }
 
-TEST(Quadrotor, IntegratingGyroAndAccelerometerGivesThePathBack) {
+TEST(Quadrotor, IntegratedGyroAndAccelerometerGiveThePath) {
   const auto motion = flyQuadrotor(dashes(), QuadrotorConfig(), kSeed);
   constexpr double kStep = 1e-3;  // s
   TrueState state = motion->at(0.0);
@@ -133,7 +133,7 @@ TEST(Quadrotor, IntegratingGyroAndAccelerometerGivesThePathBack) {
   EXPECT_LT(attitude.angularDistance(Eigen::Quaterniond(end.world_T_base.linear())), 1e-5);
 }
 
-TEST(Quadrotor, FliesAggressivelyUpToTwentyDegreesOfRollAndPitch) {
+TEST(Quadrotor, FastFlightReachesTwentyDegreesOfRollAndPitch) {
   const auto motion = flyQuadrotor(dashes(), stillAir(), kSeed);
   const double limit = degToRad(20.0), overshoot = degToRad(1.5);
   for (const int sign : {-1, 1}) {
@@ -146,9 +146,9 @@ TEST(Quadrotor, FliesAggressivelyUpToTwentyDegreesOfRollAndPitch) {
   EXPECT_GT(largest(*motion, speedOf), 2.5);
 }
 
-TEST(Quadrotor, PitchesForwardToAccelerateForwardAndRollsRightToGoRight) {
+TEST(Quadrotor, PitchesToAccelerateForwardAndRollsToAccelerateSideways) {
   const auto motion = flyQuadrotor(dashes(), stillAir(), kSeed);
-  const TrueState forward = motion->at(1.4);  // after a second of hovering
+  const TrueState forward = motion->at(1.4);  // accelerating, after a second of hovering
   EXPECT_GT(forward.acceleration.x(), 2.0);
   EXPECT_GT(rollPitch(forward).y(), degToRad(10.0));
   FlightPlan right = dashes();
@@ -158,7 +158,7 @@ TEST(Quadrotor, PitchesForwardToAccelerateForwardAndRollsRightToGoRight) {
   EXPECT_GT(rollPitch(sideways).x(), degToRad(10.0));
 }
 
-TEST(Quadrotor, BeginsAndEndsAtRestInTheWaypoints) {
+TEST(Quadrotor, BeginsAndEndsAtRestAtWaypoints) {
   const auto motion = flyQuadrotor(square(), QuadrotorConfig(), kSeed);
   for (const double t : {-3.0, 0.0}) {
     EXPECT_LT((motion->at(t).world_T_base.translation() - Eigen::Vector3d(0, 0, 1)).norm(), 1e-9);
@@ -177,7 +177,8 @@ TEST(Quadrotor, FliesAtTheGivenSpeedNearThePath) {
   plan.waypoints = {{{0, 0, 1}, 0.0, 0.0}, {{10, 0, 1}, 0.0, 0.0}};
   plan.speed_m_s = 0.5;
   const auto motion = flyQuadrotor(plan, stillAir(), kSeed);
-  // A second of hovering, then ramps at the acceleration of 0.8 m/s² on both ends, and a second.
+  // The flight consists of a second of hovering, an acceleration of 0.8 m/s², constant speed, the
+  // same deceleration, and a second of hovering.
   const double ramps = 0.5 / 0.8;
   EXPECT_NEAR(speedOf(motion->at(1.0 + 10.0)), 0.5, 1e-3);
   EXPECT_NEAR(motion->at(1.0 + 10.0).world_T_base.translation().x(), 5.0 - ramps / 4.0, 0.01);
@@ -190,7 +191,7 @@ TEST(Quadrotor, FliesAtTheGivenSpeedNearThePath) {
   EXPECT_LT(off, 0.3);
 }
 
-TEST(Quadrotor, SpinsAtTheGivenRateThroughSeveralTurns) {
+TEST(Quadrotor, TurnsSeveralTimesAtTheGivenRate) {
   FlightPlan plan;
   plan.waypoints = {{{1, 2, 1}, 0.0, 0.0}, {{1, 2, 1}, 4.0 * kPi, 0.0}};
   plan.yaw_rate_rad_s = 2.0;
@@ -214,7 +215,7 @@ TEST(Quadrotor, ClimbsAndDescends) {
   EXPECT_NEAR(heightOf(motion->at(motion->duration())), 0.5, 1e-3);
 }
 
-TEST(Quadrotor, TheNoseFollowsThePath) {
+TEST(Quadrotor, YawFollowsThePath) {
   FlightPlan plan = square();
   plan.nose_forward = true;
   const auto motion = flyQuadrotor(plan, stillAir(), kSeed);
@@ -242,7 +243,7 @@ TEST(Quadrotor, RoundsCornersOrStopsAtThem) {
   EXPECT_LT(nearest(*flyQuadrotor(plan, stillAir(), kSeed)), 0.02);
 }
 
-TEST(Quadrotor, TheLevelFlightIsTheSamePathWithoutTilt) {
+TEST(Quadrotor, LevelFlightHasTheSamePathWithoutTilt) {
   QuadrotorConfig level;
   level.level = true;
   const auto tilting = flyQuadrotor(dashes(), QuadrotorConfig(), kSeed);
@@ -262,7 +263,7 @@ TEST(Quadrotor, GustsHaveTheGivenStrength) {
   QuadrotorConfig config;
   config.gust_m_s2 = 0.5;
   const auto motion = flyQuadrotor(plan, config, kSeed);
-  // What thrust along the body does not explain is the wind.
+  // Horizontal specific force in the body frame is caused by wind only.
   double squares = 0.0, count = 0.0;
   for (double t = 2.0; t < 400.0; t += 0.05) {
     const TrueState state = motion->at(t);
@@ -274,7 +275,7 @@ TEST(Quadrotor, GustsHaveTheGivenStrength) {
   EXPECT_NEAR(std::sqrt(squares / count), 0.5, 0.05);
 }
 
-TEST(Quadrotor, SameSeedSameFlightOtherSeedOtherFlight) {
+TEST(Quadrotor, SeedDeterminesTheFlight) {
   const auto first = flyQuadrotor(square(), QuadrotorConfig(), 1);
   const auto same = flyQuadrotor(square(), QuadrotorConfig(), 1);
   const auto other = flyQuadrotor(square(), QuadrotorConfig(), 2);
@@ -282,7 +283,7 @@ TEST(Quadrotor, SameSeedSameFlightOtherSeedOtherFlight) {
   EXPECT_NE(first->at(7.0).world_T_base.matrix(), other->at(7.0).world_T_base.matrix());
 }
 
-TEST(Quadrotor, RefusesWhatCannotBeFlown) {
+TEST(Quadrotor, RejectsInvalidPlansAndConfigs) {
   const auto refuses = [](const FlightPlan& plan, const QuadrotorConfig& config) {
     EXPECT_THROW(flyQuadrotor(plan, config, kSeed), std::invalid_argument);
   };
@@ -302,14 +303,14 @@ TEST(Quadrotor, RefusesWhatCannotBeFlown) {
   refuses(square(), config);
 }
 
-TEST(Quadrotor, FliesOddPlansToo) {
+TEST(Quadrotor, FliesUnusualPlans) {
   FlightPlan plan;
   plan.waypoints = {{{0, 0, 1}, 0.0, 0.0}};  // only hovers
   EXPECT_GE(flyQuadrotor(plan, stillAir(), kSeed)->duration(), 2.0);
   plan.waypoints = {{{0, 0, 1}, 0.0, 0.0}, {{0, 0, 1}, 0.0, 0.0}};  // the same place twice
   EXPECT_GE(flyQuadrotor(plan, stillAir(), kSeed)->duration(), 2.0);
   plan.waypoints = {{{0, 0, 1}, 0.0, 0.0}, {{2, 0, 1}, 0.0, 0.0}, {{0, 0, 1}, 0.0, 0.0}};
-  plan.nose_forward = true;  // there and back: turns in between
+  plan.nose_forward = true;  // turns before the way back
   const auto motion = flyQuadrotor(plan, stillAir(), kSeed);
   EXPECT_LT(motion->at(motion->duration()).world_T_base.translation().head<2>().norm(), 1e-3);
   EXPECT_LT(largest(*motion, [](const TrueState& s) { return s.angular_velocity.norm(); }), 2.0);

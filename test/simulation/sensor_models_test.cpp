@@ -21,8 +21,8 @@ LaserScan scan(const LaserModel& laser, const World& world, const Motion& motion
   return sweep(laser, world, motion, kNoOffset, time, random);
 }
 
-/// Looks straight ahead only: `beams` times the same.
-LaserModel staring(const LaserModel& model, int beams) {
+/// A laser with `beams` beams that all point straight ahead.
+LaserModel singleDirection(const LaserModel& model, int beams) {
   LaserModel laser = model;
   laser.beams = beams;
   laser.angle_min = laser.angle_increment = 0.0;
@@ -51,7 +51,7 @@ Statistics statistics(const LaserScan& scan) {
   return result;
 }
 
-TEST(SensorModels, IdealBeamsMeetThePlaneWhereTheyShould) {
+TEST(SensorModels, IdealBeamsHitAPlaneAtTheExactRange) {
   const LaserModel laser = laserModel("ideal");
   const LaserScan seen = scan(laser, wallAt(5.0));
   int compared = 0;
@@ -68,7 +68,7 @@ TEST(SensorModels, IdealBeamsMeetThePlaneWhereTheyShould) {
   EXPECT_EQ(compared, 643);  // beams within acos(5 / 30) = 80.4 deg
 }
 
-TEST(SensorModels, AScanCarriesTheModelsGeometry) {
+TEST(SensorModels, ScanHasTheGeometryOfTheModel) {
   const LaserModel laser = laserModel("utm30lx");
   const LaserScan seen = scan(laser, wallAt(5.0), SteadyMotion(), 12.5);
   EXPECT_EQ(seen.stamp, 12.5);
@@ -83,21 +83,21 @@ TEST(SensorModels, AScanCarriesTheModelsGeometry) {
   EXPECT_NEAR(seen.angle_min + 1080 * seen.angle_increment, degToRad(135.0), 1e-12);
 }
 
-TEST(SensorModels, ATiltedLaserMeetsTheFloor) {
+TEST(SensorModels, TiltedLaserHitsTheFloor) {
   SteadyMotion motion;
   const double pitch = degToRad(20.0);  // nose down
   motion.start.linear() = Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()).toRotationMatrix();
   const LaserScan seen = scan(laserModel("ideal"), worldOf({}), motion);
   for (std::size_t i = 0; i < seen.ranges.size(); ++i) {
     const double angle = seen.angle_min + static_cast<double>(i) * seen.angle_increment;
-    const double climb = -std::cos(angle) * std::sin(pitch);  // of a meter along the beam
+    const double climb = -std::cos(angle) * std::sin(pitch);  // m per meter along the beam
     const double expected = climb < 0.0 ? -1.0 / climb : 2.0 / climb;
     if (!(expected < 29.9)) continue;
     EXPECT_NEAR(seen.ranges[i], expected, 1e-4) << "at beam " << i;
   }
 }
 
-TEST(SensorModels, TheMountingOfTheLaserCounts) {
+TEST(SensorModels, MountingOfTheLaserIsApplied) {
   Random random(1);
   const Eigen::Isometry3d base_T_laser(Eigen::Translation3d(0.3, 0.0, 0.1) *
                                        Eigen::AngleAxisd(kPi / 2.0, Eigen::Vector3d::UnitZ()));
@@ -107,7 +107,7 @@ TEST(SensorModels, TheMountingOfTheLaserCounts) {
   EXPECT_EQ(seen.ranges[540], std::numeric_limits<float>::infinity());
 }
 
-TEST(SensorModels, EveryBeamIsCastFromWhereTheLaserIsAtItsOwnTime) {
+TEST(SensorModels, EachBeamIsCastFromThePoseAtItsOwnTime) {
   SteadyMotion motion;
   motion.velocity = {2.0, 0.0, 0.0};
   motion.yaw_rate = 2.0;
@@ -126,20 +126,22 @@ TEST(SensorModels, EveryBeamIsCastFromWhereTheLaserIsAtItsOwnTime) {
   EXPECT_GT(compared, 500);
 }
 
-TEST(SensorModels, RangeNoiseHasTheDataSheetsSize) {
-  const LaserModel laser = staring(laserModel("utm30lx"), 20000);
+TEST(SensorModels, RangeNoiseMatchesTheDataSheet) {
+  const LaserModel laser = singleDirection(laserModel("utm30lx"), 20000);
   const Statistics near = statistics(scan(laser, wallAt(1.0)));
   EXPECT_NEAR(near.mean, 1.0, 3e-4);
   EXPECT_NEAR(near.sigma, 0.01, 3e-4);
   const Statistics far = statistics(scan(laser, wallAt(20.0)));
   EXPECT_NEAR(far.mean, 20.0, 1e-3);
   EXPECT_NEAR(far.sigma, 0.0213, 5e-4);  // sqrt(0.01² + (0.00094 · 20)²)
-  const Statistics urg = statistics(scan(staring(laserModel("urg04lx"), 20000), wallAt(4.0)));
+  const Statistics urg =
+      statistics(scan(singleDirection(laserModel("urg04lx"), 20000), wallAt(4.0)));
   EXPECT_NEAR(urg.sigma, 0.0401, 1e-3);  // 1 %
 }
 
 TEST(SensorModels, SomeBeamsDropOut) {
-  const Statistics seen = statistics(scan(staring(laserModel("urg04lx"), 20000), wallAt(4.0)));
+  const Statistics seen =
+      statistics(scan(singleDirection(laserModel("urg04lx"), 20000), wallAt(4.0)));
   EXPECT_NEAR(seen.nan, 400, 80);  // 2 %
   EXPECT_EQ(statistics(scan(laserModel("ideal"), wallAt(4.0))).nan, 0);
 }
@@ -155,19 +157,20 @@ TEST(SensorModels, RangesAreMultiplesOfTheResolution) {
   }
 }
 
-TEST(SensorModels, WhatIsTooFarOrTooCloseFollowsRep117) {
-  const LaserModel laser = staring(laserModel("ideal"), 10);
+TEST(SensorModels, RangesOutsideTheLimitsFollowRep117) {
+  const LaserModel laser = singleDirection(laserModel("ideal"), 10);
   EXPECT_EQ(statistics(scan(laser, wallAt(30.1))).beyond, 10);
   EXPECT_EQ(statistics(scan(laser, wallAt(29.9))).valid, 10);
   EXPECT_EQ(statistics(scan(laser, wallAt(0.09))).close, 10);
   EXPECT_EQ(statistics(scan(laser, wallAt(0.11))).valid, 10);
-  // With noise, a wall at the limit is seen about every other time.
-  const Statistics limit = statistics(scan(staring(laserModel("utm30lx"), 1000), wallAt(30.0)));
+  // With noise, a wall at the limit is seen by about half of the beams.
+  const Statistics limit =
+      statistics(scan(singleDirection(laserModel("utm30lx"), 1000), wallAt(30.0)));
   EXPECT_NEAR(limit.valid, 500, 80);
 }
 
-TEST(SensorModels, BlackFlatAndGlassSendNothingBack) {
-  LaserModel laser = staring(laserModel("utm30lx"), 100);
+TEST(SensorModels, NoReturnFromBlackSurfacesGlassAndGrazingIncidence) {
+  LaserModel laser = singleDirection(laserModel("utm30lx"), 100);
   laser.errors.dropout_probability = 0.0;
   EXPECT_EQ(statistics(scan(laser, wallAt(5.0, Material::kBlack))).beyond, 100);
   laser.angle_min = degToRad(30.0);
@@ -189,8 +192,8 @@ TEST(SensorModels, BeamsAtAnEdgeMixBothSurfaces) {
   constexpr int kScans = 200;
   for (std::uint64_t seed = 0; seed < kScans; ++seed) {
     const LaserScan seen = scan(laser, world, SteadyMotion(), 0.0, seed);
-    EXPECT_NEAR(seen.ranges[539], 3.0, 1e-3);  // the border of this beam is still on the box
-    EXPECT_NEAR(seen.ranges[541], 6.0, 1e-3);  // and of this on the wall
+    EXPECT_NEAR(seen.ranges[539], 3.0, 1e-3);  // this whole beam hits the box
+    EXPECT_NEAR(seen.ranges[541], 6.0, 1e-3);  // and this one the wall
     smallest = std::min<double>(smallest, seen.ranges[540]);
     largest = std::max<double>(largest, seen.ranges[540]);
   }
@@ -200,7 +203,7 @@ TEST(SensorModels, BeamsAtAnEdgeMixBothSurfaces) {
   EXPECT_LE(largest, 6.0 + 1e-3);
 }
 
-TEST(SensorModels, AnEdgeBeforeNothingIsNotMixed) {
+TEST(SensorModels, EdgeWithoutABackgroundIsNotMixed) {
   LaserModel laser = laserModel("ideal");
   laser.errors.divergence_rad = degToRad(0.25);
   const World world = worldOf({{{3.5, 0.0, 1.5}, {1.0, 2.0, 3.0}}});
@@ -220,7 +223,7 @@ TEST(SensorModels, TheSameSeedGivesTheSameScan) {
   EXPECT_NE(bits(3), bits(4));
 }
 
-TEST(SensorModels, AFarWallDoesNotChangeTheNextBeam) {
+TEST(SensorModels, OneBeamDoesNotChangeTheNext) {
   const LaserModel& laser = laserModel("utm30lx");
   const Box wall = {{5.5, 0.0, 1.5}, {1.0, 500.0, 3.0}};
   const Box post = {{2.0, 0.0, 1.5}, {0.1, 0.1, 3.0}};
@@ -248,7 +251,7 @@ TEST(SensorModels, AreFoundByName) {
     FAIL() << "found a sonar";
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(),
-                 "unknown sensor 'sonar'; there are utm30lx, urg04lx, sick180, alasca, ideal");
+                 "unknown sensor 'sonar'; known: utm30lx, urg04lx, sick180, alasca, ideal");
   }
 }
 

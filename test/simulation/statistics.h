@@ -19,7 +19,8 @@ inline double deviationOf(const std::vector<double>& values) {
   return std::sqrt(squares / static_cast<double>(values.size() - 1));
 }
 
-/// Noise without what wanders slowly: deviation of the differences of neighbors.
+/// Standard deviation of the white noise, computed from differences of neighbors, so that slow
+/// changes have no effect.
 inline double noiseOf(const std::vector<double>& values) {
   std::vector<double> differences;
   for (std::size_t i = 1; i < values.size(); ++i) differences.push_back(values[i] - values[i - 1]);

@@ -11,7 +11,7 @@
 
 namespace kestrel {
 
-/// Starts at `start`, flies and spins at constant rates, tilted as it started.
+/// Starts at `start`, moves and yaws at constant rates, with constant roll and pitch.
 class SteadyMotion : public Motion {
  public:
   Eigen::Isometry3d start = Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 1.0));
@@ -36,7 +36,7 @@ inline World worldOf(std::vector<Box> boxes) {
   return World(std::move(parts));
 }
 
-/// One endless wall, its face at x = `distance`.
+/// One long wall with its face at x = `distance`.
 inline World wallAt(double distance, Material material = Material::kMatt) {
   return worldOf({{{distance + 0.5, 0, 1.5}, {1.0, 500.0, 3.0}, 0.0, material}});
 }

@@ -9,8 +9,8 @@
 
 namespace kestrel {
 
-/// A motion of which everything is known: x = 2 sin t, y = 0, z = 1 + 0.1 sin t, turning at a
-/// constant 0.5 rad/s about the vertical.
+/// A motion in closed form: x = 2 sin t, y = 0, z = 1 + 0.1 sin t, with a constant yaw rate of 0.5
+/// rad/s.
 class KnownMotion : public Motion {
  public:
   explicit KnownMotion(double duration) : duration_(duration) {}
@@ -30,7 +30,7 @@ class KnownMotion : public Motion {
   double duration_;
 };
 
-/// Stands at a height of 1 m.
+/// At rest at a height of 1 m.
 class NoMotion : public Motion {
  public:
   explicit NoMotion(double duration) : duration_(duration) {}

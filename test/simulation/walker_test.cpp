@@ -25,8 +25,9 @@ double distance(const World& world, const Eigen::Vector3d& origin, const Eigen::
   return world.cast(origin, direction, time, kFar).distance;
 }
 
-TEST(Walker, AWalkerGoesAroundItsPolygon) {
-  const Walker walker = {{{0, 0}, {4, 0}, {4, 3}}, 1.0, 0.0};  // 3-4-5: 12 m around
+TEST(Walker, WalksAroundItsPolygon) {
+  const Walker walker = {
+      {{0, 0}, {4, 0}, {4, 3}}, 1.0, 0.0};  // 3-4-5 triangle with a circumference of 12 m
   EXPECT_TRUE(walker.at(0.0).isApprox(Eigen::Vector2d(0, 0)));
   EXPECT_TRUE(walker.at(2.5).isApprox(Eigen::Vector2d(2.5, 0)));
   EXPECT_TRUE(walker.at(5.0).isApprox(Eigen::Vector2d(4, 1)));
@@ -37,9 +38,9 @@ TEST(Walker, AWalkerGoesAroundItsPolygon) {
   EXPECT_TRUE(late.at(1.0).isApprox(Eigen::Vector2d(4, 1)));
 }
 
-TEST(Walker, AWalkersTrunkIsWhereItWalksAndItsLegsBelow) {
+TEST(Walker, TrunkIsAboveThePosition) {
   const World world = worldWith({{{5, -10}, {5, 10}}, 1.0, 0.0});
-  // At 10 s it is at (5, 0), seen from the side.
+  // At 10 s it is at (5, 0), and the beam comes from the side.
   EXPECT_NEAR(distance(world, {0, 0, 1.3}, {1, 0, 0}, 10.0), 5.0 - 0.2, 1e-12);
   EXPECT_EQ(distance(world, {0, 0, 1.3}, {1, 0, 0}, 8.0), kInfinity);
   EXPECT_NEAR(distance(world, {0, -2, 1.3}, {1, 0, 0}, 8.0), 5.0 - 0.2, 1e-12);
@@ -48,7 +49,7 @@ TEST(Walker, AWalkersTrunkIsWhereItWalksAndItsLegsBelow) {
   EXPECT_EQ(distance(world, {10, 0, 1.3}, {1, 0, 0}, 10.0), kInfinity);
 }
 
-/// Where legs are, seen by parallel beams at 0.3 m from the side: their midpoints in y.
+/// The y coordinates of the legs' middles, as seen by parallel beams at a height of 0.3 m.
 std::vector<double> legsSeen(const World& world, double time) {
   std::vector<double> legs;
   double begin = 0.0;
@@ -62,9 +63,10 @@ std::vector<double> legsSeen(const World& world, double time) {
   return legs;
 }
 
-TEST(Walker, AWalkersLegsSwing) {
+TEST(Walker, LegsSwing) {
   const World world = worldWith({{{5, -7}, {5, 7}}, 1.0, 0.0});
-  // A stride of 1.4 m: after five of them the legs are side by side, a quarter later far apart.
+  // After five strides of 1.4 m the legs are side by side; a quarter of a stride later they are
+  // farthest apart.
   const std::vector<double> together = legsSeen(world, 7.0);
   ASSERT_EQ(together.size(), 1u);
   EXPECT_NEAR(together[0], 0.0, 0.002);
@@ -74,17 +76,15 @@ TEST(Walker, AWalkersLegsSwing) {
   EXPECT_NEAR(apart[1], 0.35 + 0.25, 0.002);
 }
 
-// ---- what is moved
-// ------------------------------------------------------------------------
+TEST(Walker, NeedsCorners) { EXPECT_THROW(worldWith({{}, 1.0, 0.0}), std::invalid_argument); }
 
-TEST(Walker, NeedsAWay) { EXPECT_THROW(worldWith({{}, 1.0, 0.0}), std::invalid_argument); }
-
-TEST(Walker, TellsTheDistanceToItsWay) {
+TEST(Walker, ReturnsTheDistanceToItsPath) {
   const Walker square{{{0.0, 0.0}, {2.0, 0.0}, {2.0, 2.0}, {0.0, 2.0}}};
-  EXPECT_DOUBLE_EQ(square.distanceToWay({1.0, 0.75}), 0.75);  // to the side below
-  EXPECT_DOUBLE_EQ(square.distanceToWay({-0.5, 1.0}), 0.5);   // to the last side, back to the start
-  EXPECT_DOUBLE_EQ(square.distanceToWay({5.0, 6.0}), 5.0);    // to a corner
-  EXPECT_EQ(Walker().distanceToWay({0.0, 0.0}), kInfinity);
+  EXPECT_DOUBLE_EQ(square.distanceToPath({1.0, 0.75}), 0.75);  // to the lower side
+  EXPECT_DOUBLE_EQ(square.distanceToPath({-0.5, 1.0}),
+                   0.5);  // to the last side, which closes the polygon
+  EXPECT_DOUBLE_EQ(square.distanceToPath({5.0, 6.0}), 5.0);  // to a corner
+  EXPECT_EQ(Walker().distanceToPath({0.0, 0.0}), kInfinity);
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ double distance(const World& world, const Eigen::Vector3d& origin, const Eigen::
   return world.cast(origin, direction, time, kFar).distance;
 }
 
-// ---- an oracle that shares nothing with the code: surfaces one by one ---------------------------
+// ---- an independent oracle, which tests every surface -------------------------------------------
 
 bool inside(const Box& box, const Eigen::Vector3d& point, double tolerance) {
   const Eigen::Vector3d local =
@@ -41,7 +41,7 @@ bool inside(const Box& box, const Eigen::Vector3d& point, double tolerance) {
   return ((local.cwiseAbs() - box.size / 2.0).array() <= tolerance).all();
 }
 
-/// The nearest point of a box's six faces that the ray goes through.
+/// Distance along the ray to the nearest of the six faces of a box.
 double oracle(const Box& box, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
   double nearest = kInfinity;
   const Eigen::Matrix3d axes =
@@ -58,7 +58,7 @@ double oracle(const Box& box, const Eigen::Vector3d& origin, const Eigen::Vector
   return nearest;
 }
 
-/// The same for the lids and the side of a cylinder; the side by Pythagoras, seen from above.
+/// The same for the top, bottom and side of a cylinder.
 double oracle(const Cylinder& cylinder, const Eigen::Vector3d& origin,
               const Eigen::Vector3d& direction) {
   double nearest = kInfinity;
@@ -71,10 +71,10 @@ double oracle(const Cylinder& cylinder, const Eigen::Vector3d& origin,
   consider((cylinder.top - origin.z()) / direction.z());
   consider((cylinder.bottom - origin.z()) / direction.z());
   const double level_share = direction.head<2>().norm();
-  const Eigen::Vector2d heading = direction.head<2>() / level_share;
+  const Eigen::Vector2d direction_xy = direction.head<2>() / level_share;
   const Eigen::Vector2d to_axis = cylinder.center - origin.head<2>();
-  const double foot = heading.dot(to_axis);
-  const double miss = (to_axis - foot * heading).norm();
+  const double foot = direction_xy.dot(to_axis);
+  const double miss = (to_axis - foot * direction_xy).norm();
   if (miss < cylinder.radius) {
     const double half_chord = std::sqrt(cylinder.radius * cylinder.radius - miss * miss);
     consider((foot - half_chord) / level_share);
@@ -132,10 +132,9 @@ World randomWorld(Random& random, double half_width, int count) {
   return World(std::move(parts));
 }
 
-// ---- planes
-// --------------------------------------------------------------------------------------
+// ---- planes ----
 
-TEST(World, ABeamMeetsThePlaneOfAWall) {
+TEST(World, BeamHitsAWall) {
   const World world = worldOf({{{5.5, 0.0, 1.5}, {1.0, 40.0, 3.0}}});
   for (int degrees = -70; degrees <= 70; ++degrees) {
     const RayHit hit = world.cast({0.0, 0.0, 1.0}, level(degrees), 0.0, kFar);
@@ -144,7 +143,7 @@ TEST(World, ABeamMeetsThePlaneOfAWall) {
   }
 }
 
-TEST(World, ATiltedBeamMeetsFloorAndCeiling) {
+TEST(World, TiltedBeamHitsFloorAndCeiling) {
   const World world = worldOf({});
   for (int degrees = 1; degrees <= 90; ++degrees) {
     const double tilt = degToRad(degrees);
@@ -157,7 +156,7 @@ TEST(World, ATiltedBeamMeetsFloorAndCeiling) {
   EXPECT_EQ(distance(world, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}), kInfinity);
 }
 
-TEST(World, TheOpenSkyIsNotMet) {
+TEST(World, OpenSkyGivesNoHit) {
   World::Parts parts;
   parts.ceiling_m = kInfinity;
   EXPECT_EQ(distance(World(parts), {0, 0, 1}, {0, 0, 1}), kInfinity);
@@ -165,20 +164,20 @@ TEST(World, TheOpenSkyIsNotMet) {
   EXPECT_EQ(World(parts).cast({0, 0, 1}, {0, 0, -1}, 0.0, kInfinity).distance, 1.0);
 }
 
-// ---- solids
-// --------------------------------------------------------------------------------------
+// ---- solids ----
 
-TEST(World, ATurnedBoxShowsItsFacesAndCorners) {
+TEST(World, RotatedBoxIsHitOnFacesAndCorners) {
   const World world = worldOf({{{4.0, 0.0, 1.0}, {2.0, 2.0, 2.0}, kPi / 4.0}});
   EXPECT_NEAR(distance(world, {0, 0, 1}, {1, 0, 0}), 4.0 - std::sqrt(2.0), 1e-12);
-  // Parallel to the axis, one meter beside the corner: the faces fall back at 45 degrees.
+  // Parallel to the axis and one meter beside the corner, the face at 45 degrees is one meter
+  // deeper.
   const RayHit hit = world.cast({0, 1, 1}, {1, 0, 0}, 0.0, kFar);
   EXPECT_NEAR(hit.distance, 4.0 - std::sqrt(2.0) + 1.0, 1e-12);
   EXPECT_NEAR(hit.cosine, std::sqrt(0.5), 1e-12);
   EXPECT_EQ(distance(world, {0, 1.42, 1}, {1, 0, 0}), kInfinity);
 }
 
-TEST(World, BeamsPassOverAndUnderATableTop) {
+TEST(World, BeamsPassAboveAndBelowATableTop) {
   const World world = worldOf({{{3.0, 0.0, 0.73}, {1.0, 1.0, 0.02}}});
   EXPECT_EQ(distance(world, {0, 0, 0.70}, {1, 0, 0}), kInfinity);
   EXPECT_EQ(distance(world, {0, 0, 0.75}, {1, 0, 0}), kInfinity);
@@ -194,7 +193,7 @@ TEST(World, ACylinderIsRound) {
     const Eigen::Vector3d towards = level(degrees);
     const Eigen::Vector3d from = Eigen::Vector3d(0, 0, 1) - 3.0 * towards;
     EXPECT_NEAR(distance(world, from, towards), 2.5, 1e-12);
-    // Off its axis by 0.3: 3-4-5 triangle.
+    // A beam that passes the axis at 0.3 m gives a 3-4-5 triangle.
     const Eigen::Vector3d beside = from + 0.3 * level(degrees + 90);
     const RayHit hit = world.cast(beside, towards, 0.0, kFar);
     EXPECT_NEAR(hit.distance, 3.0 - 0.4, 1e-12);
@@ -204,7 +203,7 @@ TEST(World, ACylinderIsRound) {
   EXPECT_EQ(distance(world, {-3, 0, 2.01}, {1, 0, 0}), kInfinity);
 }
 
-TEST(World, TheNearestOfSeveralIsMetAndNothingBeyondTheLimit) {
+TEST(World, NearestSolidIsHitAndNothingBeyondTheLimit) {
   const World world =
       worldOf({{{6, 0, 1}, {1, 1, 2}}, {{9, 0, 1}, {1, 1, 2}}}, {{{3, 0}, 0.5, 0, 2}});
   EXPECT_DOUBLE_EQ(distance(world, {0, 0, 1}, {1, 0, 0}), 2.5);
@@ -214,7 +213,7 @@ TEST(World, TheNearestOfSeveralIsMetAndNothingBeyondTheLimit) {
   EXPECT_DOUBLE_EQ(world.cast({0, 0, 1}, {1, 0, 0}, 0.0, 2.51).distance, 2.5);
 }
 
-TEST(World, InsideOfASolidThingEverythingIsAtDistanceZero) {
+TEST(World, InsideASolidTheDistanceIsZero) {
   const World world = worldOf({{{0, 0, 1}, {2, 2, 2}}}, {{{5, 0}, 0.5, 0, 2}});
   for (int degrees = 0; degrees < 360; degrees += 15) {
     EXPECT_EQ(distance(world, {0.5, 0.5, 1}, level(degrees)), 0.0);
@@ -222,13 +221,13 @@ TEST(World, InsideOfASolidThingEverythingIsAtDistanceZero) {
   }
 }
 
-TEST(World, EveryRayAgreesWithSurfacesTriedOneByOne) {
+TEST(World, AgreesWithTheOracleOnRandomRays) {
   Random random(11);
   for (const double half_width : {2.0, 8.0, 40.0}) {
     const World world = randomWorld(random, half_width, 40);
     int met = 0, compared = 0;
     while (compared < 20000) {
-      // Also from outside of everything.
+      // Some origins lie outside of the grid.
       const Eigen::Vector3d origin = randomPoint(random, 1.5 * half_width);
       const Eigen::Vector3d direction = randomDirection(random);
       if (!isFree(world, origin)) continue;
@@ -243,7 +242,7 @@ TEST(World, EveryRayAgreesWithSurfacesTriedOneByOne) {
   }
 }
 
-TEST(World, RaysAlongTheAxesAndBordersOfTheGridAgree) {
+TEST(World, AgreesWithTheOracleAlongAxesAndCellBorders) {
   Random random(12);
   const World world = randomWorld(random, 6.0, 30);
   for (int i = 0; i < 4000; ++i) {
@@ -267,10 +266,9 @@ TEST(World, RaysAlongTheAxesAndBordersOfTheGridAgree) {
   }
 }
 
-// ---- materials
-// -----------------------------------------------------------------------------------
+// ---- materials ----
 
-TEST(World, GlassLetsThroughWhatDoesNotHitItStraightOn) {
+TEST(World, GlassReflectsOnlyPerpendicularBeams) {
   Box pane = {{2.0, 0.0, 1.5}, {0.01, 10.0, 3.0}, 0.0, Material::kGlass};
   const World world = worldOf({pane, {{4.5, 0.0, 1.5}, {1.0, 40.0, 3.0}}});
   const RayHit straight = world.cast({0, 0, 1}, level(3.0), 0.0, kFar);
@@ -281,17 +279,16 @@ TEST(World, GlassLetsThroughWhatDoesNotHitItStraightOn) {
   EXPECT_EQ(oblique.material, Material::kMatt);
 }
 
-TEST(World, BlackThingsSwallowTheBeam) {
+TEST(World, BlackSolidsAbsorbTheBeam) {
   const World world = worldOf({{{2.5, 0.0, 1.0}, {1.0, 1.0, 2.0}, 0.0, Material::kBlack}});
   const RayHit hit = world.cast({0, 0, 1}, {1, 0, 0}, 0.0, kFar);
   EXPECT_DOUBLE_EQ(hit.distance, 2.0);
   EXPECT_EQ(hit.material, Material::kBlack);
 }
 
-// ---- walkers
-// -------------------------------------------------------------------------------------
+// ---- other ----
 
-TEST(World, ABoxIsThereWhileItStands) {
+TEST(World, BoxExistsOnlyDuringItsTime) {
   Box before = {{3, 0, 1}, {2, 2, 2}}, after = {{6, 0, 1}, {2, 2, 2}};
   before.until_s = after.from_s = 10.0;
   const World world = worldOf({before, after});
@@ -305,7 +302,7 @@ TEST(World, ABoxIsThereWhileItStands) {
   EXPECT_THROW(worldOf({before}), std::invalid_argument);
 }
 
-TEST(World, RefusesThingsWithoutAShape) {
+TEST(World, RejectsInvalidShapes) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(worldOf({{{nan, 0, 0}, {1, 1, 1}}}), std::invalid_argument);
   EXPECT_THROW(worldOf({{{0, 0, 0}, {1, -1, 1}}}), std::invalid_argument);

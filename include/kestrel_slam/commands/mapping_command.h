@@ -19,61 +19,64 @@ class App;
 
 namespace kestrel {
 
-/// What the tools that map a recording read from the command line.
+/// Command line arguments of the tools that map a recording.
 struct MappingArguments {
   std::string recording;
   std::string config;  ///< YAML file with parameters; may be empty
   std::string odometry = "none";
   std::string imu = "use";
-  std::vector<std::string> settings;  ///< name=value, after those of the file
+  std::string filter = "use";
+  std::vector<std::string> settings;  ///< name=value; these override the file
   RecordingOptions topics;
   std::vector<double> laser_pose;  ///< x, y (m), yaw (degrees) of the laser; may be empty
-  RunOptions run;                  ///< but the sensors, which are in the texts above
+  RunOptions run;                  ///< without the choice of sensors, see `odometry` and `imu`
   bool no_timing = false;
   bool quiet = false;
 };
 
-/// Declares the options of `arguments`; RECORDING may be missing, so that the tool can do without.
+/// Declares the options of `arguments`. RECORDING is optional; the tool must check whether it is
+/// needed.
 void addMappingOptions(CLI::App& app, MappingArguments& arguments);
 
-/// Declares `--laser-pose x,y,yaw`, in m and degrees, and what it says: base_T_laser, or nothing
-/// where it was not given.
+/// Declares `--laser-pose x,y,yaw` (m and degrees).
 void addLaserPoseOption(CLI::App& app, std::vector<double>& x_y_yaw);
+/// base_T_laser from the values of `--laser-pose`; nothing if it was not given.
 std::optional<Eigen::Isometry3d> laserPoseOf(const std::vector<double>& x_y_yaw);
 
-/// The parameters of `--config` and `--set`, validated. Throws std::runtime_error or
-/// std::invalid_argument with one line that names what is wrong.
+/// The validated parameters of `--config` and `--set`. Throws std::runtime_error or
+/// std::invalid_argument with one line that describes the error.
 SlamConfig configOf(const MappingArguments& arguments);
 
-/// What is known of the outputs before the run.
+/// The part of the outputs that is known before the run.
 RunInfo runInfoOf(const MappingArguments& arguments, const SlamConfig& config,
                   const Recording& recording);
 
-/// Opens the recording. Throws as openRecording does, and where its odometry is asked for but
-/// missing.
+/// Opens the recording. Throws like openRecording(), and also if `--odometry use` is given but the
+/// recording has no odometry.
 std::unique_ptr<Recording> openFor(const MappingArguments& arguments);
 
-/// The file's name without its folder and without the endings of recordings.
+/// The name of the file without folder and without extensions of recordings.
 std::string nameOf(const std::string& recording);
 
-/// Makes the folder and tries to write into it, so that a long run is not lost at its end. Throws
-/// std::runtime_error.
+/// Creates the folder and checks that it is writable, so that an error is found before a long run.
+/// Throws std::runtime_error.
 void prepareOutput(const std::filesystem::path& folder);
 
-/// From now on SIGINT and SIGTERM only end the mapping: what has been mapped is still written.
+/// After this call, SIGINT and SIGTERM only stop the mapping. The results so far are still written.
 void stopOnSignals();
-/// Whether such a signal has come.
+/// True after such a signal.
 bool stopRequested();
 
-/// Maps with a progress bar on standard error, unless it is to be quiet. Throws std::runtime_error
-/// where not a single scan could be used.
-OfflineRun mapVisibly(Recording& recording, const SlamConfig& config,
-                      const MappingArguments& arguments);
+/// Maps with a progress bar on standard error (none with `--quiet`). Throws std::runtime_error if
+/// no scan could be used.
+OfflineRun mapWithProgress(Recording& recording, const SlamConfig& config,
+                           const MappingArguments& arguments);
 
-/// Prints the warnings of a run to standard error, each line after `prefix`.
+/// Prints the warnings of a run to standard error; each line begins with `prefix`.
 void printWarnings(const std::string& prefix, const OfflineRun& run);
 
-/// Writes map.pgm, map.yaml, trajectory.tum, stats.json and report.html.
+/// Writes map.pgm, map.yaml, trajectory.tum, covariances.txt, stats.json and report.html. Throws
+/// std::runtime_error.
 void writeOutputs(const std::filesystem::path& folder, const OfflineRun& run, const RunInfo& info);
 
 }  // namespace kestrel

@@ -11,11 +11,11 @@
 
 namespace kestrel {
 
-/// Statistics of absolute errors; all zero where there are none.
+/// Statistics of absolute errors; all zero if there are no errors.
 struct ErrorStatistics {
   std::size_t count = 0;
   double mean = 0.0;
-  double std = 0.0;  ///< of the population
+  double std = 0.0;  ///< standard deviation of the population
   double median = 0.0;
   double max = 0.0;
   double rmse = 0.0;
@@ -23,13 +23,13 @@ struct ErrorStatistics {
 
 ErrorStatistics statisticsOf(std::vector<double> errors);
 
-/// Translation (m) and rotation (deg) errors of the same items.
+/// Statistics of translation (m) and rotation (deg) errors of the same items.
 struct PoseErrorStatistics {
   ErrorStatistics translation_m;
   ErrorStatistics rotation_deg;
 };
 
-/// The error of one item (a relation, a pose), with the stamp that it belongs to.
+/// The error of one item (a relation or a pose) and its stamp, s.
 struct PoseError {
   double stamp = 0.0;
   double translation_m = 0.0;
@@ -38,42 +38,45 @@ struct PoseError {
 
 PoseErrorStatistics statisticsOf(const std::vector<PoseError>& errors);
 
-/// A reference relation of the Freiburg benchmark: the vehicle's pose at stamp 2 in its frame at
-/// stamp 1.
+/// A reference relation of the Freiburg benchmark: the pose of the vehicle at `stamp2` in its frame
+/// at `stamp1` (s).
 struct Relation {
   double stamp1 = 0.0;
   double stamp2 = 0.0;
   Pose2 pose;
 };
 
-/// Reads `t1 t2 x y z roll pitch yaw` a line. Throws std::runtime_error that names file and line.
+/// Reads a file with lines `t1 t2 x y z roll pitch yaw`. Throws std::runtime_error with the name of
+/// the file, the line and the error.
 std::vector<Relation> readRelations(const std::string& path);
 
-/// The metric of Kümmerle et al. 2009, without its loop weights: |relation⁻¹ · (pose1⁻¹ · pose2)|.
+/// The metric of [Kümmerle 2009], without weights of loops: |relation⁻¹ · (pose1⁻¹ · pose2)|.
 struct RelationEvaluation {
-  std::vector<PoseError> errors;   ///< in the order of the relations; stamp is stamp 1
-  std::vector<double> end_stamps;  ///< for each of `errors`, the later stamp of its relation
+  std::vector<PoseError> errors;   ///< in the order of the relations; `stamp` is stamp1
+  std::vector<double> end_stamps;  ///< the later stamp of the relation, for each of `errors`
   PoseErrorStatistics all;
-  PoseErrorStatistics distant;        ///< of those whose ends are over kDistantRelation apart
-  std::vector<double> unmatched;      ///< stamps that the trajectory does not have, ascending
-  std::size_t skipped_relations = 0;  ///< those with an end among `unmatched`
+  PoseErrorStatistics distant;        ///< relations over more than kDistantRelation
+  std::vector<double> unmatched;      ///< stamps without a pose in the trajectory, ascending
+  std::size_t skipped_relations = 0;  ///< relations with a stamp among `unmatched`
 };
 
 constexpr double kDistantRelation = 60.0;  ///< s
-constexpr double kStampTolerance = 1e-5;   ///< s; a recorded stamp and its copy in another file
+constexpr double kStampTolerance = 1e-5;   ///< s; largest difference of equal stamps in two files
 
+/// Compares a trajectory with reference relations.
 RelationEvaluation evaluateRelations(const Trajectory& trajectory,
                                      const std::vector<Relation>& relations);
 
 /// Comparison with a reference trajectory.
 ///
-/// A pose is compared with the reference at its stamp, interpolated between two poses at most
-/// kMaxReferenceGap apart. ATE: what remains after the best rigid alignment (Umeyama, no scale).
-/// RPE: difference of the relative motions over a fixed distance or time.
+/// Each pose is compared with the reference at its stamp, interpolated between two poses that are
+/// at most kMaxReferenceGap apart. ATE (absolute trajectory error): the error after the best rigid
+/// alignment (Umeyama, without scale). RPE (relative pose error): the difference of the motions
+/// over a fixed distance or time.
 struct ReferenceEvaluation {
   std::size_t unmatched = 0;   ///< poses without a reference at their time
-  Pose2 reference_T_map;       ///< the alignment
-  Trajectory aligned;          ///< the matched poses, in the reference's frame
+  Pose2 reference_T_map;       ///< the best alignment
+  Trajectory aligned;          ///< the matched poses, in the frame of the reference
   Trajectory reference;        ///< the reference at the stamps of `aligned`
   std::vector<PoseError> ate;  ///< one for each of `aligned`
   PoseErrorStatistics ate_statistics;
@@ -85,13 +88,13 @@ constexpr double kMaxReferenceGap = 0.5;  ///< s
 constexpr double kRpeDistance = 1.0;      ///< m
 constexpr double kRpeDuration = 1.0;      ///< s
 
-/// Thrown where fewer than two poses find a reference.
+/// Thrown if fewer than two poses have a reference.
 class ReferenceMismatch : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Throws ReferenceMismatch.
+/// Compares a trajectory with a reference. Throws ReferenceMismatch.
 ReferenceEvaluation evaluateReference(const Trajectory& trajectory, const Trajectory& reference);
 
 /// Length of the path, m.

@@ -14,33 +14,34 @@
 
 namespace kestrel {
 
-/// What is tried, and what counts as a good match.
+/// Settings of the experiment, and the limits of a good match.
 struct ExperimentConfig {
-  std::size_t every = 10;    ///< only every so manieth scan is matched again,
-  int initial_guesses = 5;   ///< from so many displaced initial guesses,
-  double linear_m = 1.0;     ///< each up to so far in x and y
-  double angular_rad = 0.5;  ///< and in yaw from the undisturbed pose
-  double good_m = 0.1;       ///< a match that ends no farther from the undisturbed pose is good
-  double good_rad = 0.035;
+  std::size_t every = 10;    ///< every N-th scan is matched again
+  int initial_guesses = 5;   ///< number of displaced initial guesses per scan
+  double linear_m = 1.0;     ///< largest displacement in x and in y
+  double angular_rad = 0.5;  ///< largest displacement in yaw
+  double good_m = 0.1;       ///< a match is good up to this distance from the undisturbed pose
+  double good_rad = 0.035;   ///< and up to this difference in yaw
 };
 
-/// Does the evaluation function (paper 000 eq. 4-5) tell good from bad matches?
+/// Measures how well the evaluation function [MAV SLAM 2013, eq. 4-5] separates good and bad
+/// matches.
 ///
-/// Watches a mapper, whose poses are taken to be right, and matches some of its scans again with
-/// the same map, but from displaced initial guesses, so that some matches end in wrong optima.
-/// Deterministic.
+/// Uses the scans and poses of a mapper; the poses are assumed to be correct. Matches some scans
+/// again in the same map, but from displaced initial guesses, so that some matches end in wrong
+/// optima. Deterministic.
 class EvaluationExperiment {
  public:
   /// One match from a displaced initial guess.
   struct Trial {
-    double evaluation = 0.0;  ///< f: small is good
-    bool good = false;        ///< it ended where the undisturbed match did
+    double evaluation = 0.0;  ///< value of the evaluation function; small values are good
+    bool good = false;        ///< the match ended close to the undisturbed pose
   };
 
-  /// `mapper.matcher.method` is the method that is tried.
+  /// `mapper.matcher.method` is the method under test.
   EvaluationExperiment(const MapperConfig& mapper, const ExperimentConfig& config);
 
-  /// What the watched mapper made of its next scan.
+  /// Adds the next scan of the mapper and its result.
   void add(const PlanarScan& scan, const MapperResult& result);
 
   const std::vector<Trial>& trials() const { return trials_; }
@@ -63,22 +64,23 @@ struct MethodTrials {
   std::vector<EvaluationExperiment::Trial> trials;
 };
 
-/// How a threshold divides the trials.
+/// How well a threshold separates good and bad matches.
 struct Separation {
   std::size_t good = 0, bad = 0;
-  double good_refused = 0.0;  ///< share of the good ones above the threshold
-  double bad_accepted = 0.0;  ///< share of the bad ones below it
+  double good_rejected = 0.0;  ///< fraction of good matches at or above the threshold
+  double bad_accepted = 0.0;   ///< fraction of bad matches below the threshold
 };
 
 Separation separate(const std::vector<EvaluationExperiment::Trial>& trials, double threshold);
 
-/// The threshold, in steps of 0.05, at which the sum of both shares is smallest.
+/// The threshold with the smallest sum of both fractions, in steps of 0.05.
 double bestThreshold(const std::vector<EvaluationExperiment::Trial>& trials);
 
 /// A Markdown table of all methods.
 std::string evaluationTable(const std::vector<MethodTrials>& methods, double threshold);
 
-/// Writes a PNG: for each method the histograms of f of good and bad matches, and the threshold.
+/// Writes a PNG with the histograms of the evaluation function for good and bad matches of each
+/// method, and the threshold.
 void plotEvaluationFunction(const std::string& path, const std::vector<MethodTrials>& methods,
                             double threshold);
 

@@ -15,7 +15,7 @@
 
 namespace kestrel {
 
-/// A simulated flight to be mapped, and how.
+/// A simulated flight with all settings for its mapping.
 struct FlightTrial {
   std::string name;
   Place place;
@@ -25,32 +25,34 @@ struct FlightTrial {
   std::uint64_t seed = 1;
 };
 
-/// Default parameters and the quadrotor with a UTM-30LX in the built-in place of that name. Throws
-/// std::invalid_argument for a name that no place has.
+/// A trial called `name` with default parameters and a quadrotor with a UTM-30LX in the built-in
+/// place `place_name`. Throws std::invalid_argument if there is no such place.
 FlightTrial flightIn(const std::string& name, const std::string& place_name);
 
-/// The flights of the README's table.
+/// The standard flights of the benchmark (see measure_flights).
 std::vector<FlightTrial> standardFlights();
 
-/// What came out of it, compared with the truth.
+/// The result of a flight, compared with the truth.
 struct FlightMeasurement {
   OfflineRun run;
-  ReferenceEvaluation error;   ///< against the true trajectory, after the best rigid alignment
-  Consistency consistency;     ///< of the errors with the claimed covariances, from the start on
-  std::size_t lost = 0;        ///< scans that fitted nowhere
-  std::size_t degenerate = 0;  ///< scans that left a direction open
+  ReferenceEvaluation
+      error;                ///< with respect to the true trajectory, after the best rigid alignment
+  Consistency consistency;  ///< of errors and estimated covariances, relative to the first pose
+  std::size_t lost = 0;     ///< scans in the state "lost"
+  std::size_t degenerate = 0;  ///< scans with an unobservable direction
   double max_tilt_deg = 0.0;   ///< of the vehicle
   double max_yaw_rate_rad_s = 0.0;
   std::size_t occupied_cells = 0;
-  std::size_t false_cells =
-      0;  ///< occupied, but no upright surface is near: a floor or a table top
+  /// Occupied cells without an upright surface nearby, for example from the floor or a table top.
+  std::size_t false_cells = 0;
 };
 
-/// Flies and maps. Deterministic. Throws what the simulator and the evaluation throw.
+/// Simulates and maps the flight. Deterministic. Throws the exceptions of the simulator and of
+/// evaluateReference().
 FlightMeasurement measureFlight(const FlightTrial& trial);
 
-/// Distance in the plane from `point` (in world, m) to the nearest upright surface of a box or a
-/// cylinder, at any height; infinite where there is none.
+/// Distance in the plane from `point` (in world, m) to the nearest upright surface of a box or
+/// cylinder, at any height; infinite if there is none.
 double distanceToUprightSurface(const World::Parts& parts, const Eigen::Vector2d& point);
 
 }  // namespace kestrel

@@ -9,48 +9,53 @@
 
 namespace kestrel {
 
-/// What a hard flight must not exceed.
+/// Limits for the measurement of a hard flight.
 struct HardLimits {
-  double ate_m = 0.02;           ///< rmse of the poses that are not lost
-  double jump_m = 0.1;           ///< between two scans, beyond the true motion
+  double ate_m = 0.02;           ///< rmse of scans that are not lost
+  double jump_m = 0.1;           ///< difference to the true motion between two scans
   std::size_t false_alarms = 0;  ///< scans
   std::size_t missed = 0;        ///< scans
-  std::size_t ghost_cells = 10;  ///< of some 2000 that are walls
+  std::size_t ghost_cells = 10;  ///< (a map has about 2000 occupied cells)
   std::size_t double_cells = 2;
-  double recovery_s = 0.5;  ///< from the end of a blocked view to the first scan that is found
+  double recovery_s = 0.5;  ///< from the end of a blocked view to the first scan that is not lost
 };
 
-/// A flight in which something goes wrong around the vehicle.
+/// A flight with a disturbance: moving objects, missing data or fast motion.
 struct HardFlight {
   FlightTrial trial;
   HardLimits limits;
-  /// Whole view blocked, s after the start: lost there is true whatever the error is.
+  /// Interval in which the whole view is blocked, s after the start. A lost scan is no false alarm
+  /// then.
   double blind_from_s = 0.0, blind_until_s = 0.0;
-  bool lost_is_true = false;  ///< scans come in that time, and they show nothing of the place
+  bool lost_expected = false;  ///< scans arrive in that interval, but do not show the place
 };
 
-/// People, moved furniture, dropouts, blocked views, a rotation in place and a fast start.
+/// The built-in hard flights: people, moved furniture, dropouts, blocked views, rotation in place
+/// and fast acceleration.
 std::vector<HardFlight> hardFlights();
 
-/// What came out of it, compared with the truth.
+/// The result of a hard flight, compared with the truth.
 struct HardFlightMeasurement {
   FlightMeasurement flight;
-  double ate_m = 0.0;   ///< rmse of the scans that are not lost, after the best rigid alignment
-  double jump_m = 0.0;  ///< largest motion between two scans that are not lost, less the true one
+  double ate_m = 0.0;  ///< rmse of the scans that are not lost, after the best rigid alignment
+  /// Largest difference to the true motion between two scans that are not lost.
+  double jump_m = 0.0;
   std::size_t lost = 0;
-  std::size_t false_alarms = 0;  ///< declared lost with an error below 0.2 m and a free view
-  std::size_t missed = 0;        ///< not declared lost with an error above 0.5 m
-  /// Occupied cells of the final map that stand nowhere near a surface of that time, but where a
-  /// person or a thing was, or where the vehicle flew,
+  /// Scans reported as lost, but with an error below 0.2 m and a free view.
+  std::size_t false_alarms = 0;
+  std::size_t missed = 0;  ///< scans not reported as lost, but with an error above 0.5 m
+  /// Occupied cells of the final map that are not near a surface at that time, but near a former
+  /// position of a person, of an object or of the vehicle.
   std::size_t ghost_cells = 0;
-  std::size_t double_cells = 0;  ///< and those that stand where nothing ever was
-  double recovery_s = 0.0;  ///< from the end of the blind time to the first scan found; 0: none
+  std::size_t double_cells = 0;  ///< occupied cells that were never near any surface
+  /// From the end of the blocked view to the first scan that is not lost; 0: no blocked view.
+  double recovery_s = 0.0;
 
-  /// Empty, or what exceeds its limit.
+  /// Lists the values that exceed their limits; empty if there are none.
   std::string failures(const HardLimits& limits) const;
 };
 
-/// Flies and maps. Deterministic. Throws what measureFlight throws.
+/// Simulates and maps the flight. Deterministic. Throws the exceptions of measureFlight().
 HardFlightMeasurement measureHardFlight(const HardFlight& flight);
 
 }  // namespace kestrel

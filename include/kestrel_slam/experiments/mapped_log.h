@@ -9,20 +9,21 @@
 
 namespace kestrel {
 
-/// A scan of a recording with the pose that the mapper found.
+/// A scan of a recording with the pose from the mapper.
 struct MappedScan {
-  Points points;  ///< in the robot's frame, m
+  Points points;  ///< hits in the base frame, m
   Pose2 pose;     ///< map_T_base
 };
 
-/// A recording, mapped, to search in: for tests and benchmarks of single operations.
+/// A mapped recording, for tests and benchmarks of matchers.
 struct MappedLog {
   Submap map;
   std::vector<MappedScan> scans;
 };
 
-/// Maps the recording `path` laser only with the defaults and collects the same scans at the same
-/// poses in a map of cells of `resolution_m`. Throws std::runtime_error where it cannot be read.
+/// Maps the recording `path` with default parameters and the laser only. Then inserts the same
+/// scans at the same poses into a map with a cell size of `resolution_m`. Throws std::runtime_error
+/// if the recording cannot be read.
 MappedLog mapLog(const std::string& path, double resolution_m);
 
 }  // namespace kestrel

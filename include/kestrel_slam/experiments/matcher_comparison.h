@@ -10,36 +10,37 @@
 
 namespace kestrel {
 
-/// What one method made of a recording.
+/// The run of one matching method on a recording.
 struct MethodRun {
   std::string method;
   OfflineRun run;
 };
 
-/// The errors of several methods on the same recording, or how far they are from one of them.
+/// The errors of several methods on the same recording, or their distances from one of the methods.
 struct MatcherComparison {
-  /// Of the relations, at the later of their two stamps; or of every scan.
+  /// Errors of the relations, each at the later of its two stamps, or errors of all scans.
   struct Errors {
     std::string method;
     std::vector<PoseError> errors;
     PoseErrorStatistics statistics;
   };
-  std::string reference;       ///< the method that distances are measured from; empty: relations
-  std::vector<Errors> errors;  ///< in the order of the runs; none of the reference itself
+  std::string reference;       ///< method that the others are compared with; empty: relations
+  std::vector<Errors> errors;  ///< in the order of the runs, without the reference
 };
 
-/// Compares by relations where there are any, else by the distance from the trajectory of the run
-/// called `reference`, or of the first where there is none. Nothing is aligned: every run begins in
-/// the same pose. Throws std::runtime_error where no relation has both of its scans in the runs.
+/// Compares the runs with `relations`. Without relations, compares them with the trajectory of the
+/// method `reference`, or of the first run if there is no such method. Trajectories are not
+/// aligned, because all runs begin at the same pose. Throws std::runtime_error if no relation has
+/// both scans in the runs.
 MatcherComparison compareRuns(const std::vector<MethodRun>& runs,
                               const std::optional<std::vector<Relation>>& relations,
                               const std::string& reference);
 
-/// The figures as a Markdown table; without `timing` none that were measured.
+/// The results as a Markdown table; measured times only if `timing` is true.
 std::string comparisonTable(const std::vector<MethodRun>& runs, const MatcherComparison& comparison,
                             bool timing);
 
-/// Writes a PNG: the trajectories, and the errors in translation and rotation over time.
+/// Writes a PNG with the trajectories and the errors of translation and rotation over time.
 void plotComparison(const std::string& path, const std::vector<MethodRun>& runs,
                     const MatcherComparison& comparison);
 

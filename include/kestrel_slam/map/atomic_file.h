@@ -5,12 +5,12 @@
 
 namespace kestrel {
 
-/// Writes `content` to `path` by way of a temporary file in the same folder that is then renamed,
-/// so that no reader sees half a file and a failure leaves an older file as it was. Throws
-/// std::runtime_error that names the file and the reason.
+/// Writes `content` to a temporary file in the same folder and renames it to `path`. So a reader
+/// never sees an incomplete file, and an older file remains if writing fails. Throws
+/// std::runtime_error with the file and the reason.
 void writeFileAtomically(const std::string& path, const std::string& content);
 
-/// The whole content of a file. Throws std::runtime_error that names the file and the reason.
+/// The content of a file. Throws std::runtime_error with the file and the reason.
 std::string readFile(const std::string& path);
 
 }  // namespace kestrel

@@ -7,14 +7,13 @@
 
 namespace kestrel {
 
-/// Writes `<stem>.pgm` and `<stem>.yaml` as map_server does (free 254, unknown 205, occupied 0;
-/// trinary, thresholds 0.65 and 0.196; `image:` relative to the yaml), each to a temporary name
-/// that is then renamed, so that no reader sees half a map. Throws std::runtime_error that names
-/// the file and the reason.
+/// Writes `<stem>.pgm` and `<stem>.yaml` in the format of map_server: free 254, unknown 205,
+/// occupied 0; mode trinary, thresholds 0.65 and 0.196; `image:` relative to the yaml file. Each
+/// file is written atomically. Throws std::runtime_error with the file and the reason.
 void writeMap(const std::string& stem, const MapSnapshot& map);
 
-/// Reads a map written by writeMap or by map_saver. Throws std::runtime_error that names the file
-/// and what is wrong with it.
+/// Reads a map that writeMap or map_saver has written. Throws std::runtime_error with the file and
+/// the reason.
 MapSnapshot readMap(const std::string& yaml_path);
 
 }  // namespace kestrel

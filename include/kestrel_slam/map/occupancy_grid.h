@@ -14,39 +14,40 @@
 
 namespace kestrel {
 
-/// Value and gradient (1/m) of the interpolated occupancy (paper 001 eq. 4-6).
+/// Value and gradient (1/m) of the interpolated occupancy [Kohlbrecher 2011, eq. 4-6].
 struct InterpolatedValue {
   float value;
   Eigen::Vector2f gradient;
 };
 
-/// Growing log-odds occupancy grid (paper 000 eq. 6-10) with multi-resolution levels.
+/// Growing log-odds occupancy grid [MAV SLAM 2013, eq. 6-10] with multi-resolution levels.
 ///
-/// Level 0 holds the evidence; a cell of level k covers 2^k × 2^k of its cells and holds their
-/// maximum, so that a coarse value bounds the fine ones. Memory follows the visited area.
+/// Level 0 stores the log odds. A cell of level k covers 2^k × 2^k cells of level 0 and holds their
+/// maximum, so that it is an upper bound. The memory is proportional to the visited area.
 class OccupancyGrid {
  public:
   static constexpr int kLevels = 3;  ///< 5, 10 and 20 cm at the default resolution
 
-  /// What one insertion changed, for surfaces that are derived from the grid.
+  /// Changes of one insertion, for data that is derived from the grid.
   struct Changes {
     struct Hit {
       Cell cell;
-      Eigen::Vector2f point;  ///< the end point in the map, m
+      Eigen::Vector2f point;  ///< end point in the map frame, m
     };
-    std::vector<Hit> hits;          ///< every hit beam, in the order of the scan
-    std::vector<Cell> became_free;  ///< cells that were occupied before
-    bool full = false;              ///< the memory limit kept something out
+    std::vector<Hit> hits;          ///< all inserted hits, in the order of the scan
+    std::vector<Cell> became_free;  ///< cells that were occupied before the insertion
+    bool full = false;              ///< a part was not inserted because of the memory limit
   };
 
   explicit OccupancyGrid(const OccupancyGridConfig& config);
 
-  /// Inserts a scan: every cell that a beam passes is updated once with the miss probability, every
-  /// cell with an end point once with the hit probability; where both occur the hit wins. The cell
-  /// of a hit that is marked as known stays as it is.
-  /// In established free space a hit counts half, as that of somebody who walks by, unless so much
-  /// of the scan does not fit that it is a `new_view`: from another height, or of a changed room.
-  /// The result stays valid until the next call.
+  /// Inserts a scan. Every cell that a beam passes is updated once with the miss probability. Every
+  /// cell with an end point is updated once with the hit probability; a hit overrides misses. The
+  /// cell of a hit that is marked as known is not changed.
+  /// A hit in established free space counts half, because it may be a person who walks by. It
+  /// counts fully if `new_view` is true: so much of the scan disagrees with the map that the height
+  /// of the slice or the room must have changed.
+  /// The result is valid until the next call.
   const Changes& insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view = false);
 
   void clear();
@@ -69,30 +70,31 @@ class OccupancyGrid {
     const Tile* tile = tiles_.find(cell);
     return tile != nullptr && tile->log_odds[offsetInTile(cell)] > 0;
   }
-  /// Occupancy probability of a cell; 0.5 where nothing is known.
+  /// Occupancy probability of a cell; 0.5 if it is unknown.
   double probability(const Cell& cell) const;
-  /// Maximum occupancy probability of a cell of level `level` (cell coordinates of that level).
+  /// Maximum occupancy probability of a cell of level `level`, in cell coordinates of that level.
   double levelProbability(int level, const Cell& cell) const {
     return probabilities_[levelLogOdds(level, cell)];
   }
 
-  /// Bilinear occupancy and its gradient at a point of the map (paper 001 eq. 4-6), on a level.
+  /// Bilinear occupancy and its gradient at a point of the map frame (m), on a level [Kohlbrecher
+  /// 2011, eq. 4-6].
   InterpolatedValue interpolate(int level, const Eigen::Vector2f& point) const;
 
   MapSnapshot snapshot() const;
   std::size_t memoryBytes() const { return tiles_.memoryBytes(); }
 
  private:
-  using Row = std::uint32_t;  ///< one bit a cell of a row of a tile
-  static_assert(kTileSide == 32, "one row of a tile is one Row");
+  using Row = std::uint32_t;  ///< one bit per cell in a row of a tile
+  static_assert(kTileSide == 32, "Row has one bit per cell");
 
   struct Tile {
     std::array<std::int16_t, kTileCells> log_odds{};  ///< fixed point; 0: unknown
     std::array<std::int16_t, kTileCells / 4> level1{};
     std::array<std::int16_t, kTileCells / 16> level2{};
     std::array<Row, kTileSide> occupied{};
-    std::array<Row, kTileSide> missed{};  ///< of the scan being inserted
-    std::array<Row, kTileSide> hit{};
+    std::array<Row, kTileSide> missed{};  ///< passed by a beam of the current scan
+    std::array<Row, kTileSide> hit{};     ///< hit by a beam of the current scan
     Cell corner;
     bool touched = false;
   };
@@ -100,7 +102,7 @@ class OccupancyGrid {
   Tile* touch(const Cell& cell);
   void markHits(const PlanarScan& scan, const Pose2& map_T_base);
   void markMisses(const PlanarScan& scan, const Pose2& map_T_base);
-  void keepKnown(const PlanarScan& scan, const Pose2& map_T_base);
+  void removeMissesOfKnownHits(const PlanarScan& scan, const Pose2& map_T_base);
   void traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2f& end);
   void apply(Tile& tile, std::int16_t hit_in_free);
   void applyMisses(Tile& tile);
@@ -119,7 +121,7 @@ class OccupancyGrid {
   float resolution_;
   float inverse_resolution_;
   std::int16_t hit_, miss_, min_, max_;  ///< fixed-point log odds
-  const double* probabilities_;          ///< by fixed-point log odds, negative ones before it
+  const double* probabilities_;          ///< indexed by fixed-point log odds, also negative ones
   TileMap<Tile> tiles_;
   std::vector<Tile*> touched_;
   Changes changes_;

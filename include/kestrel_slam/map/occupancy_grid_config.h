@@ -3,14 +3,15 @@
 
 namespace kestrel {
 
-/// Parameters of the log-odds map (paper 000 eq. 6-10, paper 001).
+/// Parameters of the log-odds map [MAV SLAM 2013, eq. 6-10].
 struct OccupancyGridConfig {
   double resolution_m = 0.05;
-  double hit_probability = 0.9;     ///< P_occ: what one hit says of its cell
-  double miss_probability = 0.4;    ///< P_free: what one beam that passes says of a cell
-  double min_probability = 0.05;    ///< clamps: how sure a cell can become,
-  double max_probability = 0.97;    ///< and so how fast it can change again
-  double memory_limit_mb = 2048.0;  ///< no new cells beyond; reported, never crashed into
+  double hit_probability = 0.9;   ///< P_occ: occupancy probability of a cell after one hit
+  double miss_probability = 0.4;  ///< P_free: occupancy probability of a cell that one beam passes
+  double min_probability = 0.05;  ///< clamps: the probability of a cell stays in this range,
+  double max_probability = 0.97;  ///< so that it can change again quickly
+  /// No new cells above this; the map stays usable, and the limit is reported.
+  double memory_limit_mb = 2048.0;
 };
 
 }  // namespace kestrel

@@ -17,8 +17,8 @@ struct GrayImage {
 /// The bytes of a binary PGM (P5) with one comment line.
 std::string encodePgm(const GrayImage& image, const std::string& comment);
 
-/// Reads a PGM, binary (P5) or text (P2), with comments and any maximum value up to 65535, which is
-/// scaled to 255. Throws std::runtime_error that says what is wrong, without the file's name.
+/// Decodes a PGM, binary (P5) or text (P2), with comments. Any maximum value up to 65535 is scaled
+/// to 255. Throws std::runtime_error with the reason; the name of the file is not known here.
 GrayImage decodePgm(const std::string& bytes);
 
 }  // namespace kestrel

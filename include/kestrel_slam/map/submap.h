@@ -11,27 +11,28 @@
 
 namespace kestrel {
 
-/// A scan that entered the map.
+/// A scan that was inserted into the map.
 struct Keyframe {
   Pose2 map_T_base;
-  std::vector<Eigen::Vector2f> hits;  ///< end points in base, m, in the order of the sweep
+  /// End points in the base frame, m, in the order of the sweep.
+  std::vector<Eigen::Vector2f> hits;
 };
 
-/// What a submap does beside its grid and its surface.
+/// Options of a submap.
 struct SubmapOptions {
-  std::size_t kept_scans = 0;  ///< so many of the last inserted scans stay at hand as keyframes
-  /// Only hits that have no point of the map beside them enter it (paper 004, "the non-associated
-  /// parts are pushed onto the map"). The others keep their cell from being cleared.
+  std::size_t kept_scans = 0;  ///< number of latest scans that are kept as keyframes
+  /// Insert only hits without a nearby point of the map ([multi-robot ICP, sec. 3]: "the
+  /// non-associated parts are pushed onto the map"). The cells of all other hits are not cleared.
   bool stitching = false;
 };
 
-/// A log-odds grid, the matching surface that is derived from it, and the last scans.
+/// A log-odds grid, the surface for matching that is derived from it, and the latest scans.
 class Submap {
  public:
   explicit Submap(const OccupancyGridConfig& config, const SubmapOptions& options = {});
 
-  /// Inserts a scan and brings the surface up to date; false where the memory limit kept a part
-  /// out.
+  /// Inserts a scan and updates the surface. `new_view`: see OccupancyGrid::insert. Returns false
+  /// if the memory limit kept a part out.
   bool insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view = false);
 
   void clear();
@@ -40,8 +41,8 @@ class Submap {
   const SurfelField& surface() const { return surface_; }
   const std::deque<Keyframe>& keyframes() const { return keyframes_; }  ///< oldest first
   int scans() const { return scans_; }
-  /// Names the content: it changes with every insertion, and no two maps share one.
-  /// What was derived from a map is still true where the revision is the same.
+  /// Identifies the content. It changes with every insertion and is unique among all submaps. Data
+  /// that was derived from a map is valid as long as the revision is the same.
   std::uint64_t revision() const { return revision_; }
   std::size_t memoryBytes() const;
 

@@ -12,67 +12,69 @@
 
 namespace kestrel {
 
-/// What of a distance along a wall counts: keeps points from sliding past its end.
+/// Weight of distances along a wall. It is not zero, so that points do not slide past the end of
+/// the wall.
 constexpr float kAlongWeight = 0.05F;
 
-/// The elements (11, 12, 22) of A = n n' + kAlongWeight t t' of a wall whose direction has the unit
-/// twice-angle vector `t2`.
+/// Elements (11, 12, 22) of A = n n' + kAlongWeight t t' for a wall with normal n and direction t.
+/// `t2`: (cos, sin) of twice the angle of t.
 inline Eigen::Vector3f lineShape(const Eigen::Vector2f& t2) {
   const float nx2 = 0.5F * (1.0F - t2.x()), ny2 = 1.0F - nx2, nxy = -0.5F * t2.y();
   return {nx2 + kAlongWeight * ny2, nxy * (1.0F - kAlongWeight), ny2 + kAlongWeight * nx2};
 }
 
-/// The surface inside one occupied cell: where its hits lie and which way the wall runs.
+/// The surface in one occupied cell: the mean of its hits and the direction of the wall.
 struct Surfel {
   Eigen::Vector2f mean;  ///< mean of the end points in the cell, m
-  float a11, a12, a22;   ///< information shape A: distance² = e' A e for e = point - mean
+  float a11, a12, a22;   ///< information matrix A: distance² = e' A e for e = point - mean
   Cell cell;
-  float count = 0.0F;  ///< hits in the mean, capped so that the mean can follow changes
-  /// Direction of the wall as the scans saw it, summed as (cos, sin) of twice its angle, so that
-  /// opposite directions agree; zero where no scan saw neighboring points of a wall.
+  float count = 0.0F;  ///< number of hits in the mean, limited so that the mean can follow changes
+  /// Direction of the wall from neighboring hits in the scans: sum of (cos, sin) of twice its
+  /// angle, so that opposite directions are equal. Zero if no scan has neighboring hits on a wall.
   Eigen::Vector2f tangent2 = Eigen::Vector2f::Zero();
-  /// The same from neighbors so far apart that the match does not trust it: where nothing else
-  /// tells the direction, the surfel stays a point, which holds the pose in both directions. But
-  /// it is no proof that the wall constrains the direction along itself.
+  /// The same from neighbors that are far apart. The match does not use this direction: without
+  /// another one the surfel stays a point, which constrains the pose in all directions. It is used
+  /// to decide whether the direction along the wall is observable.
   Eigen::Vector2f sparse2 = Eigen::Vector2f::Zero();
-  /// Of the scan that is being added: its hits, and the sum of their differences to the mean.
+  /// Of the current scan: number of hits, and sum of their differences to the mean.
   float new_hits = 0.0F;
   Eigen::Vector2f new_sum = Eigen::Vector2f::Zero();
-  std::uint32_t birth =
-      0;  ///< number of the scan that made it, counted from 0 since the last clear
+  /// Number of the scan that created the surfel, from 0 since the last clear.
+  std::uint32_t birth = 0;
 };
 
-/// Whether nothing near tells the direction of the wall: the surfel holds the pose in all.
+/// Whether the wall direction is unknown. Such a surfel constrains the pose in all directions.
 inline bool isPoint(const Surfel& surfel) {
-  constexpr float kPointTrace = 1.5F;  // above that of a line, below that of a point, 2
+  // Between the trace of a line and that of a point, which is 2.
+  constexpr float kPointTrace = 1.5F;
   return surfel.a11 + surfel.a22 >= kPointTrace;
 }
 
-/// What a wall can constrain: the elements (11, 12, 22) of A, or of the line that far neighbors
-/// make of a lonely point.
+/// Elements (11, 12, 22) of the information matrix for observability: A, or for a point with
+/// distant neighbors the matrix of the line through them.
 inline Eigen::Vector3f constraintOf(const Surfel& surfel) {
   const float length = isPoint(surfel) ? surfel.sparse2.norm() : 0.0F;
   if (length > 0.0F) return lineShape(surfel.sparse2 / length);
   return {surfel.a11, surfel.a12, surfel.a22};
 }
 
-/// Smooth matching surface derived from an OccupancyGrid: which surfel is nearest to any cell.
+/// Smooth surface for matching, derived from an OccupancyGrid: the nearest surfel for every cell.
 ///
-/// There is a surfel exactly in the occupied cells of the grid, which stays the one source of
-/// truth. A point finds its surfel by one look-up, up to kReachCells away from it; the distance to
-/// the wall through it has sub-cell accuracy and an exact gradient.
+/// There is one surfel for each occupied cell of the grid. A point finds its surfel with one
+/// look-up, up to kReachCells away. The distance to the wall through the surfel has sub-cell
+/// accuracy and an exact gradient.
 class SurfelField {
  public:
-  /// How far from a surfel cells still know it: 0.45 m at 5 cm.
+  /// Radius around a surfel, in cells, in which cells refer to it: 0.45 m at 5 cm.
   static constexpr int kReachCells = 9;
 
   SurfelField(float resolution_m, std::size_t limit_bytes);
 
-  /// Follows the changes of the last insertion into `grid`; false where the memory limit kept a
-  /// part out.
+  /// Applies the changes of the last insertion into `grid`. Returns false if the memory limit kept
+  /// a part out.
   bool update(const OccupancyGrid& grid, const OccupancyGrid::Changes& changes);
 
-  /// The surfel nearest to the cell of `point`, or nullptr where none is within reach.
+  /// The surfel nearest to the cell of `point` (map frame, m), or nullptr if none is within reach.
   const Surfel* nearest(const Eigen::Vector2f& point) const {
     const Cell cell{floorToInt(point.x() * inverse_resolution_),
                     floorToInt(point.y() * inverse_resolution_)};
@@ -82,15 +84,15 @@ class SurfelField {
     return id == kNone ? nullptr : &surfels_[id];
   }
 
-  /// All surfels whose means lie in `area`, in the order of the tiles.
+  /// All surfels with their mean in `area` (map frame, m), in the order of the tiles.
   std::vector<Surfel> surfelsIn(const Eigen::AlignedBox2f& area) const;
 
-  /// Whether any cell near `cell` may know a surfel: its tile exists.
+  /// Whether the tile of `cell` exists. If not, no cell in it has a nearest surfel.
   bool hasTile(const Cell& cell) const { return tiles_.find(cell) != nullptr; }
 
-  /// Calls `visit(i, j, distance²)` for every cell (corner.x + i, corner.y + j) of a square of
-  /// `side` cells that knows a surfel: the distance² from its middle to the surfel's mean, m². The
-  /// square must lie in one tile.
+  /// Calls `visit(i, j, distance²)` for every cell (corner.x + i, corner.y + j) in a square of
+  /// `side` cells that has a nearest surfel. distance²: from the center of the cell to the mean of
+  /// the surfel, m². The square must lie in one tile.
   template <typename Visit>
   void forEachNearest(const Cell& corner, int side, Visit visit) const {
     const Tile* tile = tiles_.find(corner);
@@ -118,17 +120,20 @@ class SurfelField {
  private:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
   static constexpr std::uint16_t kFar = 0xFFFFU;
-  static constexpr float kDistanceSteps = 512.0F;  ///< of a squared distance, per cell²
-  static_assert((kReachCells + 1) * (kReachCells + 1) * 512 < kFar, "squared distances fit");
+  /// Resolution of squared distances: steps per cell².
+  static constexpr float kDistanceSteps = 512.0F;
+  static_assert((kReachCells + 1) * (kReachCells + 1) * 512 < kFar,
+                "squared distances fit into 16 bits");
   struct Tile {
     Tile() {
       nearest.fill(kNone);
       distance2.fill(kFar);
     }
     std::array<std::uint32_t, kTileCells> nearest;
-    /// From the cell's center to its mean, in steps; 0 where the cell has a surfel itself.
+    /// From the center of the cell to the mean of the nearest surfel, in steps; 0 if the cell has a
+    /// surfel itself.
     std::array<std::uint16_t, kTileCells> distance2;
-    std::array<std::uint32_t, kTileSide> own{};  ///< one bit a cell: has a surfel itself
+    std::array<std::uint32_t, kTileSide> own{};  ///< one bit per cell: has a surfel itself
   };
 
   std::uint32_t idAt(const Cell& cell) const;
@@ -138,9 +143,9 @@ class SurfelField {
   bool addMean(std::uint32_t id);
   void spread(std::uint32_t id);
   void remove(const Cell& cell);
-  void orphan(std::uint32_t id);
-  void adopt(const Cell& orphan);
-  /// The mean of a surfel in cells, relative to its cell's lower left corner.
+  void detach(std::uint32_t id);
+  void attachToNearest(const Cell& cell);
+  /// The mean of a surfel in cells, relative to the lower left corner of its cell.
   Eigen::Vector2f meanInCell(const Surfel& surfel) const {
     return {surfel.mean.x() * inverse_resolution_ - static_cast<float>(surfel.cell.x),
             surfel.mean.y() * inverse_resolution_ - static_cast<float>(surfel.cell.y)};
@@ -153,18 +158,18 @@ class SurfelField {
   float inverse_resolution_;
   TileMap<Tile> tiles_;
   std::vector<Surfel> surfels_;
-  std::vector<std::uint32_t> free_;     ///< places in surfels_ that can be used again
-  std::vector<std::uint32_t> changed_;  ///< surfels hit by the scan being inserted
-  std::vector<std::uint32_t> moved_;    ///< those whose line has to follow
-  std::vector<Cell> orphans_;           ///< of a removal: cells whose nearest surfel it was,
-  struct Adopter {
+  std::vector<std::uint32_t> free_;     ///< unused places in surfels_
+  std::vector<std::uint32_t> changed_;  ///< surfels with hits of the current scan
+  std::vector<std::uint32_t> moved_;    ///< changed surfels whose line has to be updated
+  std::vector<Cell> detached_;          ///< cells whose nearest surfel is being removed
+  struct Candidate {
     Eigen::Vector2f mean;  ///< in cells
     Cell cell;
     std::uint32_t id;
   };
-  std::vector<Adopter> adopters_;  ///< and the surfels that can take its place
-  bool full_ = false;              ///< the memory limit kept a part of the last update out
-  std::uint32_t updates_ = 0;      ///< since the last clear
+  std::vector<Candidate> candidates_;  ///< surfels that may be the nearest for these cells now
+  bool full_ = false;  ///< a part of the last update was left out because of the memory limit
+  std::uint32_t updates_ = 0;  ///< number of updates since the last clear
 };
 
 }  // namespace kestrel

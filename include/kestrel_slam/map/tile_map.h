@@ -17,13 +17,13 @@ struct Cell {
 };
 inline bool operator==(const Cell& a, const Cell& b) { return a.x == b.x && a.y == b.y; }
 
-/// Largest integer not above `value`. Quicker than std::floor without machine flags.
+/// Largest integer not above `value`. Faster than std::floor without special compiler flags.
 inline int floorToInt(float value) {
   const int truncated = static_cast<int>(value);
   return truncated - static_cast<int>(value < static_cast<float>(truncated));
 }
 
-/// The side of every tile in cells, a power of two.
+/// Side of a tile in cells, a power of two.
 constexpr int kTileShift = 5;
 constexpr int kTileSide = 1 << kTileShift;
 constexpr int kTileCells = kTileSide * kTileSide;
@@ -35,16 +35,17 @@ inline std::size_t offsetInTile(const Cell& cell) {
          (static_cast<unsigned>(cell.x) & kMask);
 }
 
-/// A plane of square tiles that are allocated where they are written.
+/// A plane of square tiles that are allocated when they are written.
 ///
-/// The index is a dense rectangle around the tiles in use: a look-up is two comparisons and two
-/// loads. Tile and index bytes together stay below a limit; a write beyond it is refused.
+/// The index is a dense rectangle around the tiles in use, so a look-up takes two comparisons and
+/// two loads. Tiles and index together stay below a memory limit; a write that would exceed it is
+/// refused.
 template <typename Tile>
 class TileMap {
  public:
   explicit TileMap(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
 
-  /// The tile of a cell, or nullptr where nothing was written. Any coordinates are allowed.
+  /// The tile of a cell, or nullptr if it does not exist. Any coordinates are allowed.
   const Tile* find(const Cell& cell) const {
     const unsigned column = static_cast<unsigned>((cell.x >> kTileShift) - first_x_);
     const unsigned row = static_cast<unsigned>((cell.y >> kTileShift) - first_y_);
@@ -53,7 +54,7 @@ class TileMap {
   }
   Tile* find(const Cell& cell) { return const_cast<Tile*>(std::as_const(*this).find(cell)); }
 
-  /// The tile of a cell, allocated where needed; nullptr where that would exceed the limit.
+  /// The tile of a cell, allocated if needed; nullptr if that would exceed the limit.
   Tile* obtain(const Cell& cell) {
     if (Tile* tile = find(cell)) return tile;
     if (memoryBytes() + sizeof(Tile) > limit_bytes_ || !cover(cell)) return nullptr;
@@ -92,7 +93,7 @@ class TileMap {
   }
 
  private:
-  /// Extends the index so that it covers `cell`; false where the index would exceed the limit.
+  /// Extends the index so that it covers `cell`. Returns false if the index would exceed the limit.
   bool cover(const Cell& cell) {
     const std::int64_t tx = cell.x >> kTileShift, ty = cell.y >> kTileShift;
     if (width_ == 0) {
@@ -102,14 +103,15 @@ class TileMap {
     std::int64_t x0 = first_x_, x1 = first_x_ + static_cast<std::int64_t>(width_);
     std::int64_t y0 = first_y_, y1 = first_y_ + static_cast<std::int64_t>(height_);
     if (tx >= x0 && tx < x1 && ty >= y0 && ty < y1) return true;
-    // Spare tiles on the side that grows, so that a straight flight does not copy at every tile.
+    // Spare tiles on the side that grows, so that the index is not copied at every new tile.
     const std::int64_t spare = 4 + (std::max(x1 - x0, y1 - y0) >> 2);
     if (tx < x0) x0 = tx - spare;
     if (tx >= x1) x1 = tx + spare;
     if (ty < y0) y0 = ty - spare;
     if (ty >= y1) y1 = ty + spare;
     const auto slots = static_cast<std::size_t>(x1 - x0) * static_cast<std::size_t>(y1 - y0);
-    // A dense image of the rectangle, one byte a cell, has to fit as well: maps get published.
+    // A dense image of the rectangle with one byte per cell must fit too, because maps are
+    // published.
     if (slots > limit_bytes_ / kTileCells ||
         (tile_count_ + 1) * sizeof(Tile) + slots * sizeof(std::unique_ptr<Tile>) > limit_bytes_) {
       return false;
@@ -133,7 +135,7 @@ class TileMap {
 
   std::size_t limit_bytes_;
   std::vector<std::unique_ptr<Tile>> index_;
-  int first_x_ = 0;  ///< tile coordinates of the index's lower left corner
+  int first_x_ = 0;  ///< tile coordinates of the lower left corner of the index
   int first_y_ = 0;
   unsigned width_ = 0;
   unsigned height_ = 0;

@@ -10,31 +10,33 @@
 
 namespace kestrel {
 
-/// How well the places of a map are known that was itself built from uncertain poses.
+/// Uncertainty of the places in a map that is built from uncertain poses.
 ///
-/// Every scan that entered the map keeps the covariance of its pose, and every wall the scan that
-/// first saw it. A pose that is found from those walls is not known better than they are: to the
-/// covariance of the match it adds the mean of theirs. Their errors are as one, for each scan was
-/// placed by the walls of those before, so the mean of many is not smaller. The sum grows while the
-/// vehicle explores and stops growing where it has been before.
+/// For every inserted scan, the covariance of its pose is stored. For every wall, the scan that
+/// first saw it is known. A pose that is matched to these walls cannot be more certain than the
+/// walls. Therefore the mean of their covariances is added to the match covariance. The errors of
+/// the walls are correlated, because each scan was placed relative to the walls of earlier scans;
+/// so the covariance of the mean is not smaller. The sum grows while the vehicle explores, and does
+/// not grow in known places.
 class MapUncertainty {
  public:
-  /// Of the next scan that enters the map: its pose (map_T_base) and the covariance of that (x, y,
-  /// yaw in map, m² and rad²). To be called once for every update of the surface.
+  /// Adds the next inserted scan: its pose (map_T_base) and the covariance of (x, y, yaw) in the
+  /// map frame, m² and rad². To be called once per update of the surface.
   void add(const Pose2& pose, const Eigen::Matrix3d& covariance);
 
-  /// What the walls that a scan meets at `pose` say of it: the mean over their birth scans, each
-  /// moved to `pose` as one rigid body with it. Along the direction that the scan constrains least
-  /// it is that of the walls that do constrain it, where that is more. Zero where the scan meets no
-  /// wall.
+  /// Map covariance of a scan at `pose`: the mean over the walls that it hits, each covariance
+  /// transported to `pose` as on a rigid body. Along the weakest direction of the scan, the
+  /// covariance of the walls that constrain this direction is used if it is larger. Zero if the
+  /// scan hits no wall. `points` in the base frame, m; the result is of (x, y, yaw) in the map
+  /// frame, m² and rad².
   Eigen::Matrix3d at(const SurfelField& surface, const Points& points, const Pose2& pose) const;
 
  private:
-  struct Birth {
+  struct InsertedScan {
     Pose2 pose;
     Eigen::Matrix3d covariance;
   };
-  std::vector<Birth> births_;
+  std::vector<InsertedScan> scans_;  ///< by Surfel::birth
 };
 
 }  // namespace kestrel

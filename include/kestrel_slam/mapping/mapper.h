@@ -14,31 +14,33 @@
 
 namespace kestrel {
 
-/// ok: the scan fits; degraded: it fits poorly or a direction is unconstrained; lost: it fits
-/// nowhere within the search windows, the pose is the prediction.
+/// ok: the scan fits. degraded: it fits poorly, or a direction is unobservable. lost: it does not
+/// fit anywhere in the search windows; the pose is the prediction.
 enum class MatchState { kOk, kDegraded, kLost };
 
 const char* toString(MatchState state);
 
-/// What happened to one scan.
+/// Result for one scan.
 struct MapperResult {
-  Pose2 pose;  ///< map_T_base at the scan's time (the prediction where lost)
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw) in map, m² and rad²
-  /// Of the motion since the scan before, in the base frame of that, m² and rad².
+  Pose2 pose;  ///< map_T_base at the time of the scan; the prediction if lost
+  /// Of (x, y, yaw) in the map frame, m² and rad².
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  /// Covariance of the motion since the previous scan, in the base frame of the previous scan, m²
+  /// and rad².
   Eigen::Matrix3d motion_covariance = Eigen::Matrix3d::Zero();
-  UncertainPose uncertain;  ///< `covariance` in its parts, for relativeCovariance
-  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< in base, smoothed, m/s
+  UncertainPose uncertain;  ///< the parts of `covariance`, for relativeCovariance
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< in the base frame, smoothed, m/s
   MatchResult match;
   MatchState state = MatchState::kLost;
-  double evaluation = 0.0;  ///< f of paper 000 eq. 4: small is good
-  bool inserted = false;    ///< the scan entered the map
-  bool searched = false;    ///< the local fit was bad and the exhaustive search ran
-  bool map_full = false;    ///< the memory limit kept part of the scan out of the map
+  double evaluation = 0.0;  ///< f of [MAV SLAM 2013, eq. 4]: small if the scan fits
+  bool inserted = false;    ///< the scan was inserted into the map
+  bool searched = false;    ///< the local fit was poor and the exhaustive search was run
+  bool map_full = false;    ///< a part of the scan was not inserted because of the memory limit
 };
 
-/// Predict, match, judge, insert: one scan at a time, single-threaded and deterministic.
+/// Predict, match, evaluate, insert: one scan at a time, single-threaded and deterministic.
 ///
-/// Knows no clock and no ROS. The first scan defines the map at the start pose.
+/// Uses neither a clock nor ROS. The first scan defines the map at the initial pose.
 class Mapper {
  public:
   explicit Mapper(const MapperConfig& config);
@@ -46,24 +48,25 @@ class Mapper {
   Mapper(Mapper&&) noexcept;
   Mapper& operator=(Mapper&&) noexcept;
 
-  /// Finds the pose of `scan` and inserts it into the map where the vehicle moved enough and the
-  /// fit is good. `odom_T_base` is the odometry at the scan's time, in any continuous frame; only
-  /// its increments are used. Throws nothing: rays and odometry that are not finite, or farther
-  /// away than any sensor sees, are left out; a scan without hits gives the last pose, kLost.
+  /// Finds the pose of `scan`, and inserts the scan if the vehicle has moved enough and the fit is
+  /// good. `odom_T_base`: odometry at the time of the scan, in any continuous frame; only its
+  /// increments are used. Does not throw. Rays and odometry that are not finite or too large are
+  /// ignored. A scan without hits gives the last pose and kLost.
   MapperResult process(const PlanarScan& scan,
                        const std::optional<Pose2>& odom_T_base = std::nullopt);
 
-  /// Forgets everything; the next scan starts a new map at `map_T_base`. Ignored where that is not
-  /// finite, as in setPose.
+  /// Clears everything; the next scan starts a new map at `map_T_base`. Ignored if `map_T_base` is
+  /// not finite or too large.
   void reset(const Pose2& map_T_base = Pose2());
 
-  /// Keeps the map and places the vehicle; the next scan is searched for around `map_T_base`.
+  /// Sets the pose and keeps the map; the next scan is searched around `map_T_base`. Ignored if
+  /// `map_T_base` is not finite or too large.
   void setPose(const Pose2& map_T_base);
 
   const Pose2& pose() const;
   const MapperConfig& config() const;
 
-  /// A copy of the map as {-1, 0, 100}.
+  /// A copy of the map with the values {-1, 0, 100}.
   MapSnapshot snapshot() const;
 
   /// Memory of the maps, in bytes.

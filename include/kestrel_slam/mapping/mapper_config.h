@@ -7,17 +7,17 @@
 
 namespace kestrel {
 
-/// All parameters of the mapper. The defaults live here and nowhere else.
+/// All parameters of the mapper. All defaults are defined here.
 struct MapperConfig {
   OccupancyGridConfig grid;
   MatcherConfig matcher;
   EvaluationConfig evaluation;
 
-  double insert_distance_m = 0.25;  ///< a scan enters the map after this much motion,
-  double insert_angle_rad = 0.25;   ///< or this much rotation
-  double lost_score = 0.35;         ///< a best fit below this is no fit
-  double min_known_share = 0.1;     ///< nor is one of fewer beams than this in known space
-  double gap_s = 1.0;               ///< after this long without a scan any yaw is searched
+  double insert_distance_m = 0.25;  ///< a scan is inserted after this motion,
+  double insert_angle_rad = 0.25;   ///< or this rotation
+  double lost_score = 0.35;         ///< lost if the best score is below this,
+  double min_known_share = 0.1;     ///< or if the share of beams in known space is below this
+  double gap_s = 1.0;               ///< all yaws are searched after this time without a scan
 };
 
 }  // namespace kestrel

@@ -9,60 +9,61 @@
 
 namespace kestrel {
 
-/// A pose and what is known of its error, as covariances of (x, y, yaw) in map, m² and rad².
+/// A pose and the parts of its covariance, of (x, y, yaw) in the map frame, m² and rad².
 struct UncertainPose {
   Pose2 pose;  ///< map_T_base
-  Eigen::Matrix3d map_covariance =
-      Eigen::Matrix3d::Zero();  ///< with all that is known from this place
-  Eigen::Matrix3d match_covariance = Eigen::Matrix3d::Zero();  ///< of this one match
-  Eigen::Matrix3d covariance() const {
-    return map_covariance + match_covariance;
-  }  ///< absolute: of the pose in map
+  /// Uncertainty of the map at this place, common to all poses here.
+  Eigen::Matrix3d map_covariance = Eigen::Matrix3d::Zero();
+  /// Of this match, independent of other matches.
+  Eigen::Matrix3d match_covariance = Eigen::Matrix3d::Zero();
+  /// The absolute covariance, in the map frame.
+  Eigen::Matrix3d covariance() const { return map_covariance + match_covariance; }
 };
 
-/// Covariance of the motion a⁻¹ b, in the frame of `a`. The shared errors of two poses are taken
-/// for one chain of which one of them has come farther: what both have cancels, whatever the way.
+/// Covariance of the motion a⁻¹ b, in the frame of `a`. The map errors of both poses are assumed to
+/// come from the same chain of scans, so that the common error cancels.
 Eigen::Matrix3d relativeCovariance(const UncertainPose& a, const UncertainPose& b);
 
-/// What tells the motion along a direction that the scan does not constrain.
+/// The source of the motion prediction along an unobservable direction.
 enum class PredictionSource { kVelocity, kAccelerometer, kOdometry };
 
-/// Follows the uncertainty of the pose from scan to scan: the match, the map it was matched to, and
-/// the way along unconstrained directions, which adds up until a scan constrains them again.
+/// Tracks the uncertainty of the pose from scan to scan: the match covariance, the map covariance,
+/// and the drift along an unobservable direction, which grows until the direction is observable
+/// again.
 class PoseUncertainty {
  public:
   /// The first scan defines the map at `pose`.
   void begin(const Pose2& pose);
 
-  /// `match` was found `seconds` after the scan before, `moved_m` away from it; what it did not
-  /// constrain was filled by `prediction_source`.
+  /// Updates with `match`, found `seconds` after the previous scan and `moved_m` away from it.
+  /// Along an unobservable direction the motion is from `prediction_source`.
   void update(const SurfelField& surface, const Points& points, const MatchResult& match,
               double seconds, double moved_m, PredictionSource prediction_source);
 
-  /// Nothing is known of the vehicle but its last pose and a prediction.
+  /// The vehicle is lost; only a predicted pose is known.
   void lose(const Pose2& predicted);
 
-  /// The last scan enters the map.
+  /// The last scan was inserted into the map.
   void insert();
 
   const UncertainPose& last() const { return last_; }
-  const Eigen::Matrix3d& motion() const {
-    return motion_;
-  }  ///< since the scan before, in its frame
+  /// Covariance of the motion since the previous scan, in its base frame.
+  const Eigen::Matrix3d& motion() const { return motion_; }
 
  private:
   void drift(double seconds, double moved_m, PredictionSource prediction_source);
 
   MapUncertainty map_;
   UncertainPose last_;
-  Eigen::Matrix3d found_ = Eigen::Matrix3d::Zero();  ///< covariance of the last pose not lost
+  /// Covariance of the last pose that was not lost.
+  Eigen::Matrix3d found_ = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d motion_ = Eigen::Matrix3d::Zero();
-  bool drifting_ = false;  ///< the last scan left a direction open
-  Eigen::Vector2d unobservable_direction_ =
-      Eigen::Vector2d::Zero();   ///< that, a unit vector in map
-  double entry_variance_ = 0.0;  ///< along it where the drift began, m²
-  double drift_m_ = 0.0;         ///< standard deviation of the way since then,
-  double drift_speed_ = 0.0;     ///< and of its speed now, m/s
+  bool drifting_ = false;  ///< the last scan had an unobservable direction
+  /// Unit vector in the map frame.
+  Eigen::Vector2d unobservable_direction_ = Eigen::Vector2d::Zero();
+  double entry_variance_ = 0.0;   ///< variance along it at the beginning of the drift, m²
+  double drift_m_ = 0.0;          ///< standard deviation of the motion since then, m
+  double drift_speed_m_s_ = 0.0;  ///< standard deviation of the current velocity, m/s
 };
 
 }  // namespace kestrel

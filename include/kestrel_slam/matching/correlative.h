@@ -11,7 +11,7 @@
 
 namespace kestrel {
 
-/// What to search, around a center.
+/// The window of a search around a center pose.
 struct SearchWindow {
   double linear_m = 0.6;     ///< ± in x and y
   double angular_rad = 0.5;  ///< ±
@@ -19,29 +19,29 @@ struct SearchWindow {
 
 /// Parameters of the exhaustive search.
 struct CorrelativeConfig {
-  double sigma_m = 0.1;  ///< of the likelihood of a distance to a wall
+  double sigma_m = 0.1;  ///< standard deviation of the likelihood over the distance to a wall
   double min_angular_step_rad = 0.0044;
-  double linear_preference = 0.05;   ///< what a meter of motion costs, in units of the score
-  double angular_preference = 0.02;  ///< what a radian costs
+  double linear_preference = 0.05;   ///< penalty per meter of motion, in units of the score
+  double angular_preference = 0.02;  ///< penalty per radian of motion
 };
 
-/// The best pose of a window.
+/// Result of a search.
 struct SearchResult {
-  Pose2 pose;                    ///< the cell and angular step of the maximum
-  Pose2 mean;                    ///< mean of the likelihood surface around it: finer than a cell
-  double score = 0.0;            ///< mean likelihood of the points, 0 to 1
-  double penalized_score = 0.0;  ///< the score less the cost of the motion: what was maximized
-  Eigen::Matrix3d covariance =
-      Eigen::Matrix3d::Identity();  ///< of the likelihood surface around it
+  Pose2 pose;          ///< the grid pose with the maximum penalized score
+  Pose2 mean;          ///< mean of the likelihood surface around it; more accurate than the grid
+  double score = 0.0;  ///< mean likelihood of the points, 0 to 1
+  double penalized_score = 0.0;  ///< the score minus the penalty of the motion; this is maximized
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of the likelihood surface around
+                                                             ///< `pose`; (x, y, yaw), m² and rad²
 };
 
-/// Exhaustive search of a window in steps of one cell and one angular step, exact: branch and bound
-/// on the pyramid of maxima (paper 000 eq. 3; E. Olson, "Real-time correlative scan matching",
-/// ICRA 2009).
+/// Exhaustive search of a window in steps of one cell and one angular step. Branch and bound on a
+/// pyramid of maxima [MAV SLAM 2013, eq. 3; Olson 2009]; the result is exact. Poses are in the map
+/// frame, `points` are in the base frame, m. Without points the result is the center.
 SearchResult searchWindow(const SurfelField& surface, const Points& points, const Pose2& center,
                           const SearchWindow& window, const CorrelativeConfig& config);
 
-/// The same maximum without bounds, for tests.
+/// The same without branch and bound, for tests.
 SearchResult searchWindowBruteForce(const SurfelField& surface, const Points& points,
                                     const Pose2& center, const SearchWindow& window,
                                     const CorrelativeConfig& config);

@@ -12,32 +12,31 @@
 
 namespace kestrel {
 
-/// End points of the hits of a scan in the base frame, m.
-
-/// Parameters of the iterated, damped, robust Gauss-Newton method.
+/// Parameters of the iterated Gauss-Newton method with damping and robust weights.
 struct GaussNewtonConfig {
   int max_iterations = 15;     ///< per stage
-  double min_step_m = 6e-4;    ///< converged when a step is smaller than this,
+  double min_step_m = 6e-4;    ///< converged if a step is smaller than this,
   double min_step_rad = 4e-4;  ///< and this
 };
 
-/// One linearization at a pose: H δ = g (paper 001 eq. 12-13) with δ = (x, y, yaw).
+/// Linearization at a pose: H δ = g with δ = (x, y, yaw) [Kohlbrecher 2011, eq. 12-13].
 struct NormalEquations {
   Eigen::Matrix3f hessian = Eigen::Matrix3f::Zero();
-  Eigen::Vector3f gradient = Eigen::Vector3f::Zero();  ///< points downhill
+  Eigen::Vector3f gradient = Eigen::Vector3f::Zero();  ///< g, the direction of decreasing cost
   float cost = 0.0F;                                   ///< robust cost, to be minimized
 };
 
-/// Distance to the walls of `surface` as residual, with the Cauchy weight of scale `scale_m`.
-/// Points without a wall in reach cost as much as one at the reach.
+/// The residual is the distance to the walls of `surface`, with Cauchy weights of scale `scale_m`.
+/// A point without a wall within reach has the cost of a point at the end of the reach.
 NormalEquations linearizeDistance(const SurfelField& surface, const Points& points,
                                   const Pose2& map_T_base, float scale_m);
 
-/// 1 - M(S_i(ξ)) on a level of the grid as residual (paper 001 eq. 7-14), with a Cauchy weight.
+/// The residual is 1 - M(S_i(ξ)) on a level of the grid [Kohlbrecher 2011, eq. 7-14], with Cauchy
+/// weights of scale `scale`.
 NormalEquations linearizeOccupancy(const OccupancyGrid& grid, int level, const Points& points,
                                    const Pose2& map_T_base, float scale);
 
-/// Where a descent ended.
+/// Result of a descent.
 struct Descent {
   Pose2 pose;
   NormalEquations at_pose;
@@ -45,10 +44,10 @@ struct Descent {
   bool converged = false;
 };
 
-/// Gauss-Newton from `initial_guess`, damped as Levenberg and Marquardt: a step that does not lower
-/// the cost is taken back and shortened. `linearize(pose)` gives the normal equations. A weak pull
-/// of `prior_information` (1/m², 1/m², 1/rad², per unit of cost) ties the result to `initial_guess`
-/// where the scan says nothing.
+/// Gauss-Newton with Levenberg-Marquardt damping: a step that does not decrease the cost is
+/// rejected and shortened. `linearize(pose)` returns the normal equations. A weak prior at
+/// `initial_guess` with `prior_information` (1/m², 1/m², 1/rad², per unit of cost) keeps
+/// unobservable directions at the initial guess.
 template <typename Linearize>
 Descent descend(const Pose2& initial_guess, const GaussNewtonConfig& config,
                 const Eigen::Vector3f& prior_information, Linearize linearize) {
@@ -71,7 +70,7 @@ Descent descend(const Pose2& initial_guess, const GaussNewtonConfig& config,
   for (; best.iterations < config.max_iterations && damping < kMaxDamping; ++best.iterations) {
     Eigen::Matrix3f damped = best.at_pose.hessian;
     damped.diagonal() += damping * best.at_pose.hessian.diagonal();
-    damped.diagonal().array() += 1e-6F;  // an empty scan has no Hessian at all
+    damped.diagonal().array() += 1e-6F;  // the Hessian of an empty scan is zero
     const Eigen::Vector3f step = damped.ldlt().solve(best.at_pose.gradient);
     if (!step.allFinite()) break;
     const Pose2 pose(best.pose.x + static_cast<double>(step.x()),

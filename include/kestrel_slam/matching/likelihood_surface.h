@@ -8,12 +8,12 @@
 
 namespace kestrel {
 
-/// The score of every pose of a window: what the exhaustive search maximizes, without the cost of
-/// the motion. Peaks, ridges (a corridor) and second maxima are seen in it.
+/// The score of every pose of a window, as maximized by the exhaustive search but without the
+/// penalty of the motion. Shows peaks, ridges (in a corridor) and ambiguous maxima.
 struct LikelihoodSurface {
-  Pose2 center;              ///< of the step (0, 0, 0)
-  double step_m = 0.0;       ///< in x and y
-  double step_rad = 0.0;     ///< of the yaw
+  Pose2 center;              ///< pose of step (0, 0, 0)
+  double step_m = 0.0;       ///< step in x and y
+  double step_rad = 0.0;     ///< step of the yaw
   int linear_steps = 0;      ///< ± in x and y
   int angular_steps = 0;     ///< ±
   std::vector<float> score;  ///< mean likelihood of the points, 0 to 1; x fastest, yaw slowest
@@ -30,29 +30,30 @@ struct LikelihoodSurface {
   }
 };
 
-/// Scores every pose of the window; the time grows with its volume (±0.5 m, ±20° in steps of 3 cm:
-/// about ten times that of the search). Empty without points. Throws std::invalid_argument for more
-/// than 50 million poses.
+/// Scores every pose of the window. The time is proportional to its volume: with ±0.5 m, ±20° and 3
+/// cm steps about ten times the time of the search. Empty without points. Throws
+/// std::invalid_argument for more than 50 million poses.
 LikelihoodSurface sampleLikelihood(const SurfelField& surface, const Points& points,
                                    const Pose2& center, const SearchWindow& window,
                                    const CorrelativeConfig& config);
 
-/// The highest score over all yaws for every (x, y), row by row from the lowest y on: an image
-/// of `side()` × `side()`.
+/// The highest score over all yaws for every (x, y): an image of `side()` × `side()`, row by row,
+/// starting at the lowest y.
 std::vector<float> bestOverYaws(const LikelihoodSurface& surface);
 
-/// Mean and covariance of a pose that is distributed as the surface says.
+/// Mean and covariance of a pose with the distribution of the surface.
 struct PoseMoments {
   Pose2 mean;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), m² and rad²
-  /// Share of the likelihood, 0 to 1, in the outermost poses of x and y, and in those of the
-  /// yaw: where it is large, the surface goes on beyond its border.
+  /// Share of the likelihood, 0 to 1, in the outermost poses in x and y, and in yaw. If it is
+  /// large, the distribution continues outside the surface.
   double linear_border = 0.0, angular_border = 0.0;
 };
 
-/// Sums over the surface, each pose weighted by its likelihood (Olson eq. 5-7, paper 001's sampled
-/// covariance). The score is a mean over beams of which neighbors see the same wall: as likelihood
-/// counts exp(n · score) with the n of that many independent beams. Needs a surface with poses.
+/// Moments of the surface, each pose weighted by its likelihood ([Olson 2009, eq. 5-7]; sampled
+/// covariance of [Kohlbrecher 2011, sec. IV-B]). The score is a mean over beams, and neighboring
+/// beams are not independent. The likelihood is therefore exp(n · score), with n the number of
+/// independent beams. The surface must not be empty.
 PoseMoments momentsOf(const LikelihoodSurface& surface);
 
 }  // namespace kestrel

@@ -8,7 +8,7 @@
 
 namespace kestrel {
 
-/// The estimate of one resolution, coarse to fine: what the evaluation function compares.
+/// The estimate of one resolution. The evaluation function compares them.
 struct StageEstimate {
   Pose2 pose;
   double score = 0.0;
@@ -16,18 +16,20 @@ struct StageEstimate {
 
 constexpr std::size_t kMatchStages = 3;
 
-/// What every matcher returns.
+/// Result of a matcher.
 struct MatchResult {
   Pose2 pose;                                                ///< map_T_base
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), m² and rad²
-  double score = 0.0;  ///< fit of the beams that end in known space, 0 (none) to 1 (all on walls)
-  double known = 0.0;  ///< share of the beams that end in known space, 0 to 1
+  double score = 0.0;  ///< fit of the beams in known space, 0 (no beam) to 1 (all on walls)
+  double known = 0.0;  ///< share of the beams in known space, 0 to 1
   int iterations = 0;
-  int fallbacks = 0;  ///< predictions that were tried beside the first, as that fitted badly
+  /// Number of other predictions that were tried because the first one did not fit.
+  int fallbacks = 0;
   bool converged = false;
-  bool searched = false;    ///< the exhaustive search ran
-  bool degenerate = false;  ///< the scan does not constrain the direction below
-  Eigen::Vector2d degenerate_direction = Eigen::Vector2d::Zero();  ///< unit vector in map, or zero
+  bool searched = false;    ///< the exhaustive search was run
+  bool degenerate = false;  ///< degenerate_direction is unobservable
+  /// Unit vector in the map frame, or zero.
+  Eigen::Vector2d degenerate_direction = Eigen::Vector2d::Zero();
   double constraint = 0.0;  ///< share of the points that constrain the weakest direction, 0 to 0.5
   std::array<StageEstimate, kMatchStages> stages;  ///< coarse to fine
 };

@@ -17,53 +17,54 @@ namespace kestrel {
 
 /// Parameters of all matchers.
 struct MatcherConfig {
-  /// gauss_newton (paper 001), correlative (paper 000), progressive (paper 002), icp (papers 003
-  /// and 004) or hybrid
+  /// gauss_newton [Kohlbrecher 2011], correlative [MAV SLAM 2013], progressive [Xie 2010], icp
+  /// [Siew 2018; multi-robot ICP] or hybrid
   std::string method = "hybrid";
   GaussNewtonConfig gauss_newton;
   CorrelativeConfig correlative;
   ProgressiveConfig progressive;
   IcpConfig icp;
 
-  double score_scale_m = 0.1;  ///< a point this far from its wall fits by half
-  double good_score = 0.9;     ///< below: the other initial guesses are tried as well
-  double search_score = 0.8;   ///< below: the exhaustive search is tried as well
-  double jump_margin = 0.05;   ///< by how much a found pose has to be better than the local one
+  double score_scale_m = 0.1;  ///< a point at this distance from its wall fits by half
+  double good_score = 0.9;     ///< below this score the other initial guesses are tried
+  double search_score = 0.8;   ///< below this score the exhaustive search is run
+  double jump_margin = 0.05;   ///< minimum increase of the score to accept a pose of the search
   SearchWindow near_window{0.6, 0.52};
-  SearchWindow wide_window{1.0, 1.57};  ///< where the near one finds nothing good
-  std::string covariance = "hessian";   ///< or sampled: paper 001, IV-B; correlative has its own
-  double degenerate_share = 0.015;      ///< smaller eigenvalue of the normals below which the scan
-                                        ///< does not constrain a direction
+  SearchWindow wide_window{1.0, 1.57};  ///< used if the search in the near window fails
+  /// Hessian or sampled [Kohlbrecher 2011, sec. IV-B]; correlative has its own.
+  std::string covariance = "hessian";
+  double degenerate_share = 0.015;  ///< a direction is unobservable if the smaller eigenvalue of
+                                    ///< the normals is below this
 };
 
-/// One scan to be matched.
+/// A scan to match.
 struct MatchRequest {
   const Points& points;
-  Pose2 last;  ///< map_T_base of the scan before: small motions are penalized_score
-  std::vector<Pose2> initial_guesses;  ///< predictions, best first; never empty
-  bool search_all_round = false;       ///< nothing is known of the yaw (a gap, a lost state)
-  double search_scale = 1.0;           ///< of the windows' linear size, for a longer absence
-  bool turn_known = false;  ///< the yaw of the first initial guess is exact to some degrees
-  bool trusted = false;     ///< the first initial guess is exact to some centimeters
-  double plausible_m =
-      1e9;            ///< a pose farther from the first initial guess has to fit that much better
-  bool lost = false;  ///< the pose is only predicted: search the widest window
+  Pose2 last;  ///< map_T_base of the previous scan; the motion from it is penalized
+  std::vector<Pose2> initial_guesses;  ///< predicted poses, best first; never empty
+  bool search_all_yaws = false;        ///< the yaw is unknown (after a gap, or lost)
+  double search_scale = 1.0;  ///< factor of the linear size of the windows, for a longer gap
+  bool yaw_known = false;     ///< the yaw of the first initial guess is accurate to some degrees
+  bool trusted = false;       ///< the first initial guess is accurate to some centimeters
+  double plausible_m = 1e9;   ///< a pose farther than this from the first initial guess needs a
+                              ///< larger increase of the score, proportional to the distance
+  bool lost = false;          ///< the last poses were only predicted: search the widest window
 };
 
-/// Aligns a scan with a map. Stateless: the same request gives the same result.
+/// Aligns a scan with a map. Has no state: equal requests give equal results.
 class Matcher {
  public:
   virtual ~Matcher() = default;
   virtual MatchResult match(const Submap& map, const MatchRequest& request) const = 0;
 };
 
-/// All methods that makeMatcher knows.
+/// The names of all methods.
 const std::vector<std::string>& matcherNames();
 
-/// Throws std::invalid_argument for an unknown method.
+/// Creates a matcher. Throws std::invalid_argument if the method is unknown.
 std::unique_ptr<Matcher> makeMatcher(const MatcherConfig& config);
 
-/// What the matcher needs of a map, beside the grid and the surface that all use.
+/// Options of a submap that the matcher needs.
 SubmapOptions submapOptions(const MatcherConfig& config);
 
 }  // namespace kestrel

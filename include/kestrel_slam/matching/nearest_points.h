@@ -10,10 +10,10 @@ namespace kestrel {
 /// A point of a wall.
 struct WallPoint {
   Eigen::Vector2f position;  ///< m
-  Eigen::Vector2f normal;    ///< of the wall, unit vector; zero where unknown
+  Eigen::Vector2f normal;    ///< unit normal of the wall; zero if unknown
 };
 
-/// Exact nearest neighbors among fixed points: a k-d tree.
+/// Exact nearest neighbors among fixed points (k-d tree).
 class NearestPoints {
  public:
   explicit NearestPoints(std::vector<WallPoint> points);
@@ -21,7 +21,7 @@ class NearestPoints {
   NearestPoints(const NearestPoints&) = delete;
   NearestPoints& operator=(const NearestPoints&) = delete;
 
-  /// The point nearest to `place`, or nullptr where none is nearer than `reach_m`.
+  /// The point nearest to `place` (m), or nullptr if none is closer than `reach_m`.
   const WallPoint* nearest(const Eigen::Vector2f& place, float reach_m) const;
 
   std::size_t size() const;

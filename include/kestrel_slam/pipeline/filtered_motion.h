@@ -20,8 +20,8 @@ struct FilteredMotion {
   Pose2 odom_T_base;                                                ///< seen from above
   std::optional<double> height_m;  ///< of the base over what is below, while it is known
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< in base_stabilized, m/s
-  bool gives_attitude = false;     ///< roll and pitch are known well enough for the projection
-  bool gives_prediction = false;   ///< the motion is known well enough for the mapper
+  bool gives_attitude = false;    ///< roll and pitch are known well enough for the projection
+  bool gives_prediction = false;  ///< the motion is known well enough for the mapper
 };
 
 /// The part of a filter state that the projector uses.

@@ -110,13 +110,14 @@ class Pipeline {
 
   void advance(double arrival);
   void deliverPoses();
-  void updateFilter(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu);
+  void updateFilter(const CheckedImu& reading);
   void processQueue();
   bool handle(const WaitingScan& waiting);
   void map(const PipelineScan& scan, bool level);
   void drop(const PipelineScan& scan, const std::string& reason, const std::string& message);
 
   PipelineConfig config_;
+  ImuCheck imu_check_;
   ProjectionStage projection_;
   PoseFilter filter_;
   MappingStage mapping_;

@@ -47,7 +47,7 @@ class ProjectionStage {
   explicit ProjectionStage(const ProjectionStageConfig& config);
 
   /// False where the reading is not used.
-  bool addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu);
+  bool addImu(const CheckedImu& reading);
   /// A state of the pose filter. False where it is not used.
   bool addMotion(const FilteredMotion& motion);
   /// A reading of a range finder. `is_upright`: it is the height itself, not a distance along the

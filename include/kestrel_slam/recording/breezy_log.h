@@ -13,13 +13,13 @@
 
 namespace kestrel {
 
-/// Reads a log of the Mines ParisTech rover in the format of BreezySLAM and CoreSLAM: numbers with
-/// spaces between them, one scan a line. Column 1 is the time in µs, columns 3 and 4 the ticks of
-/// the left and the right wheel, columns 25 to 706 the ranges of a URG-04LX in mm, 0 where it has
-/// no reading. Plain, .xz, .bz2 or .gz.
+/// Reads a log of the Mines ParisTech rover in the format of BreezySLAM and CoreSLAM: one scan per
+/// line, as numbers separated by spaces. Column 1 is the time in µs. Columns 3 and 4 are the
+/// encoder ticks of the left and the right wheel. Columns 25 to 706 are the ranges of a URG-04LX in
+/// mm; 0 means no reading. The file may be plain text, .xz, .bz2 or .gz.
 class BreezyLog : public Recording {
  public:
-  /// Throws std::runtime_error where `path` cannot be read.
+  /// Throws std::runtime_error if `path` cannot be read.
   explicit BreezyLog(const std::string& path);
 
   bool next(RecordedScan& scan) override;
@@ -36,13 +36,13 @@ class BreezyLog : public Recording {
   std::unique_ptr<std::istream> stream_;
   std::size_t line_number_ = 0;
   std::size_t scan_count_ = 0;
-  bool cut_off_ = false;                             ///< the compressed data, and that was said
+  bool cut_off_ = false;  ///< the compressed data are cut off, and the warning is given
   std::optional<std::array<double, 2>> last_ticks_;  ///< of the left and the right wheel
   Pose2 odom_T_base_;
   MonotoneTime monotone_time_;
 };
 
-/// Whether the first line of the file (unpacked) has the columns of such a log.
+/// True if the first line of the (decompressed) file has the columns of such a log.
 bool looksLikeBreezyLog(const std::string& path);
 
 }  // namespace kestrel

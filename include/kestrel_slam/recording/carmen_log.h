@@ -12,13 +12,14 @@
 
 namespace kestrel {
 
-/// Reads a CARMEN log (FLASER lines, or ROBOTLASER1 lines where it has no other), plain, .bz2 or
-/// .gz, line by line in the order of the file, which is the true order even where stamps jump back.
+/// Reads a CARMEN log: plain text, .bz2 or .gz. Uses the FLASER lines; if there are none, the
+/// ROBOTLASER1 lines. Scans are read in the order of the file, which is the true order even if
+/// stamps jump back.
 ///
-/// A first quick pass counts the scans and finds the mounting of the laser.
+/// A first fast pass counts the scans and finds the mounting of the laser.
 class CarmenLog : public Recording {
  public:
-  /// Throws std::runtime_error where `path` cannot be read, is no CARMEN log or has no laser.
+  /// Throws std::runtime_error if `path` cannot be read, is not a CARMEN log or has no laser.
   explicit CarmenLog(const std::string& path);
 
   bool next(RecordedScan& scan) override;
@@ -53,7 +54,7 @@ class CarmenLog : public Recording {
   MonotoneTime monotone_time_;
 };
 
-/// Whether the beginning of the file (unpacked) looks like a CARMEN log.
+/// True if the beginning of the (decompressed) file looks like a CARMEN log.
 bool looksLikeCarmenLog(const std::string& path);
 
 }  // namespace kestrel

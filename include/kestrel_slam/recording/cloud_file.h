@@ -7,11 +7,11 @@
 
 namespace kestrel {
 
-/// Reads one sweep of a 3D lidar from a file; its stamp is 0. Known are PCD (ascii or binary, with
-/// or without padding after the points), and raw float32 numbers: `.pcd.bin` has five for a point
-/// (nuScenes: x y z intensity ring), `.bin` four (KITTI: x y z intensity).
+/// Reads one sweep of a 3D lidar from a file; its stamp is 0. Formats: PCD (ascii or binary, with
+/// or without padding after the points) and raw float32 numbers. A `.pcd.bin` file has five numbers
+/// per point (nuScenes: x y z intensity ring), a `.bin` file has four (KITTI: x y z intensity).
 ///
-/// Throws std::runtime_error that names the file and what is wrong.
+/// Throws std::runtime_error with the name of the file and the error.
 PointCloud readCloudFile(const std::string& path);
 
 }  // namespace kestrel

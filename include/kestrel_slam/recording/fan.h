@@ -7,19 +7,19 @@
 
 namespace kestrel {
 
-/// A laser of which a recording only says how many beams it has.
+/// The angles and limits of a laser, for recordings that only give its number of beams.
 struct Fan {
-  const char* laser = "";  ///< its name
-  double angle_increment = 0.0;
+  const char* laser = "";                   ///< its name
+  double angle_increment = 0.0;             ///< rad
   double range_min = 0.0, range_max = 0.0;  ///< m
-  bool known = true;                        ///< false: the number of beams is no known laser's
+  bool known = true;                        ///< false: no known laser has this number of beams
 };
 
-/// The laser with `beams` beams, which look to both sides alike.
+/// The laser with `beams` beams. Its field of view is symmetric about the x axis.
 Fan fanOf(std::size_t beams);
 
-/// A scan of this laser without stamp and ranges. The mirror turns once in each scan, so that a
-/// beam comes after the share of a turn that lies between two beams.
+/// A scan of this laser without stamp and ranges. The mirror turns once per scan, which gives the
+/// time between two beams.
 LaserScan scanOf(const Fan& fan, std::size_t beams, double rate_hz);
 
 }  // namespace kestrel

@@ -10,15 +10,15 @@
 
 namespace kestrel {
 
-/// Reads a table of ranges: one scan a line, ranges in m with commas between them, neither stamps
-/// nor odometry; plain, .xz, .bz2 or .gz.
+/// Reads a table of ranges: one scan per line, ranges in m separated by commas, without stamps and
+/// odometry. The file may be plain text, .xz, .bz2 or .gz.
 ///
-/// The number of ranges says which laser it was: 1081 a UTM-30LX (270 degrees), 681 or 682 a
-/// URG-04LX. Stamps count from 0 at the rate of the options; a line that cannot be read (the last
-/// one of a file that was cut off) leaves a gap.
+/// The number of ranges determines the laser: 1081 is a UTM-30LX (270 degrees), 681 or 682 is a
+/// URG-04LX. Stamps start at 0 and increase at the given rate. A line that cannot be read (as the
+/// last line of a file that was cut off) leaves a gap.
 class RangeTable : public Recording {
  public:
-  /// Throws std::runtime_error where `path` cannot be read or `rate_hz` is no rate.
+  /// Throws std::runtime_error if `path` cannot be read or `rate_hz` is not positive and finite.
   RangeTable(const std::string& path, double rate_hz);
 
   bool next(RecordedScan& scan) override;
@@ -37,12 +37,12 @@ class RangeTable : public Recording {
   std::unique_ptr<std::istream> stream_;
   std::size_t line_number_ = 0;
   std::size_t scan_count_ = 0;
-  bool cut_off_ = false;  ///< the compressed data, and that was said
-  LaserScan model_;       ///< everything but stamp and ranges
+  bool cut_off_ = false;  ///< the compressed data are cut off, and the warning is given
+  LaserScan model_;       ///< everything except stamp and ranges
   std::size_t beams_ = 0;
 };
 
-/// Whether the file (unpacked) begins with a line of numbers with commas between them.
+/// True if the (decompressed) file begins with a line of comma-separated numbers.
 bool looksLikeRangeTable(const std::string& path);
 
 }  // namespace kestrel

@@ -15,16 +15,16 @@
 
 namespace kestrel {
 
-/// One scan of a recording with everything the mapper may use of it.
+/// One scan of a recording with all data for the mapper.
 struct RecordedScan {
-  LaserScan scan;                   ///< `scan.stamp` is the stamp as recorded, the scan's name
-  std::optional<PointCloud> cloud;  ///< of a 3D lidar; `scan` has then no beams, only the stamp
-  double time = 0.0;  ///< the same instant on a repaired, strictly monotone time base, s
+  LaserScan scan;  ///< `scan.stamp` is the recorded stamp, which identifies the scan
+  std::optional<PointCloud> cloud;  ///< of a 3D lidar; `scan` then has a stamp, but no beams
+  double time = 0.0;                ///< the stamp, corrected to be strictly increasing, s
   Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
-  std::optional<Pose2> odom_T_base;  ///< odometry at the scan's time, where the recording has it
+  std::optional<Pose2> odom_T_base;  ///< odometry at the time of the scan, if recorded
 };
 
-/// What an IMU recorded, in the order of the file.
+/// All readings of an IMU, in the order of the file.
 struct RecordedImu {
   std::vector<ImuSample> samples;
   Eigen::Isometry3d base_T_imu = Eigen::Isometry3d::Identity();
@@ -33,37 +33,37 @@ struct RecordedImu {
 
 /// How to read a recording.
 struct RecordingOptions {
-  std::string scan_topic;    ///< bags: LaserScan or PointCloud2; empty means the only (or the
-                             ///< busiest) LaserScan topic, or PointCloud2 topic where there is none
-  std::string odom_topic;    ///< bags: empty means the only Odometry topic, or tf odom -> base
-  std::string base_frame;    ///< bags: empty means base_link, or what tf says lies above the laser
-  std::string imu_topic;     ///< bags: empty means the only (or the busiest) Imu topic
-  std::string height_topic;  ///< bags: empty means the only Range topic
-  bool prefer_clouds = false;  ///< bags: PointCloud2 topics before LaserScan topics
-  double rate_hz = 40.0;       ///< scans a second of a table of ranges, which has no stamps
+  std::string scan_topic;  ///< bags: LaserScan or PointCloud2; empty: the LaserScan topic with the
+                           ///< most messages, or a PointCloud2 topic if there is none
+  std::string odom_topic;  ///< bags: empty: the only Odometry topic, or tf odom -> base
+  std::string base_frame;  ///< bags: empty: base_link, or else the topmost non-world frame of tf
+  std::string imu_topic;   ///< bags: empty: the Imu topic with the most messages
+  std::string height_topic;    ///< bags: empty: the Range topic that looks down
+  bool prefer_clouds = false;  ///< bags: use PointCloud2 even if there is a LaserScan topic
+  double rate_hz = 40.0;       ///< scan rate of a table of ranges, which has no stamps
 };
 
-/// A rosbag or log, read scan by scan in the order of the file.
+/// A rosbag or log file. Scans are read one by one in the order of the file.
 class Recording {
  public:
   virtual ~Recording() = default;
 
-  /// Reads the next scan; false at the end. Messages that cannot be used (a broken line, a scan
-  /// whose transform is missing) are skipped and counted in `skipped()`, never lost silently.
+  /// Reads the next scan; false at the end. Messages that cannot be used (for example a broken line
+  /// or a scan without transform) are skipped and counted in `skipped()`.
   virtual bool next(RecordedScan& scan) = 0;
 
   virtual std::size_t scanCount() const = 0;    ///< scans in the file
   virtual std::string description() const = 0;  ///< one line: format, topics, frames
   virtual bool hasOdometry() const = 0;
 
-  /// The whole record of the IMU; no samples where there is none.
+  /// All IMU readings; no samples if there is no IMU.
   virtual const RecordedImu& imu() const { return imu_; }
-  /// Readings of a range finder that looks down, in the order of the file.
+  /// Readings of the downward range finder, in the order of the file.
   virtual const std::vector<HeightSample>& heights() const { return heights_; }
 
-  /// Skipped messages by reason, for example {"broken line", 1}.
+  /// Number of skipped messages for each reason, for example {"broken line", 1}.
   const std::map<std::string, std::size_t>& skipped() const { return skipped_; }
-  /// Sentences for the user: each problem once, with the first place where it occurred.
+  /// Warnings for the user: each problem once, with the place of its first occurrence.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  protected:
@@ -73,10 +73,10 @@ class Recording {
   std::vector<HeightSample> heights_;
 };
 
-/// Opens `path` by its content: a rosbag ("#ROSBAG"), or a CARMEN log, a BreezySLAM log or a table
-/// of ranges, plain, .bz2, .gz or .xz. Throws std::runtime_error with one line that says what is
-/// wrong with which file and what to do: it does not exist, is a folder, is none of these, has no
-/// laser (lists the topics it has).
+/// Opens `path`. The content determines the format: a rosbag ("#ROSBAG"), a CARMEN log, a
+/// BreezySLAM log or a table of ranges (plain, .bz2, .gz or .xz). Throws std::runtime_error with
+/// one line that names the file, the problem and a remedy: the file does not exist, is a folder,
+/// has an unknown format, or has no laser (the message lists its topics).
 std::unique_ptr<Recording> openRecording(const std::string& path,
                                          const RecordingOptions& options = RecordingOptions());
 

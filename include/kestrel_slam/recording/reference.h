@@ -7,11 +7,11 @@
 
 namespace kestrel {
 
-/// Whether a file begins as a rosbag. Throws std::runtime_error where it cannot be read.
+/// True if the file begins like a rosbag. Throws std::runtime_error if it cannot be read.
 bool isBag(const std::string& path);
 
-/// Reads a reference trajectory: a file in the TUM format, or `topic` of a rosbag (see
-/// readBagReference()). Throws std::runtime_error that names the file and what is wrong.
+/// Reads a reference trajectory from a file in the TUM format or from `topic` of a rosbag (see
+/// readBagReference()). Throws std::runtime_error with the name of the file and the error.
 Trajectory readReference(const std::string& path, const std::string& topic);
 
 }  // namespace kestrel

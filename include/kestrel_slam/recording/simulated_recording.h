@@ -13,26 +13,27 @@
 
 namespace kestrel {
 
-/// Where the base truly is at `stamp` (s, as in the messages of a simulated flight), seen from
-/// above.
+/// True pose of the base in the plane at `stamp` (s, as in the messages of a simulated flight).
 Pose2 truePose(const Motion& motion, double stamp);
 
-/// A simulated flight as a recording, without a file: scans are simulated when they are read. With
-/// a 2D laser on board it holds the scans of that, else the clouds of the lidar.
+/// A simulated flight as a recording, without a file. Scans are simulated when they are read. If
+/// the vehicle has a 2D laser, the recording consists of its scans, else of the clouds of the
+/// lidar.
 class SimulatedRecording : public Recording {
  public:
-  /// Flies the place's own plan. Throws std::invalid_argument where nothing on board scans.
+  /// Simulates the standard flight of `place`. Throws std::invalid_argument if the vehicle has
+  /// neither a laser nor a lidar.
   SimulatedRecording(const Place& place, const VehicleModel& vehicle, std::uint64_t seed);
   ~SimulatedRecording() override;
 
   bool next(RecordedScan& scan) override;
-  std::size_t scanCount() const override;  ///< without the lost ones
+  std::size_t scanCount() const override;  ///< without lost scans
   std::string description() const override;
   bool hasOdometry() const override { return false; }
 
-  /// world_T_base at the stamp of every scan, also of those not read yet.
+  /// world_T_base at the stamp of every scan, including scans that are not read yet.
   const Trajectory& truth() const;
-  /// The same in space: `trueStates()[i]` belongs to `truth()[i]`.
+  /// The same with all three dimensions: `trueStates()[i]` belongs to `truth()[i]`.
   const std::vector<TrueState>& trueStates() const;
 
   const World& world() const;
@@ -40,7 +41,7 @@ class SimulatedRecording : public Recording {
 
  private:
   struct State;
-  void recordEarly(const FlightEvent& event);
+  void recordFirstPass(const FlightEvent& event);
   bool readScan(const FlightEvent& event, RecordedScan& scan);
 
   std::unique_ptr<State> state_;

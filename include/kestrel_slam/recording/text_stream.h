@@ -8,22 +8,21 @@
 
 namespace kestrel {
 
-/// The first `count` bytes of a file, or fewer where it is shorter. Throws std::runtime_error that
-/// names the file where it does not exist, is a folder or cannot be read.
+/// The first `count` bytes of a file, or fewer if it is shorter. Throws std::runtime_error with the
+/// name of the file if it does not exist, is a folder or cannot be read.
 std::string readMagic(const std::string& path, std::size_t count);
 
-/// Opens a text file for reading, unpacked on the way where its first bytes say bzip2, gzip or
-/// xz.
-/// Damaged compressed data sets `bad()` of the stream, as does an error of the disk.
+/// Opens a text file for reading and decompresses it if it is a bzip2, gzip or xz file. Damaged
+/// compressed data and disk errors set `bad()` of the stream.
 std::unique_ptr<std::istream> openText(const std::string& path);
 
-/// The beginning of a text file, unpacked: enough for the first lines of any recording.
+/// The beginning of a text file, decompressed; enough for the first lines of any recording.
 std::string readHead(const std::string& path);
 
-/// What to tell the user where the stream of a recording went bad after a line.
+/// Warning for a stream that became bad after line `line`.
 std::string cutOffText(std::size_t line);
 
-/// Reads a number that fills the whole of `text` and is finite; false otherwise.
+/// Parses `text` as a finite number. False if it is anything else.
 bool parseFinite(const std::string& text, double& value);
 
 }  // namespace kestrel

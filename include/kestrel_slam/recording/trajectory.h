@@ -8,18 +8,18 @@
 
 namespace kestrel {
 
-/// A pose (map_T_base) and the stamp of the scan that it belongs to, as recorded.
+/// A pose (map_T_base) and the recorded stamp of its scan, s.
 struct StampedPose {
   double stamp = 0.0;
   Pose2 pose;
 };
 
-/// In the order of the recording; stamps need not be monotone.
+/// Poses in the order of the recording. Stamps need not be monotone.
 using Trajectory = std::vector<StampedPose>;
 
-/// Writes and reads the TUM format, `stamp x y z qx qy qz qw` a line, stamps with six decimals or
-/// more, so that a recorded stamp survives the round trip. Both throw std::runtime_error that names
-/// the file (and the line) and what is wrong.
+/// Write and read the TUM format, with a line `stamp x y z qx qy qz qw` per pose. Stamps have at
+/// least six decimals, so that reading gives the same stamp as was written. Both throw
+/// std::runtime_error with the name of the file, the line and the error.
 void writeTum(const std::string& path, const Trajectory& trajectory);
 Trajectory readTum(const std::string& path);
 

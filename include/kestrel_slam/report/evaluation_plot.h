@@ -8,7 +8,7 @@
 
 namespace kestrel {
 
-/// Writes a PNG: the trajectory (with the reference, where there is one), and the errors over time.
+/// Writes a PNG with the trajectory (and the reference, if there is one) and the errors over time.
 void plotEvaluation(const std::string& path, const Trajectory& trajectory,
                     const std::optional<RelationEvaluation>& relations,
                     const std::optional<ReferenceEvaluation>& reference);

@@ -10,19 +10,19 @@
 
 namespace kestrel {
 
-/// Watches a mapper, and looks at one of its scans: how likely every pose around the found one is,
-/// in the map as it was then.
-class LikelihoodWatch {
+/// Computes, for one scan of a mapper, the likelihood of all poses around the matched pose, in the
+/// map at that time.
+class LikelihoodRecorder {
  public:
-  /// `scan`: which one, counted from 0. Throws std::invalid_argument for the first, which defines
-  /// the map.
-  LikelihoodWatch(const MapperConfig& mapper, std::size_t scan);
+  /// `scan`: number of the scan, beginning with 0. Throws std::invalid_argument for scan 0, because
+  /// it defines the map.
+  LikelihoodRecorder(const MapperConfig& mapper, std::size_t scan);
 
-  /// What the watched mapper made of its next scan.
+  /// Adds the next scan of the mapper and its result.
   void add(const PlanarScan& scan, const MapperResult& result);
 
-  /// Writes a PNG: the best likelihood over all yaws around the scan's pose, the pose and the 3
-  /// sigma ellipse that it claims. Throws std::runtime_error where the scan did not come.
+  /// Writes a PNG with the likelihood around the pose of the scan (the maximum over yaw), the pose
+  /// and its 3 sigma ellipse. Throws std::runtime_error if the run ended before this scan.
   void write(const std::string& path) const;
 
   const LikelihoodSurface& surface() const { return surface_; }

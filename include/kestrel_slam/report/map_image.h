@@ -7,19 +7,20 @@
 
 namespace kestrel {
 
-/// A map as a gray PNG, upper row first, with the gray values of map_server.
+/// A map as a gray PNG with the gray values of map_server. The first row has the largest y.
 struct MapImage {
   std::string png;  ///< the bytes of the file
   int width = 0;
   int height = 0;
-  int cells_per_pixel = 1;  ///< more than 1 where the map is too large for an image
+  int cells_per_pixel = 1;  ///< greater than 1 if the map is too large for an image
 };
 
-/// Empty for an empty map. Where cells share a pixel, an occupied one wins over a free one, and
-/// that over an unknown one. Throws std::runtime_error where the image cannot be made.
+/// Renders a map; the result is empty for an empty map. If several cells share a pixel, it is
+/// occupied if one of them is occupied, else free if one is free, else unknown. Throws
+/// std::runtime_error if the image cannot be created.
 MapImage renderMap(const MapSnapshot& map, int max_side_pixels = 8192);
 
-/// `bytes` in base64, as a data URL needs them.
+/// Encodes `bytes` in base64, for data URLs.
 std::string base64(const std::string& bytes);
 
 }  // namespace kestrel

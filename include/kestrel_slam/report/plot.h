@@ -7,7 +7,7 @@
 
 namespace kestrel {
 
-/// One set of data in a chart, in the units of its axes.
+/// One data series of a chart, in the units of its axes.
 struct PlotSeries {
   enum class Style { kLine, kDots };
 
@@ -20,14 +20,14 @@ struct PlotSeries {
 struct PlotPanel {
   std::string title, x_label, y_label;
   std::vector<PlotSeries> series;
-  bool equal_axes = false;  ///< a meter is as long in x as in y
-  bool from_zero = false;   ///< y = 0 is always in sight
-  bool log_y = false;       ///< y by powers of ten; what is not positive is left out
-  double height = 1.0;      ///< share of the picture, relative to the other panels
+  bool equal_axes = false;  ///< same scale in x and y
+  bool from_zero = false;   ///< the y axis includes 0
+  bool log_y = false;       ///< logarithmic y axis; values that are not positive are omitted
+  double height = 1.0;      ///< relative to the other panels
 };
 
-/// Draws the panels one below the other into a PNG. Throws std::runtime_error that names the file
-/// where it cannot be written.
+/// Draws the panels into a PNG, one below the other. Throws std::runtime_error with the name of the
+/// file if it cannot be written.
 void writePlot(const std::string& path, const std::vector<PlotPanel>& panels);
 
 }  // namespace kestrel

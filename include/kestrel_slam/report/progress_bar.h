@@ -9,18 +9,18 @@
 
 namespace kestrel {
 
-/// Shows how far a run has come: a bar that is redrawn in place on a terminal, otherwise a line for
-/// every tenth.
+/// Shows the progress of a run: on a terminal as a bar that is updated in place, otherwise as a
+/// line after every 10 %.
 class ProgressBar {
  public:
-  /// `stream` must outlive the bar; `terminal`: whether it can be redrawn in place.
+  /// `stream` must outlive the bar. `terminal`: the stream is a terminal.
   ProgressBar(std::FILE* stream, bool terminal);
 
   void update(const OfflineProgress& progress);
   /// Ends the line of the bar.
   void finish();
 
-  /// The text for a state of the run, `elapsed_s` after its start.
+  /// The text for the progress of a run at `elapsed_s` (s) after its start.
   static std::string text(const OfflineProgress& progress, double elapsed_s);
 
  private:

@@ -8,9 +8,9 @@
 
 namespace kestrel {
 
-/// A page that needs nothing but itself: the map with the trajectory (zoom and pan), the course of
-/// match quality, time per scan and speed, the figures and the parameters. Everything measured is
-/// left out where `info.timing` is false.
+/// A self-contained HTML page: the map with the trajectory (zoom and pan), charts of match quality,
+/// time per scan and speed, statistics and parameters. Measured times and memory are omitted if
+/// `info.timing` is false.
 std::string reportHtml(const OfflineRun& run, const RunInfo& info);
 
 }  // namespace kestrel

@@ -9,8 +9,9 @@
 
 namespace kestrel {
 
-/// Draws a slice over the cloud that it was cut out of, seen from above, up to `radius_m` around
-/// the vehicle. Throws std::runtime_error that names the file where it cannot be written.
+/// Writes a PNG with a slice and the cloud that it was extracted from, seen from above, up to
+/// `radius_m` around the vehicle. Throws std::runtime_error with the name of the file if it cannot
+/// be written.
 void writeSlicePlot(const std::string& path, const std::string& title, const PointCloud& cloud,
                     const Eigen::Isometry3d& base_T_lidar, const PlanarScan& slice,
                     double radius_m);

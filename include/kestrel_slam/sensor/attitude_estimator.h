@@ -10,37 +10,42 @@
 
 namespace kestrel {
 
-/// The rotation by a rotation vector (exponential map), rad.
+/// The rotation for a rotation vector in rad (exponential map).
 Eigen::Quaterniond rotationBy(const Eigen::Vector3d& vector);
 
 struct EstimatedAttitude {
   double stamp = 0.0;
   Eigen::Quaterniond world_R_base = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d rate = Eigen::Vector3d::Zero();  ///< of the base, in base, without bias, rad/s
+  Eigen::Vector3d rate = Eigen::Vector3d::Zero();  ///< angular velocity of the base, in the base
+                                                   ///< frame, bias removed, rad/s
 };
 
 /// Roll and pitch from gyro and accelerometer: a complementary filter on SO(3) with an estimate of
-/// the gyro's bias (Mahony et al. 2008).
+/// the gyro bias [Mahony 2008].
 ///
-/// The accelerometer of a quadrotor says nothing of its tilt while it accelerates: its thrust
-/// always points along the body's z axis. Therefore the correction is limited to a small rate that
-/// a few seconds of acceleration cannot add up, and the limit grows only while the disagreement
-/// lasts longer than a vehicle can accelerate in one direction. The yaw only integrates.
+/// The thrust of a quadrotor always points along the z axis of the body. While the vehicle
+/// accelerates, the accelerometer therefore does not show the tilt. For this reason the rate of the
+/// correction is limited, so that a few seconds of acceleration change the attitude only slightly.
+/// The limit grows only if the disagreement lasts longer than a vehicle can accelerate in one
+/// direction. The yaw is only integrated and never corrected.
 class AttitudeEstimator {
  public:
   explicit AttitudeEstimator(const AttitudeConfig& config);
 
-  /// Takes a reading in the base's frame; finite, stamps ascend. Returns the attitudes that it
-  /// makes known: none while the first readings are collected, then all of those at once.
+  /// Adds a reading in the base frame: `rate` in rad/s, `force` (specific force) in m/s². All
+  /// values are finite. Readings whose stamp does not ascend are ignored. Returns the new
+  /// attitudes. The first readings are collected, so the result is empty at first and then holds
+  /// all collected attitudes at once.
   const std::vector<EstimatedAttitude>& add(double stamp, const Eigen::Vector3d& rate,
                                             const Eigen::Vector3d& force);
 
   const Eigen::Vector3d& gyroBias() const { return bias_; }
 
-  /// The mean specific force of the last start that failed because it is not gravity, m/s².
+  /// Mean specific force of the last initialization that failed because it was not close to
+  /// gravity, m/s².
   std::optional<double> refusedGravity() const { return refused_gravity_; }
 
-  /// Starts again from the next readings; only the bias is kept.
+  /// Initializes again from the next readings. Only the gyro bias is kept.
   void restart();
 
  private:
@@ -64,17 +69,20 @@ class AttitudeEstimator {
   std::optional<Reading> last_;
   std::vector<EstimatedAttitude> known_;
 
-  std::vector<EstimatedAttitude> first_;  ///< readings of the start, relative to the first
-  Eigen::Vector3d first_force_ = Eigen::Vector3d::Zero();  ///< their sum, in the frame of the first
+  /// Attitudes of the initialization, relative to the first.
+  std::vector<EstimatedAttitude> first_;
+  /// Sum of the forces, in the frame of the first attitude.
+  Eigen::Vector3d first_force_ = Eigen::Vector3d::Zero();
   std::optional<double> refused_gravity_;
 
   bool started_ = false;
   Eigen::Quaterniond world_R_base_ = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();   ///< of the gyro, in base, rad/s
-  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();  ///< smoothed specific force in world, m/s²
+  Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();   ///< of the gyro, in the base frame, rad/s
+  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();  ///< smoothed specific force in `world`, m/s²
   Eigen::Vector3d limited_direction_ = Eigen::Vector3d::Zero();
-  double limited_s_ = 0.0;  ///< for how long the correction has been limited in one direction
-  double settled_s_ = 0.0;  ///< for how long gravity has corrected the start
+  double limited_s_ = 0.0;  ///< how long the correction has been limited in one direction
+  /// How long gravity has corrected the attitude since the initialization.
+  double settled_s_ = 0.0;
   Standstill standstill_;
   int standstills_ = 0;
 };

@@ -10,46 +10,49 @@
 
 #include "kestrel_slam/sensor/attitude_buffer.h"
 #include "kestrel_slam/sensor/imu_sample.h"
+#include "kestrel_slam/sensor/imu_validation.h"
 
 namespace kestrel {
 
-/// How attitudes are taken from an IMU. The defaults live here and nowhere else.
+/// How attitudes are computed from an IMU. All defaults are defined here.
 struct AttitudeConfig {
   AttitudeBufferConfig buffer;
-  std::string source = "auto";  ///< auto: the orientation where the driver gives one, else raw;
+  std::string source = "auto";  ///< auto: the driver's orientation if it gives one, else raw;
                                 ///< orientation; raw: from gyro and accelerometer
-  double gravity_time_s = 4.0;  ///< raw: time constant with which gravity corrects the gyro
-  double bias_time_s = 60.0;    ///< raw: time constant of the estimate of the gyro's bias
-  double gravity_gate = 0.1;    ///< raw: share by which |acceleration| may differ from 9.81 m/s²
-  double frozen_s = 0.5;        ///< identical readings for this long are no readings
-  double silent_s = 0.5;        ///< after this long without a reading the IMU is silent
+  double gravity_time_s = 4.0;  ///< raw: time constant of the correction by gravity
+  double bias_time_s = 60.0;    ///< raw: time constant of the gyro bias estimate
+  /// Raw: allowed relative difference between |acceleration| and 9.81 m/s².
+  double gravity_gate = 0.1;
+  double frozen_s = 0.5;  ///< identical readings for this long are rejected
+  double silent_s = 0.5;  ///< the IMU counts as silent after this time without a reading
 };
 
-/// What the attitude can be trusted for.
+/// State of the IMU.
 enum class ImuHealth {
   kOk,
-  kNoData,        ///< nothing has come yet
-  kSilent,        ///< nothing has come for silent_s
-  kFrozen,        ///< the same reading again and again
-  kInvalid,       ///< the last readings were not finite, no unit quaternions, or went back in time
-  kUpsideDown,    ///< the attitude says that the vehicle's z axis points down
-  kContradiction  ///< orientation and accelerometer disagree on where down is (wrong mounting)
+  kNoData,   ///< no reading has arrived yet
+  kSilent,   ///< no reading for silent_s
+  kFrozen,   ///< the same reading for frozen_s
+  kInvalid,  ///< the last readings were not finite, not unit quaternions, or their stamps went back
+  kUpsideDown,    ///< according to the attitude the z axis of the vehicle points down
+  kContradiction  ///< orientation and accelerometer disagree on the direction of gravity (wrong
+                  ///< mounting)
 };
 
 const char* toString(ImuHealth health);
 
 struct ImuStatus {
   ImuHealth health = ImuHealth::kNoData;
-  std::string message;  ///< a sentence for the user: what is wrong, with values, and what to do
+  std::string message;  ///< for the user: what is wrong, the values, and what to do
   std::size_t received = 0;
   std::size_t used = 0;
-  std::map<std::string, std::size_t> rejected;  ///< readings that were not used, by reason
-  bool estimated = false;  ///< the attitude comes from gyro and accelerometer, not from the driver
+  std::map<std::string, std::size_t> rejected;  ///< number of rejected readings, by reason
+  bool estimated = false;  ///< true: from gyro and accelerometer; false: the driver's orientation
 };
 
-/// Makes attitudes of the vehicle out of the readings of an IMU that may be mounted in any
-/// orientation. Every reading is validated; whatever comes, what is in the buffer is finite, and
-/// good readings after bad ones are used at once.
+/// Computes attitudes of the vehicle from the readings of an IMU that may be mounted in any
+/// orientation. Every reading is validated: the buffer only holds finite values, and good readings
+/// after bad ones are used at once.
 class AttitudeTracker {
  public:
   explicit AttitudeTracker(const AttitudeConfig& config = AttitudeConfig());
@@ -57,18 +60,21 @@ class AttitudeTracker {
   AttitudeTracker(AttitudeTracker&&) noexcept;
   AttitudeTracker& operator=(AttitudeTracker&&) noexcept;
 
-  /// False where the reading is rejected. `base_R_imu`: the mounting.
+  /// Returns false if the reading is rejected. `base_R_imu`: mounting of the IMU.
   bool add(const ImuSample& sample, const Eigen::Quaterniond& base_R_imu);
+  /// The same for a reading that was validated already.
+  bool add(const CheckedImu& reading);
 
-  /// An attitude from elsewhere (tf), instead of IMU readings.
+  /// Adds an attitude from another source (tf) instead of IMU readings. Returns false if it is
+  /// rejected.
   bool addAttitude(double stamp, const Eigen::Quaterniond& world_R_base);
 
   const AttitudeBuffer& buffer() const;
 
-  /// The status at `now`, on the clock of the stamps (s).
+  /// The status at `now` (s, same clock as the stamps).
   ImuStatus status(double now) const;
 
-  /// Forgets everything but the counts: for a clock that was set back.
+  /// Forgets everything except the counters. To be called if the clock was set back.
   void restart();
 
  private:

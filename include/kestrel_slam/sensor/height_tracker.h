@@ -14,33 +14,36 @@
 
 namespace kestrel {
 
-/// How heights are judged. The defaults live here and nowhere else.
+/// How height readings are checked. All defaults are defined here.
 struct HeightConfig {
-  double fixed_m = 0.0;        ///< height where nothing measures it; 0: unknown
-  double max_m = 50.0;         ///< larger readings are wrong
-  double max_climb_m_s = 3.0;  ///< faster changes are steps of what is below, not of the vehicle
-  double table_time_s = 3.0;   ///< what is below for longer than this is the floor
-  double max_age_s = 1.0;      ///< older readings say nothing
+  double fixed_m = 0.0;  ///< height if nothing measures it; 0: unknown
+  double max_m = 50.0;   ///< larger readings are rejected
+  /// Faster changes are steps of the surface below, not motion of the vehicle.
+  double max_climb_m_s = 3.0;
+  double table_time_s = 3.0;  ///< a step that lasts longer than this is the new floor
+  double max_age_s = 1.0;     ///< older readings are not used
 };
 
-/// Who measured a height; the better one first.
+/// Source of a height, in order of preference.
 enum class HeightSource { kFilter, kRangeFinder, kMirror, kFloor, kParameter, kNone };
 
 const char* toString(HeightSource source);
 
-/// Height over the floor from the distance to whatever is below: a table makes the distance jump,
-/// but not the vehicle.
+/// Height over the floor from the distance to the surface below. A table makes the distance jump,
+/// but not the height of the vehicle.
 class LevelFollower {
  public:
   explicit LevelFollower(const HeightConfig& config) : config_(config) {}
 
-  /// `distance_m`: straight down, to what is below. Stamps ascend.
+  /// Adds a reading. `distance_m`: vertical distance to the surface below. Stamps (s) must ascend.
   void add(double stamp, double distance_m);
-  /// What another sensor says of the height over the floor at about the same time, m.
-  void hear(double stamp, double height_m);
-  /// Between readings they are interpolated.
+  /// Adds a height over the floor (m) from another sensor at about the same time. It decides
+  /// whether the surface below is a table or the floor.
+  void addReference(double stamp, double height_m);
+  /// Height over the floor at `time` (s), m; interpolated between readings. Nothing if there is no
+  /// reading within max_age_s.
   std::optional<double> height(double time) const;
-  /// How high the thing below is, m; 0: the floor.
+  /// Height of the surface below over the floor, m; 0: it is the floor.
   double step() const { return step_m_; }
   void restart() { *this = LevelFollower(config_); }
 
@@ -52,15 +55,14 @@ class LevelFollower {
 
   HeightConfig config_;
   std::deque<Reading> readings_;  ///< ascending stamps
-  double distance_m_ = 0.0;       ///< of the last reading
+  double distance_m_ = 0.0;       ///< distance of the last reading
   double step_m_ = 0.0;
   double step_since_s_ = 0.0;
 };
 
-/// What is known of the vehicle's height over the floor: from a pose filter, from a range finder
-/// that looks down, from beams that a mirror bends down, from returns of the floor, or from a
-/// parameter. Every reading is validated and counted; the best source that has spoken lately is
-/// used.
+/// Height of the vehicle over the floor, from a pose filter, a range finder that looks down, beams
+/// that a mirror deflects downwards, returns from the floor, or a parameter. Every reading is
+/// validated and counted. The best source with a recent reading is used.
 class HeightTracker {
  public:
   explicit HeightTracker(const HeightConfig& config = HeightConfig());
@@ -68,27 +70,28 @@ class HeightTracker {
   HeightTracker(HeightTracker&&) noexcept;
   HeightTracker& operator=(HeightTracker&&) noexcept;
 
-  /// A reading along the base's negative z axis, from the base's origin. It is put upright with the
-  /// attitude at its stamp; `attitude` null or empty: level. False where it is not used.
+  /// Adds a distance along the -z axis of the base, measured from the base's origin. The tilt is
+  /// corrected with the attitude at its stamp; without `attitude`, or if it is empty, the base is
+  /// assumed to be level. Returns false if the reading is not used.
   bool addRange(const HeightSample& sample, const AttitudeBuffer* attitude);
 
-  /// What a pose filter says of the height over what is below (FilterOutput::height), while it
-  /// knows it. False where it is not used.
+  /// Adds the height over the surface below that a pose filter estimates (FilterOutput::height). To
+  /// be called only while the filter knows it. Returns false if it is not used.
   bool addFiltered(const HeightSample& sample);
 
-  /// What the projector has seen of the floor in a sweep at `stamp`.
+  /// Adds the heights over the floor that a projected scan contains. `stamp`: of the sweep, s.
   void addProjection(double stamp, const Projection& projection);
 
-  /// Of the base over the floor, m.
+  /// Height of the base over the floor at `time` (s), m.
   std::optional<double> height(double time) const;
   HeightSource source(double time) const;
-  /// How high the thing below the range finder is, m; 0: the floor.
+  /// Height of the surface below the range finder over the floor, m; 0: it is the floor.
   double stepBelow() const;
 
-  /// Readings by what became of them: "used", "infinite", "not finite", ...
+  /// Number of readings by result: "used", "infinite", "not finite", ...
   const std::map<std::string, std::size_t>& counts() const;
 
-  /// Forgets everything but the counts: for a clock that was set back.
+  /// Forgets everything except the counters. To be called if the clock was set back.
   void restart();
 
  private:

@@ -7,7 +7,7 @@
 namespace kestrel {
 
 /// A raw sweep of a 2D laser, with the fields and units of sensor_msgs/LaserScan (rad, m, s).
-/// Ranges follow REP-117: NaN invalid, +inf nothing within range, -inf too close.
+/// Ranges follow REP-117: NaN invalid, +inf no return within range, -inf too close.
 struct LaserScan {
   double stamp = 0.0;  ///< time of the first beam as recorded, s
   double angle_min = 0.0;

@@ -8,19 +8,20 @@
 
 namespace kestrel {
 
-/// Returns at one height: where a tilted sweep meets floor or ceiling, or a wall straight across.
+/// Returns at one height: the line where a tilted sweep meets the floor, the ceiling, or a wall
+/// perpendicular to the tilt direction.
 struct LevelLine {
-  double height_m = 0.0;  ///< over the base; the floor's is negative
+  double height_m = 0.0;  ///< over the base; negative for the floor
   double tilt_rad = 0.0;  ///< of the base
 };
 
-/// Tells level surfaces from walls. In one tilted sweep both may be a line of the same height; but
-/// when the tilt grows, the height of a level surface stays and it comes nearer, while a wall stays
-/// where it is and its height grows as the tilt does.
+/// Distinguishes level surfaces from walls. In a single tilted sweep both are a line at one height.
+/// When the tilt grows, the line on a level surface keeps its height and comes nearer. The line on
+/// a wall keeps its distance, and its height grows with the tilt.
 class LevelSurface {
  public:
-  /// Adds the outermost line of the sweep at `time` (s), if it has one. Returns the height where
-  /// this line and those before it are certainly a level surface.
+  /// Adds the outermost line of the sweep at `time` (s), if it has one. Returns its height (m, over
+  /// the base) if this line and the earlier ones show a level surface.
   std::optional<double> add(double time, const std::optional<LevelLine>& line);
 
  private:
@@ -31,24 +32,25 @@ class LevelSurface {
   std::deque<Entry> entries_;
 };
 
-/// Floor and ceiling as the returns of a tilting laser show them.
+/// Height of floor and ceiling from the returns of a tilting laser.
 class LevelSurfaces {
  public:
-  /// Whether it is time to look at a sweep again: ten times a second are enough.
+  /// Whether the sweep at `time` (s) should be observed: about 20 sweeps per second are enough.
   bool isDue(double time) const;
 
-  /// `returns`: of the sweep at `time` (s), some hundred are enough, in base_stabilized with the
-  /// base as origin, m. `height_m`: of the base over the floor, where something measures it.
+  /// Adds a sweep. `returns`: end points of the sweep at `time` (s) in base_stabilized, origin at
+  /// the base, m; about a hundred are enough. `height_m`: height of the base over the floor, if it
+  /// is measured.
   void observe(double time, const std::vector<Eigen::Vector3f>& returns,
                const Eigen::Quaterniond& stabilized_R_base, const std::optional<double>& height_m);
 
-  /// Height of the base over the floor, m, where it was seen a moment ago.
+  /// Height of the base over the floor, m, if the floor was seen recently.
   std::optional<double> floorHeight(double time) const;
-  /// The same, where the very sweep at `time` has seen it.
+  /// The same, only if the sweep at `time` itself has seen the floor.
   std::optional<double> floorSeenAt(double time) const;
 
-  /// Height of the ceiling over the base, m. A ceiling is remembered as long as the height over the
-  /// floor is known, else for a moment.
+  /// Height of the ceiling over the base, m. If the height over the floor is known, the last
+  /// ceiling is used, even if it is old; else only a recent one.
   std::optional<double> ceilingHeight(double time, const std::optional<double>& height_m) const;
 
  private:
@@ -56,13 +58,13 @@ class LevelSurfaces {
     double time;
     double height_m;
   };
-  std::optional<double> last_look_;
+  std::optional<double> last_observation_;
   LevelSurface floor_, ceiling_;
   std::optional<Seen> floor_over_base_, ceiling_over_base_;
-  std::deque<double> ceilings_;  ///< heights of the ceiling over the floor, as seen lately, m
+  std::deque<double> ceilings_;  ///< latest heights of the ceiling over the floor, m
 };
 
-/// The lowest (`sign` -1) or highest (+1) level line among the returns of a sweep, if there is one.
+/// The lowest (`sign` -1) or highest (`sign` +1) line of returns at one height, if there is one.
 std::optional<LevelLine> outermostLine(std::vector<Eigen::Vector3f> returns,
                                        const Eigen::Quaterniond& stabilized_R_base, int sign);
 

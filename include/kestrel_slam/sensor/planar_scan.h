@@ -9,30 +9,30 @@
 
 namespace kestrel {
 
-/// Points in one frame, m.
+/// Points in a common frame, m.
 using Points = std::vector<Eigen::Vector2f>;
 
 /// One beam in the gravity-aligned frame of the vehicle (x forward, y left, m), at the scan's
 /// reference time.
 struct PlanarRay {
-  Eigen::Vector2f origin;  ///< where the laser was when it measured this beam
-  Eigen::Vector2f end;     ///< the return, or how far the beam certainly met nothing
-  bool hit;                ///< true: something was hit at `end`; false: the beam only clears
-  /// Of a hit: the map has it already. It keeps its cell from being cleared, and adds nothing.
+  Eigen::Vector2f origin;  ///< position of the laser when it measured this beam
+  Eigen::Vector2f end;  ///< the return; without a return, the end of the free space along the beam
+  bool hit;             ///< true: return at `end`; false: the beam only clears free space
+  /// For a hit: it is already in the map. It is not inserted again, but its cell is not cleared.
   bool known = false;
 };
 
-/// The one type between projector and mapper: hits and clears of one sweep.
+/// Hits and clears of one sweep: the only type that is passed from projector to mapper.
 struct PlanarScan {
-  double stamp = 0.0;  ///< as recorded, s; the scan's name, need not be monotone
-  double time = 0.0;   ///< reference time on a monotone time base, s
-  std::optional<double>
-      integrated_yaw;  ///< integrated turn rate of the gyro at `stamp`, rad, not
-                       ///< wrapped: only the difference between two scans has a meaning
-  /// Integrated horizontal acceleration at `stamp`, m/s, in the frame in which `integrated_yaw`
-  /// counts: only the difference between two scans has a meaning.
+  double stamp = 0.0;  ///< as recorded, s; identifies the scan, may go back
+  double time = 0.0;   ///< reference time, s; strictly increasing
+  /// Integrated yaw rate of the gyro at `stamp`, rad, not wrapped; only the difference between two
+  /// scans is meaningful.
+  std::optional<double> integrated_yaw;
+  /// Integrated horizontal acceleration at `stamp`, m/s, in a frame that is rotated from
+  /// base_stabilized by `integrated_yaw`; only the difference between two scans is meaningful.
   std::optional<Eigen::Vector2d> integrated_acceleration;
-  /// odom_T_base of a pose filter at `stamp`: only the difference between two scans has a meaning.
+  /// odom_T_base of a pose filter at `stamp`; only the difference between two scans is meaningful.
   std::optional<Pose2> predicted;
   std::vector<PlanarRay> rays;
 
@@ -43,7 +43,7 @@ struct PlanarScan {
   }
 };
 
-/// The ends of all rays that hit something.
+/// The end points of all hits.
 Points hitsOf(const PlanarScan& scan);
 
 }  // namespace kestrel

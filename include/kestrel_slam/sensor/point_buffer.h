@@ -10,7 +10,7 @@
 
 namespace kestrel {
 
-/// One value of every point of a packed cloud. `type` has the numbers of sensor_msgs/PointField.
+/// A field of the points of a packed cloud. `type` uses the numbers of sensor_msgs/PointField.
 struct PointField {
   enum Type : int {
     kInt8 = 1,
@@ -23,28 +23,29 @@ struct PointField {
     kFloat64 = 8
   };
   std::string name;
-  std::size_t offset = 0;  ///< bytes from the point's start
+  std::size_t offset = 0;  ///< bytes from the start of the point
   int type = kFloat32;
 };
 
-/// Points as bytes, row by row, as messages and files hold them. Does not own the bytes.
+/// Packed points, row by row, as in messages and files. Does not own the bytes.
 struct PointBuffer {
   std::vector<PointField> fields;
-  std::uint64_t width = 0;       ///< points in a row
+  std::uint64_t width = 0;       ///< points per row
   std::uint64_t height = 1;      ///< rows
-  std::uint64_t point_step = 0;  ///< bytes from point to point
-  std::uint64_t row_step = 0;    ///< bytes from row to row
+  std::uint64_t point_step = 0;  ///< bytes per point
+  std::uint64_t row_step = 0;    ///< bytes per row
   bool big_endian = false;
   const std::uint8_t* data = nullptr;
-  std::uint64_t size = 0;  ///< bytes at `data`; there may be more than the points need
+  std::uint64_t size = 0;  ///< bytes at `data`; may be more than the points need
 };
 
-/// Unpacks `x`, `y`, `z` (float32 or float64) and, where there is one, the points' time:
-/// `time`, `t`, `timestamp`, `time_offset` or `offset_time`, as float in s, as integer of 32 bits
-/// in ns, as float64 also as absolute time in s or ns. Without one, all times are 0.
+/// Unpacks `x`, `y`, `z` (float32 or float64) and, if there is one, the time of each point: `time`,
+/// `t`, `timestamp`, `time_offset` or `offset_time`. Times are float32 in s, 32-bit integers in ns,
+/// or float64 in s or ns, which may also be absolute. Without a time field all times are 0.
+/// `stamp`: of the cloud, s.
 ///
-/// Throws std::invalid_argument that names what is wrong: fields that are missing (and those there
-/// are), types that are unsupported, no points, fewer bytes than promised.
+/// Throws std::invalid_argument with the reason: missing fields, unsupported types, no points, or
+/// too few bytes.
 PointCloud unpackPoints(const PointBuffer& buffer, double stamp);
 
 }  // namespace kestrel

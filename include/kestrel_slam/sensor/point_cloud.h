@@ -5,11 +5,11 @@
 
 namespace kestrel {
 
-/// A sweep of a 3D lidar, in the frame of the sensor.
+/// A sweep of a 3D lidar, in the sensor frame.
 struct PointCloud {
   struct Point {
     float x, y, z;  ///< m; NaN: no return (organized clouds)
-    float time;     ///< s after `stamp`; negative where the stamp is that of the sweep's end
+    float time;     ///< s after `stamp`; negative if `stamp` is the end of the sweep
   };
   double stamp = 0.0;  ///< as recorded, s
   std::vector<Point> points;

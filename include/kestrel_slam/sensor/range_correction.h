@@ -7,23 +7,24 @@
 
 namespace kestrel {
 
-/// What is added to the ranges of a laser whose error is known. Cheap lasers, that triangulate, may
-/// be wrong by several per cent, and by a share that changes with the distance: a vehicle that
-/// trusts them moves too little or too much.
+/// Corrects the ranges of a laser with a known range error. Cheap triangulating lasers may be wrong
+/// by several percent, and the error changes with the distance. Without a correction the estimated
+/// motion is too short or too long.
 class RangeCorrection {
  public:
-  /// Reads "range:correction, range:correction", both in m, the measured ranges in ascending order:
-  /// linear between them, from zero at the range 0 to the first, constant beyond the last. An empty
-  /// text corrects nothing. Throws std::invalid_argument that quotes the text.
+  /// Parses "range:correction, range:correction", both in m, with ascending measured ranges. The
+  /// correction is linear between two ranges and from 0 at range 0 to the first; it is constant
+  /// beyond the last. An empty text corrects nothing. Throws std::invalid_argument with the text if
+  /// it is invalid.
   explicit RangeCorrection(const std::string& text);
 
   bool isEmpty() const { return knots_.empty(); }
 
-  /// The true range for a measured one, m. What is no finite positive range stays as it is.
+  /// The corrected range, m. A value that is not a finite positive range is returned unchanged.
   float corrected(float range) const;
 
  private:
-  std::vector<std::pair<float, float>> knots_;  ///< (measured range, what is added), m
+  std::vector<std::pair<float, float>> knots_;  ///< (measured range, correction), m
 };
 
 }  // namespace kestrel

@@ -15,29 +15,31 @@
 
 namespace kestrel {
 
-/// What is known of the vehicle when a scan is projected.
+/// State of the vehicle for the projection of a scan.
 struct VehicleState {
-  const AttitudeBuffer* attitude = nullptr;            ///< null: the vehicle is taken to be level
-  std::optional<double> height_m;                      ///< of the base over the floor
+  const AttitudeBuffer* attitude = nullptr;  ///< null: the vehicle is assumed to be level
+  std::optional<double> height_m;            ///< height of the base over the floor, if known
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< in base_stabilized, m/s
 };
 
-/// Turns a sweep into a horizontal slice: every end point is rotated into the gravity-aligned frame
-/// with the attitude at its own time (paper 000 eq. 1-2, paper 001 section IV-B), moved to where it
-/// is seen from at the reference time (the scan's stamp), and kept where it lies in the slice. Yaw
-/// stays with the mapper. Every scan is validated by itself: the number of beams and the geometry
-/// may change at any time; all that is remembered is what the sweeps before said of floor and
-/// ceiling.
+/// Converts a sweep to a horizontal slice. Every end point is rotated into the gravity-aligned
+/// frame with the attitude at its own time [MAV SLAM 2013, eq. 1-2; Kohlbrecher 2011, sec. IV],
+/// corrected for the motion of the vehicle since the reference time (the stamp of the scan), and
+/// kept if it lies in the slice. The yaw is left to the mapper.
+///
+/// Every scan is validated on its own: the number of beams and the geometry may change at any time.
+/// Only the heights of floor and ceiling are remembered from earlier sweeps.
 class ScanProjector {
  public:
-  /// Throws std::invalid_argument where the configuration's angles or corrections cannot be read.
+  /// Throws std::invalid_argument if the angles or corrections of the configuration are invalid.
   explicit ScanProjector(const ProjectorConfig& config);
 
-  /// `base_T_laser`: the mounting of the laser, upside down or rotated at will.
+  /// `base_T_laser`: mounting of the laser, any position and rotation. Never throws; see
+  /// Projection::error.
   Projection project(const LaserScan& scan, const Eigen::Isometry3d& base_T_laser,
                      const VehicleState& vehicle = VehicleState());
 
-  /// The slice of a 3D lidar: in every azimuth bin the nearest return that lies in the slice.
+  /// The slice of a 3D lidar: the nearest return in the slice for every azimuth bin.
   Projection project(const PointCloud& cloud, const Eigen::Isometry3d& base_T_lidar,
                      const VehicleState& vehicle = VehicleState());
 
@@ -53,7 +55,7 @@ class ScanProjector {
   LevelSurfaces surfaces_;
 };
 
-/// First and last time of a sweep's beams, s: what the attitude has to cover.
+/// First and last time of the beams of a sweep, s. The attitudes have to cover this interval.
 struct SweepTimes {
   double first = 0.0;
   double last = 0.0;

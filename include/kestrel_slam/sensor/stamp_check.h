@@ -5,27 +5,27 @@
 
 namespace kestrel {
 
-/// Tells late readings from single wrong stamps, and those from a clock that was set.
+/// Distinguishes late readings, single wrong stamps, and a clock that was set.
 class StampCheck {
  public:
   enum class Verdict {
-    kNext,    ///< newer than all before
-    kLate,    ///< a little older than the newest: it came out of order, or twice
-    kJump,    ///< far from all before: not to be used
-    kSetBack  ///< the last of several far back that agree: the clock was set
+    kNext,    ///< newer than all earlier ones
+    kLate,    ///< slightly older than the newest: out of order, or sent twice
+    kJump,    ///< far from all earlier ones: not to be used
+    kSetBack  ///< the last of several stamps far back that agree: the clock was set back
   };
 
-  /// `stamp`: finite, s. Where the verdict is kNext or kSetBack, it is the newest from now on.
+  /// Checks the next stamp (s, finite). After kNext and kSetBack it is the newest stamp.
   Verdict check(double stamp);
 
-  /// The jump of the last stamp that was kJump or kSetBack, s.
+  /// Size of the last jump, s.
   double jump() const { return jump_; }
   void restart() { *this = StampCheck(); }
 
  private:
   std::optional<double> newest_;
   double pending_ = 0.0;  ///< the last stamp that jumped
-  int agreeing_ = 0;      ///< jumped stamps in a row that agree with each other
+  int agreeing_ = 0;      ///< number of consecutive stamps after a jump that agree
   double jump_ = 0.0;
 };
 

@@ -6,12 +6,12 @@
 
 namespace kestrel {
 
-/// Recognizes a vehicle that stands still by a second of readings that hardly vary: what the gyro
-/// says then is its bias, about the vertical too, which gravity does not show.
+/// Detects a standstill: one second of readings that hardly vary. The mean of the gyro is then its
+/// bias, including the bias about the vertical, which gravity does not show.
 class Standstill {
  public:
-  /// Takes a reading, `dt` seconds after the one before. Returns the gyro's mean over the last
-  /// second where that second was a standstill.
+  /// Adds a reading. `dt`: time since the previous one, s; `rate`: rad/s; `force`: specific force,
+  /// m/s². Returns the mean rate over the last second if that second was a standstill.
   std::optional<Eigen::Vector3d> add(double dt, const Eigen::Vector3d& rate,
                                      const Eigen::Vector3d& force);
   void restart() { *this = Standstill(); }
@@ -23,7 +23,8 @@ class Standstill {
   double time_s_ = 0.0;
   Eigen::Vector3d rate_sum_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d rate_offset_ = Eigen::Vector3d::Zero();  ///< sums are relative to the first
+  /// The sums are relative to the first reading.
+  Eigen::Vector3d rate_offset_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d force_offset_ = Eigen::Vector3d::Zero();
   double rate_squares_ = 0.0;
   double force_squares_ = 0.0;

@@ -6,18 +6,19 @@
 
 namespace kestrel {
 
-/// Repairs a time base: stamps in the order of the file in, strictly monotone times out.
+/// Repairs time stamps: takes stamps in the order of the file and returns strictly increasing
+/// times.
 ///
-/// Good stamps are returned unchanged. After a stamp that jumps back a little (it is late), stamps
-/// are distrusted for a while: time goes on evenly and follows them slowly. A stamp that jumps far
-/// back or an hour ahead goes on by a typical step; where the next one confirms the jump (a bag
-/// that loops, a clock that was set), all times from there on are shifted so that no gap is left.
+/// Good stamps are returned unchanged. After a stamp that goes back slightly (a late one), the
+/// times of the next scans are evenly spaced and follow the stamps slowly. A stamp that jumps far
+/// back or ahead is replaced by a typical step. If the next stamp confirms the jump (a bag that is
+/// played again, a clock that was set), all later times are shifted, so that no gap remains.
 /// Deterministic, one stamp at a time.
 class MonotoneTime {
  public:
-  /// The repaired time of the next stamp, s.
+  /// The repaired time of the next stamp, both in s.
   double repair(double stamp);
-  /// Stamps so far that were not taken over as they are.
+  /// Number of stamps so far that were changed.
   std::size_t repaired() const { return repaired_; }
 
  private:
@@ -29,11 +30,12 @@ class MonotoneTime {
 
   bool started_ = false;
   double last_time_ = 0.0;
-  double last_stamped_time_ = 0.0;        ///< what the last good stamp alone would give, s
-  double offset_ = 0.0;                   ///< time minus stamp, s
-  std::optional<double> pending_offset_;  ///< of a jump that the next stamp may confirm
+  double last_stamped_time_ = 0.0;  ///< last stamp plus offset, s
+  double offset_ = 0.0;             ///< time minus stamp, s
+  /// Offset after a jump that the next stamp may confirm, s.
+  std::optional<double> pending_offset_;
   double typical_step_ = 0.1;
-  int distrusted_ = 0;  ///< scans for which stamps are still only followed slowly
+  int distrusted_ = 0;  ///< number of scans for which the stamps are only followed slowly
   std::size_t repaired_ = 0;
 };
 

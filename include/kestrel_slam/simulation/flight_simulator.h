@@ -19,21 +19,21 @@
 
 namespace kestrel {
 
-/// An IMU with an attitude filter of its own (Xsens MTi class); figures of its data sheet.
+/// An IMU with a built-in attitude filter (Xsens MTi class). Defaults are data sheet values.
 struct ImuModel {
   double rate_hz = 100.0;
-  double gyro_noise = 0.0009;          ///< density, rad/s/sqrt(Hz)
-  double gyro_bias = 0.003;            ///< standard deviation of the bias at the start, rad/s
-  double gyro_bias_walk = 0.00002;     ///< rad/s²/sqrt(Hz)
-  double accelerometer_noise = 0.002;  ///< density, m/s²/sqrt(Hz)
-  double accelerometer_bias = 0.02;    ///< standard deviation of the bias at the start, m/s²
-  double accelerometer_bias_walk = 0.0001;
-  double misalignment_rad = 0.002;    ///< standard deviation of the mounting's error, each axis
-  double attitude_sigma_rad = 0.005;  ///< slowly varying error of roll and pitch
-  double attitude_time_s = 5.0;       ///< its correlation time
-  double yaw_sigma_rad = 0.05;        ///< of the magnetometer's yaw
+  double gyro_noise = 0.0009;               ///< noise density, rad/s/sqrt(Hz)
+  double gyro_bias = 0.003;                 ///< standard deviation of the initial bias, rad/s
+  double gyro_bias_walk = 0.00002;          ///< rad/s²/sqrt(Hz)
+  double accelerometer_noise = 0.002;       ///< noise density, m/s²/sqrt(Hz)
+  double accelerometer_bias = 0.02;         ///< standard deviation of the initial bias, m/s²
+  double accelerometer_bias_walk = 0.0001;  ///< m/s³/sqrt(Hz)
+  double misalignment_rad = 0.002;    ///< standard deviation of the mounting error about each axis
+  double attitude_sigma_rad = 0.005;  ///< standard deviation of the error of roll and pitch
+  double attitude_time_s = 5.0;       ///< correlation time of the attitude error
+  double yaw_sigma_rad = 0.05;        ///< standard deviation of the yaw error (magnetometer)
   double latency_s = 0.005;
-  bool gives_orientation = true;
+  bool gives_orientation = true;  ///< false: a raw IMU
 };
 
 /// A range finder that looks along the base's negative z axis.
@@ -44,6 +44,7 @@ struct RangeFinderModel {
   double latency_s = 0.01;
 };
 
+/// A barometer that measures the height of the base above the floor.
 struct BarometerModel {
   double rate_hz = 10.0;
   double sigma_m = 0.1;
@@ -51,18 +52,19 @@ struct BarometerModel {
   double latency_s = 0.02;
 };
 
-/// Something that covers a part of every laser's view for a time, close to it.
+/// An obstacle close to the laser that covers a part of its view for some time. Applies to every 2D
+/// laser of the vehicle.
 struct BlockedView {
-  double from_s = 0.0, until_s = 0.0;       ///< after the start
-  double first_rad = -kPi, last_rad = kPi;  ///< beams, in the laser's frame
-  double range_m = 0.4;                     ///< what they measure there
+  double from_s = 0.0, until_s = 0.0;       ///< since the start of the flight
+  double first_rad = -kPi, last_rad = kPi;  ///< bearings of the covered beams, in the laser frame
+  double range_m = 0.4;                     ///< range that the covered beams measure
 };
 
-/// What the vehicle carries, and how its messages come through.
+/// The sensors of the vehicle and the properties of its data link.
 struct VehicleModel {
   std::optional<LaserModel> laser;
   Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
-  /// Its sweeps begin half a period after those of `laser`.
+  /// Its sweeps start half a period after those of `laser`.
   std::optional<LaserModel> second_laser;
   Eigen::Isometry3d base_T_second_laser = Eigen::Isometry3d::Identity();
   std::optional<LidarModel> lidar;
@@ -71,62 +73,67 @@ struct VehicleModel {
   Eigen::Quaterniond base_R_imu = Eigen::Quaterniond::Identity();
   std::optional<RangeFinderModel> range_finder = RangeFinderModel();
   std::optional<BarometerModel> barometer = BarometerModel();
-  double truth_rate_hz = 100.0;
-  double scan_latency_s = 0.005;  ///< after the last beam of the sweep
-  double stamp_jitter_s = 0.0;    ///< standard deviation of the stamps' error
-  double loss_probability = 0.0;  ///< of every message of a sensor
+  double truth_rate_hz = 100.0;   ///< of the TruePose messages; 0: none
+  double scan_latency_s = 0.005;  ///< from the last beam of a sweep to the arrival
+  double stamp_jitter_s = 0.0;    ///< standard deviation of the error of the stamps
+  double loss_probability = 0.0;  ///< for each message of a sensor
   std::vector<BlockedView> blocked_views;
 };
 
-/// A small quadrotor with all of the sensors above, and on top the laser or lidar `sensor`. Throws
-/// std::invalid_argument that lists the names there are.
+/// A small quadrotor with IMU, range finder, barometer and the laser or lidar called `sensor`.
+/// Throws std::invalid_argument, which lists the valid names.
 VehicleModel quadrotorWith(const std::string& sensor);
 
-/// Where a moving person truly is.
+/// True positions of the walking people.
 struct TrueWalkers {
   std::vector<Eigen::Vector2d> positions;  ///< in world, in the order of World::Parts::walkers
 };
 
+/// True state of the vehicle.
 struct TruePose {
   TrueState state;
 };
 
-/// One message of the flight. `height` of a HeightSample: range finder; `Barometer` the other.
+/// A reading of the barometer. (A plain HeightSample is a reading of the range finder.)
 struct Barometer {
   HeightSample sample;
 };
+/// Any message of a simulated flight.
 using FlightMessage =
     std::variant<LaserScan, PointCloud, ImuSample, HeightSample, Barometer, TruePose, TrueWalkers>;
 
+/// True biases of the IMU.
 struct TrueBiases {
-  Eigen::Vector3d gyro = Eigen::Vector3d::Zero();           ///< rad/s, in the IMU
-  Eigen::Vector3d accelerometer = Eigen::Vector3d::Zero();  ///< m/s²
+  Eigen::Vector3d gyro = Eigen::Vector3d::Zero();           ///< rad/s, in the IMU frame
+  Eigen::Vector3d accelerometer = Eigen::Vector3d::Zero();  ///< m/s², in the IMU frame
 };
 
+/// A message together with its times.
 struct FlightEvent {
   double stamp = 0.0;    ///< of the message, s
-  double arrival = 0.0;  ///< when it reaches the computer, s
+  double arrival = 0.0;  ///< time when it reaches the computer, s
   FlightMessage message;
-  bool second_laser = false;  ///< a LaserScan of VehicleModel::second_laser
+  bool second_laser = false;  ///< true: a LaserScan of VehicleModel::second_laser
 };
 
-/// Stamp of the start of every simulated flight, s.
+/// Time stamp at which every simulated flight starts, s.
 constexpr double kFlightStart = 1.4e9;
 
-/// Everything that the vehicle's sensors send on a flight, in the order of arrival. The same seed
-/// gives the same messages; each sensor has random numbers of its own, so that one sensor more does
-/// not change the others.
+/// Produces all sensor messages of a flight in the order of their arrival. The same seed gives the
+/// same messages. Each sensor has its own random number generator, so that adding a sensor does not
+/// change the messages of the others.
 class FlightSimulator {
  public:
-  /// `world` and `motion` must outlive the simulator.
+  /// `world` and `motion` must outlive the simulator. Throws std::invalid_argument if a sensor's
+  /// rate is not positive.
   FlightSimulator(const World& world, const Motion& motion, const VehicleModel& vehicle,
                   std::uint64_t seed);
   ~FlightSimulator();
 
-  /// False at the end.
+  /// Writes the next message to `event`. Returns false at the end of the flight.
   bool next(FlightEvent& event);
 
-  /// Of the IMU now; zero without one.
+  /// Current biases of the IMU; zero without an IMU.
   TrueBiases imuBiases() const;
 
  private:

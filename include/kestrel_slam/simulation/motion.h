@@ -5,20 +5,21 @@
 
 namespace kestrel {
 
-/// Where a simulated vehicle truly is and how it moves. z of `world` points up.
+/// True pose, velocity and acceleration of a simulated vehicle. The z axis of `world` points up.
 struct TrueState {
   Eigen::Isometry3d world_T_base = Eigen::Isometry3d::Identity();
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< in world, m/s
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();      ///< in world, without gravity, m/s²
-  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< of the base, in base, rad/s
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< in the base frame, rad/s
 };
 
-/// A known motion; smooth: each member of the state is the derivative that its name says.
+/// The known motion of a vehicle. Implementations must be consistent: `velocity` is the exact
+/// derivative of the position, and so on.
 class Motion {
  public:
   virtual ~Motion() = default;
   virtual double duration() const = 0;  ///< s
-  /// The state at `time` (s) after the start; before and after the motion the vehicle rests.
+  /// The state at `time` (s since the start). Before and after the motion the vehicle is at rest.
   virtual TrueState at(double time) const = 0;
 };
 

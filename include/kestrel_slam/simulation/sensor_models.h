@@ -14,17 +14,17 @@
 
 namespace kestrel {
 
-/// The errors of a beam, of a 2D laser and of a 3D lidar alike.
+/// The measurement errors of one beam of a 2D laser or 3D lidar.
 struct BeamErrors {
-  double sigma_m = 0.0;              ///< standard deviation of a range
-  double sigma_per_m = 0.0;          ///< and its growth with the range
-  double resolution_m = 0.0;         ///< ranges are multiples of it; 0: not rounded
-  double dropout_probability = 0.0;  ///< of a beam to come back as NaN
-  double divergence_rad = 0.0;       ///< full angle; at edges two surfaces are mixed
-  double min_cosine = 0.0;           ///< flatter incidence gives no return
+  double sigma_m = 0.0;              ///< standard deviation of a range at distance 0
+  double sigma_per_m = 0.0;          ///< proportional part, added as root of the sum of squares
+  double resolution_m = 0.0;         ///< ranges are rounded to multiples of it; 0: not rounded
+  double dropout_probability = 0.0;  ///< probability that a beam gives NaN
+  double divergence_rad = 0.0;       ///< full opening angle; causes mixed ranges at edges
+  double min_cosine = 0.0;           ///< of the angle of incidence; below it there is no return
 };
 
-/// A 2D laser: data sheet and errors. `beams` sweep from angle_min on, `time_increment` apart.
+/// Data sheet and errors of a 2D laser. The first beam points to `angle_min`.
 struct LaserModel {
   std::string name;
   std::string description;
@@ -42,25 +42,27 @@ struct LaserModel {
 struct LidarModel {
   std::string name;
   std::string description;
-  std::vector<double> elevations;  ///< of the rings, rad
-  int columns = 0;                 ///< firings a turn
-  double rate_hz = 10.0;           ///< turns a second
+  std::vector<double> elevations;  ///< elevation angle of each ring, rad
+  int columns = 0;                 ///< firings per turn
+  double rate_hz = 10.0;           ///< turns per second
   double range_min = 0.0;          ///< m
   double range_max = 0.0;          ///< m
   BeamErrors errors;
 };
 
-/// One sweep that begins at `time`, every beam cast from where the sensor is at its own time.
-/// `stamp` of the result is `time`. Deterministic for one state of `random`.
+/// Simulates one sweep that starts at `time` (s). Each beam is cast from the sensor's pose at the
+/// time of that beam. The `stamp` of the result is `time`. The result depends only on the arguments
+/// and the state of `random`.
 LaserScan sweep(const LaserModel& laser, const World& world, const Motion& motion,
                 const Eigen::Isometry3d& base_T_laser, double time, Random& random);
 PointCloud sweep(const LidarModel& lidar, const World& world, const Motion& motion,
                  const Eigen::Isometry3d& base_T_lidar, double time, Random& random);
 
-const std::vector<LaserModel>&
-laserModels();  ///< utm30lx, urg04lx, sick180, alasca, and `ideal`: no errors
-const std::vector<LidarModel>& lidarModels();  ///< vlp16
-/// Finds one by its name. Throws std::invalid_argument that lists the names there are.
+/// The known lasers: utm30lx, urg04lx, sick180, alasca, and `ideal`, which has no errors.
+const std::vector<LaserModel>& laserModels();
+/// The known lidars: vlp16.
+const std::vector<LidarModel>& lidarModels();
+/// The laser called `name`. Throws std::invalid_argument, which lists the valid names.
 const LaserModel& laserModel(const std::string& name);
 
 }  // namespace kestrel

@@ -9,22 +9,22 @@
 
 namespace kestrel {
 
-/// What a beam does at a surface.
+/// How a surface reflects a beam.
 enum class Material {
-  kMatt,   ///< returns
-  kGlass,  ///< lets the beam through, except where it is hit nearly straight on
-  kBlack   ///< swallows the beam: no return
+  kMatt,   ///< reflects the beam
+  kGlass,  ///< reflects only at nearly perpendicular incidence, else transparent
+  kBlack   ///< absorbs the beam: no return
 };
 
-/// An axis-aligned or turned box: walls, furniture, doors. Table tops are flat boxes. What is moved
-/// during a flight is two boxes, one until then and one from then on.
+/// A box with any yaw: walls, furniture, doors, table tops. An object that is moved during a flight
+/// is modeled by two boxes: one exists before that time, the other from then on.
 struct Box {
   Eigen::Vector3d center;
-  Eigen::Vector3d size;  ///< along its own axes, m
+  Eigen::Vector3d size;  ///< along the axes of the box, m
   double yaw = 0.0;      ///< rad
   Material material = Material::kMatt;
-  double from_s = -std::numeric_limits<double>::infinity();  ///< is there from then
-  double until_s = std::numeric_limits<double>::infinity();  ///< to then
+  double from_s = -std::numeric_limits<double>::infinity();  ///< exists from this time, s
+  double until_s = std::numeric_limits<double>::infinity();  ///< until this time, s
 };
 
 /// A vertical cylinder: a pillar, a pole, a leg.
@@ -35,25 +35,26 @@ struct Cylinder {
   Material material = Material::kMatt;
 };
 
-/// Somebody who walks along a closed polygon at constant speed: two legs and a trunk.
+/// A person who walks along a closed polygon at constant speed. Modeled by two legs and a trunk.
 struct Walker {
   std::vector<Eigen::Vector2d> corners;
   double speed_m_s = 1.0;
-  double phase_m = 0.0;  ///< how far along the polygon at time 0
+  double phase_m = 0.0;  ///< distance along the polygon at time 0
+  /// Position in world, m, at `time`, s.
   Eigen::Vector2d at(double time) const;
-  /// From `point` to the nearest place of the way, m; infinite without corners.
-  double distanceToWay(const Eigen::Vector2d& point) const;
+  /// Distance from `point` to the polygon, m; infinite without corners.
+  double distanceToPath(const Eigen::Vector2d& point) const;
 };
 
-/// What a beam meets first.
+/// The first surface that a beam hits.
 struct RayHit {
-  double distance = 0.0;  ///< m; +inf: nothing
-  double cosine = 1.0;    ///< of the angle of incidence, 0 (grazing) to 1 (straight on)
+  double distance = 0.0;  ///< m; +inf: no hit
+  double cosine = 1.0;    ///< of the angle of incidence, from 0 (grazing) to 1 (perpendicular)
   Material material = Material::kMatt;
 };
 
-/// The solid things of a place: an infinite floor (z = 0), optionally a ceiling, and what stands
-/// between. Rays are cast quickly (a grid in the plane tells what may be met).
+/// The solid objects of a place: an infinite floor at z = 0, optionally a ceiling, and boxes,
+/// cylinders and walking people. A grid in the plane makes ray casting fast.
 class World {
  public:
   struct Parts {
@@ -63,13 +64,15 @@ class World {
     double ceiling_m = 3.0;  ///< +inf: open sky
   };
 
+  /// Throws std::invalid_argument if a part is not finite, has no valid size or no duration.
   explicit World(Parts parts);
   ~World();
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
-  /// The first surface that returns or swallows the beam from `origin` along the unit vector
-  /// `direction` at `time` (s), up to `max_distance` (m); glass that is passed is not met.
+  /// Casts a beam from `origin` along the unit vector `direction` at `time` (s). Returns the first
+  /// surface within `max_distance` (m) that reflects or absorbs it. Glass that the beam passes is
+  /// ignored.
   RayHit cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double time,
               double max_distance) const;
 

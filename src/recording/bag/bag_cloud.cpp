@@ -11,14 +11,14 @@
 namespace kestrel {
 namespace {
 
-/// Walks over a serialized message without trusting any length in it.
+/// Skips through a serialized message and checks every length.
 class ByteWalker {
  public:
   explicit ByteWalker(const std::vector<std::uint8_t>& bytes) : bytes_(bytes) {}
 
   void skip(std::uint64_t count) {
     at_ += count;
-    if (at_ > bytes_.size()) throw std::runtime_error("its arrays are longer than the message");
+    if (at_ > bytes_.size()) throw std::runtime_error("an array is longer than the message");
   }
   std::uint32_t length() {
     const std::uint64_t from = at_;
@@ -34,8 +34,8 @@ class ByteWalker {
   std::uint64_t at_ = 0;
 };
 
-/// Throws where an array of a serialized PointCloud2 is longer than the message. The library would
-/// allocate what a damaged length says (up to 4 GB) before it notices.
+/// Throws if an array of a serialized PointCloud2 is longer than the message. Without this check,
+/// the ROS library would allocate up to 4 GB for a damaged length.
 void requireArraysFit(const std::vector<std::uint8_t>& bytes) {
   constexpr std::uint64_t kNumber = sizeof(std::uint32_t);
   constexpr std::uint64_t kFieldTail = kNumber + 1 + kNumber;  // offset, datatype, count
@@ -44,7 +44,7 @@ void requireArraysFit(const std::vector<std::uint8_t>& bytes) {
   walker.skipArray();        // frame
   walker.skip(2 * kNumber);  // height and width
   for (std::uint32_t left = walker.length(); left > 0; --left) {
-    walker.skipArray();  // name of a field
+    walker.skipArray();  // field name
     walker.skip(kFieldTail);
   }
   walker.skip(1 + 2 * kNumber);  // is_bigendian, point_step, row_step

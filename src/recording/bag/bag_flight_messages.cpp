@@ -41,7 +41,7 @@ void assign(geometry_msgs::Quaternion& to, const Eigen::Quaterniond& from) {
   to.w = from.w();
 }
 
-/// Row-major 3 x 3 with the same variance on the diagonal.
+/// Sets a row-major 3 x 3 matrix with the same variance on the diagonal.
 void setVariance(boost::array<double, 9>& covariance, double variance) {
   constexpr std::size_t kDiagonalStep = 4;
   for (std::size_t i = 0; i < covariance.size(); i += kDiagonalStep) covariance[i] = variance;
@@ -49,7 +49,7 @@ void setVariance(boost::array<double, 9>& covariance, double variance) {
 
 double square(double x) { return x * x; }
 
-/// Number of the laser of the lidar that looks in the direction of a point, the lowest is 0.
+/// The ring of the lidar that measured a point; the lowest ring is 0.
 std::uint16_t ringOf(const PointCloud::Point& point, const std::vector<double>& elevations) {
   const double elevation = std::atan2(point.z, std::hypot(point.x, point.y));
   const auto nearest = std::min_element(
@@ -89,7 +89,7 @@ sensor_msgs::PointCloud2 toMessage(const PointCloud& cloud, const ros::Time& sta
                                    const VehicleModel& vehicle) {
   auto message = stamped<sensor_msgs::PointCloud2>(stamp, kLidarFrame);
   std::vector<PointCloud::Point>
-      points;  // like the real driver's, without those that did not return
+      points;  // without missing returns, as the velodyne_driver sends them
   std::copy_if(cloud.points.begin(), cloud.points.end(), std::back_inserter(points),
                [](const PointCloud::Point& p) { return std::isfinite(p.x); });
   sensor_msgs::PointCloud2Modifier modifier(message);
@@ -106,7 +106,7 @@ sensor_msgs::PointCloud2 toMessage(const PointCloud& cloud, const ros::Time& sta
     x[0] = point.x;
     x[1] = point.y;
     x[2] = point.z;
-    *intensity = 0.0F;  // surfaces have no reflectivity
+    *intensity = 0.0F;  // reflectivity is not simulated
     *ring = ringOf(point, vehicle.lidar->elevations);
     *time = point.time;
     ++x, ++intensity, ++ring, ++time;
@@ -196,7 +196,7 @@ tf2_msgs::TFMessage mountings(const VehicleModel& vehicle, const ros::Time& stam
   if (vehicle.lidar) add(kLidarFrame, vehicle.base_T_lidar);
   if (vehicle.imu) add(kImuFrame, Eigen::Isometry3d(vehicle.base_R_imu));
   if (vehicle.range_finder) {
-    // A sensor_msgs/Range is measured along x, and this one looks down.
+    // A sensor_msgs/Range is measured along the x axis, which must point down here.
     const Eigen::AngleAxisd nose_down(kPi / 2.0, Eigen::Vector3d::UnitY());
     add(kRangeFinderFrame, Eigen::Isometry3d(nose_down));
   }

@@ -14,7 +14,7 @@
 
 namespace kestrel {
 
-/// The messages of a simulated flight. `vehicle` is what sends them.
+/// Convert the messages of a simulated flight to ROS messages. `vehicle` has the sensor models.
 sensor_msgs::LaserScan toMessage(const LaserScan& scan, const ros::Time& stamp,
                                  const VehicleModel& vehicle);
 sensor_msgs::PointCloud2 toMessage(const PointCloud& cloud, const ros::Time& stamp,
@@ -30,7 +30,7 @@ nav_msgs::Odometry toMessage(const TruePose& pose, const ros::Time& stamp,
 geometry_msgs::PoseArray toMessage(const TrueWalkers& walkers, const ros::Time& stamp,
                                    const VehicleModel& vehicle);
 
-/// The mounting of every sensor on board.
+/// The mounting of every sensor of the vehicle.
 tf2_msgs::TFMessage mountings(const VehicleModel& vehicle, const ros::Time& stamp);
 
 }  // namespace kestrel

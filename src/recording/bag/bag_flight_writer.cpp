@@ -22,7 +22,8 @@ const char* topicOf(const Barometer&) { return "/pressure_height"; }
 const char* topicOf(const TruePose&) { return "/ground_truth"; }
 const char* topicOf(const TrueWalkers&) { return "/people"; }
 
-/// Makes rosbag play latch the static transforms. rosbag adds nothing to a header that is given.
+/// The connection header that makes rosbag play latch the static transforms. It must be complete,
+/// because rosbag does not add fields to a given header.
 boost::shared_ptr<ros::M_string> latchedHeader() {
   namespace traits = ros::message_traits;
   auto header = boost::make_shared<ros::M_string>();
@@ -72,7 +73,7 @@ FlightBagSummary writeFlightBag(const std::string& path, FlightSimulator& flight
   } catch (const rosbag::BagException& error) {
     std::remove(unfinished.c_str());
     throw std::runtime_error(path + ": cannot write the bag (" + error.what() +
-                             "); check the folder");
+                             "); check that the folder exists and is writable");
   }
   if (std::rename(unfinished.c_str(), path.c_str()) != 0) {
     const std::string reason = std::strerror(errno);

@@ -15,11 +15,11 @@ const std::string kRangeType = "sensor_msgs/Range";
 
 /// The beam of a sensor_msgs/Range runs along the x axis of its frame.
 bool looksDown(const Eigen::Isometry3d& base_T_sensor) {
-  constexpr double kMinCosine = 0.94;  // within 20 degrees of straight down
+  constexpr double kMinCosine = 0.94;  // within 20 degrees of vertical
   return base_T_sensor.linear()(2, 0) < -kMinCosine;
 }
 
-/// Where the sensor of a topic is, at the first message for which tf has it.
+/// The mounting of the sensor of a topic, from the first message for which tf has a transform.
 std::optional<Eigen::Isometry3d> mountingOf(const rosbag::Bag& bag, const BagTransforms& transforms,
                                             const std::string& base_frame,
                                             const std::string& topic) {
@@ -33,19 +33,20 @@ std::optional<Eigen::Isometry3d> mountingOf(const rosbag::Bag& bag, const BagTra
       const auto base_T_sensor = transforms.lookup(base_frame, frame, message->header.stamp);
       if (base_T_sensor) return base_T_sensor;
     } catch (const std::exception&) {
-      continue;  // reading counts it
+      continue;  // counted when the topic is read
     }
   }
   return std::nullopt;
 }
 
+/// Selects the Range topic that measures the height.
 class RangeFinderChoice {
  public:
   RangeFinderChoice(const rosbag::Bag& bag, const BagTopics& topics,
                     const BagTransforms& transforms, std::string base_frame)
       : bag_(bag), topics_(topics), transforms_(transforms), base_frame_(std::move(base_frame)) {}
 
-  /// "" where none can be used.
+  /// The topic; "" if none can be used.
   std::string choose(const std::string& wanted, BagHeights& result);
   double sensorZ() const { return base_T_sensor_ ? base_T_sensor_->translation().z() : 0.0; }
 
@@ -68,26 +69,26 @@ std::string RangeFinderChoice::chooseWanted(const std::string& wanted) {
 
 std::string RangeFinderChoice::choose(const std::string& wanted, BagHeights& result) {
   if (!wanted.empty()) return chooseWanted(wanted);
-  std::string unplaced;
+  std::string without_tf;
   for (const auto& [topic, info] : topics_) {
     if (info.type != kRangeType || info.messages == 0) continue;
     const auto base_T_sensor = mountingOf(bag_, transforms_, base_frame_, topic);
     if (!base_T_sensor) {
-      unplaced = topic;
+      without_tf = topic;
     } else if (looksDown(*base_T_sensor)) {
       base_T_sensor_ = base_T_sensor;
       return topic;
     }
   }
   const std::size_t count = countOfType(topics_, kRangeType);
-  if (count == 1 && !unplaced.empty()) {
-    result.warnings.push_back("tf does not say where the range finder " + unplaced +
-                              " is: taken to be at the vehicle's base, looking down");
-    return unplaced;
+  if (count == 1 && !without_tf.empty()) {
+    result.warnings.push_back("tf has no mounting of the range finder " + without_tf +
+                              ": it is assumed to be at the base and to look down");
+    return without_tf;
   }
   if (count > 0) {
     result.warnings.push_back(
-        "no range finder looks down according to tf, so the height is not used; choose one of: " +
+        "according to tf, no range finder looks down, so the height is not used; choose one of: " +
         listTopics(topics_, kRangeType));
   }
   return "";

@@ -28,13 +28,14 @@ std::string chooseTopic(const BagTopics& topics, const std::string& wanted, BagI
     return "";
   }
   if (countOfType(topics, kImuType) > 1) {
-    result.warnings.push_back("several IMU topics, the busiest is used: " + topic + "; there are " +
-                              listTopics(topics, kImuType));
+    result.warnings.push_back(
+        "there are several IMU topics; the one with the most messages is used: " + topic +
+        "; topics: " + listTopics(topics, kImuType));
   }
   return topic;
 }
 
-/// The mounting at the first message for which tf has it.
+/// Finds the mounting at the first message for which tf has a transform.
 class MountingFinder {
  public:
   MountingFinder(const BagTransforms& transforms, std::string base_frame)
@@ -43,7 +44,7 @@ class MountingFinder {
   void look(const sensor_msgs::Imu& message) {
     if (base_T_imu_) return;
     frame_ = withoutSlash(message.header.frame_id);
-    if (!transforms_.connected(base_frame_, frame_)) return;  // at no time, so no need to try
+    if (!transforms_.connected(base_frame_, frame_)) return;  // the lookup would fail at any time
     base_T_imu_ = transforms_.lookup(base_frame_, frame_, message.header.stamp);
   }
 
@@ -51,9 +52,9 @@ class MountingFinder {
     if (base_T_imu_) {
       result.imu.base_T_imu = *base_T_imu_;
     } else if (!result.imu.samples.empty()) {
-      result.warnings.push_back("the bag has no tf " + base_frame_ + " -> " +
-                                (frame_.empty() ? "(no frame)" : frame_) +
-                                ": the IMU's axes are taken to be those of the vehicle");
+      result.warnings.push_back(
+          "the bag has no tf " + base_frame_ + " -> " + (frame_.empty() ? "(no frame)" : frame_) +
+          ": the IMU axes are assumed to be parallel to those of the vehicle");
     }
   }
 
@@ -76,7 +77,7 @@ BagImu readBagImu(const rosbag::Bag& bag, const BagTopics& topics, const BagTran
   for (const rosbag::MessageInstance& instance : view) {
     try {
       const auto message = instance.instantiate<sensor_msgs::Imu>();
-      if (!message) continue;  // another type under the same name
+      if (!message) continue;  // another type on the same topic
       if (message->header.stamp.isZero()) message->header.stamp = instance.getTime();
       mounting.look(*message);
       result.imu.samples.push_back(toImuSample(*message));

@@ -20,8 +20,8 @@ namespace {
 
 const std::string kOdometryType = "nav_msgs/Odometry";
 
-/// Whether a topic's name says that it is the truth, which nobody has in flight: /ground_truth,
-/// /groundtruth/pose, /gt/odom.
+/// True if the name of a topic indicates ground truth, which is not available in flight:
+/// /ground_truth, /groundtruth/pose, /gt/odom.
 bool namesGroundTruth(const std::string& topic) {
   for (const char* word : {"ground_truth", "groundtruth", "ground-truth"}) {
     if (topic.find(word) != std::string::npos) return true;
@@ -40,8 +40,9 @@ BagOdometry::BagOdometry(const rosbag::Bag& bag, const std::string& topic) {
   for (const rosbag::MessageInstance& message : view) {
     const auto odometry = message.instantiate<nav_msgs::Odometry>();
     if (!odometry) {
-      throw std::runtime_error("topic " + topic + " is a " + message.getDataType() +
-                               " of an unknown version, not nav_msgs/Odometry; choose another one");
+      throw std::runtime_error(
+          "topic " + topic + " has the type " + message.getDataType() +
+          " in an unknown version, not nav_msgs/Odometry; choose another topic");
     }
     const Pose2 pose = toPose2(odometry->pose.pose);
     if (!pose.isFinite()) continue;
@@ -61,9 +62,7 @@ std::optional<Pose2> BagOdometry::at(double stamp) const {
   const Entry &a = *std::prev(after), &b = *after;
   const double gap = b.stamp - a.stamp;
   if (gap > kMaxGap) return std::nullopt;
-  const double f = (stamp - a.stamp) / gap;
-  return Pose2(a.pose.x + f * (b.pose.x - a.pose.x), a.pose.y + f * (b.pose.y - a.pose.y),
-               a.pose.yaw + f * normalizeAngle(b.pose.yaw - a.pose.yaw));
+  return interpolate(a.pose, b.pose, (stamp - a.stamp) / gap);
 }
 
 BagOdometrySource::BagOdometrySource(const rosbag::Bag& bag, const BagTopics& topics,
@@ -89,8 +88,8 @@ std::string BagOdometrySource::chooseTopic(const BagTopics& topics, const std::s
   if (!wanted.empty()) {
     std::string topic = requireTopic(topics, wanted, kOdometryType);
     if (namesGroundTruth(topic)) {
-      warnings_.push_back("the odometry " + topic + " is ground truth by its name: what is made " +
-                          "with it says nothing of a flight without");
+      warnings_.push_back("the odometry " + topic + " is ground truth, according to its name: " +
+                          "the results are better than in a real flight");
     }
     return topic;
   }
@@ -98,13 +97,14 @@ std::string BagOdometrySource::chooseTopic(const BagTopics& topics, const std::s
   for (const auto& [name, topic] : topics) {
     if (topic.type != kOdometryType) continue;
     if (namesGroundTruth(name)) {
-      warnings_.push_back(name + " is ground truth by its name and is not used as odometry");
+      warnings_.push_back(name +
+                          " is ground truth, according to its name, and is not used as odometry");
     } else {
       candidates[name] = topic;
     }
   }
   if (candidates.size() > 1) {
-    warnings_.push_back("several odometry topics, none is used; choose one of: " +
+    warnings_.push_back("there are several odometry topics, and none is used; choose one of: " +
                         listTopics(candidates, kOdometryType));
     return "";
   }

@@ -28,7 +28,7 @@ const std::string kCloudType = "sensor_msgs/PointCloud2";
 
 }  // namespace
 
-/// A scan as recorded, with what tf needs to know of it.
+/// A recorded scan with its frame and time for tf lookups.
 struct BagRecording::Message {
   LaserScan scan;
   std::optional<PointCloud> cloud;
@@ -40,7 +40,7 @@ struct BagRecording::State {
   rosbag::Bag bag;
   BagTopics topics;
   std::string scan_topic;
-  bool clouds = false;  ///< the scan topic has clouds
+  bool clouds = false;  ///< the scan topic is a PointCloud2 topic
   std::unique_ptr<BagTransforms> transforms;
   std::unique_ptr<BagOdometrySource> odometry;
   std::string laser_frame;  ///< of the first scan
@@ -79,7 +79,7 @@ void BagRecording::State::chooseScanTopic(const RecordingOptions& options) {
   }
 }
 
-/// Everything but the stamp, which a bag may lack.
+/// Decodes a message. The stamp is handled by the caller, because it may be 0.
 std_msgs::Header BagRecording::State::decode(const rosbag::MessageInstance& instance,
                                              Message& message) const {
   if (clouds) {
@@ -99,7 +99,7 @@ void BagRecording::State::findLaserFrame() {
       laser_frame = withoutSlash(decode(instance, message).frame_id);
       return;
     } catch (const std::exception&) {
-      continue;  // next() counts it
+      continue;  // counted in next()
     }
   }
 }
@@ -132,15 +132,15 @@ void BagRecording::explainChoices(const RecordingOptions& options) {
   const State& state = *state_;
   const std::string& type = state.clouds ? kCloudType : kScanType;
   if (options.scan_topic.empty() && countOfType(state.topics, type) > 1) {
-    warnOnce("scan topics", std::string("several ") + (state.clouds ? "cloud" : "laser") +
-                                " topics, the busiest is used: " + state.scan_topic +
-                                "; there are " + listTopics(state.topics, type));
+    warnOnce("scan topics", std::string("there are several ") + (state.clouds ? "cloud" : "laser") +
+                                " topics; the one with the most messages is used: " +
+                                state.scan_topic + "; topics: " + listTopics(state.topics, type));
   }
   for (const std::string& warning : state.odometry->warnings()) warnOnce(warning, warning);
   if (!state.transforms->knows(state.laser_frame) && state.base_frame == state.laser_frame) {
     warnOnce("no tf", std::string("the bag has no tf") +
                           (state.transforms->empty() ? "" : " of frame " + state.laser_frame) +
-                          ": the laser is taken to be at the vehicle's base, level");
+                          ": the laser frame is used as the base frame");
   }
 }
 
@@ -179,7 +179,7 @@ bool BagRecording::read(Message& message) {
     const std_msgs::Header header = state_->decode(instance, message);
     const bool stamped = !header.stamp.isZero();
     if (!stamped) {
-      warnOnce("no stamp", "scans without a stamp get the time at which they were recorded");
+      warnOnce("no stamp", "scans have no stamp; the time of recording is used");
     }
     message.time = stamped ? header.stamp : instance.getTime();
     message.frame = withoutSlash(header.frame_id);
@@ -192,7 +192,7 @@ bool BagRecording::read(Message& message) {
   } catch (const std::exception& error) {
     ++skipped_["broken message"];
     warnOnce("broken message",
-             "a broken message on " + state_->scan_topic + " was skipped: " + error.what());
+             "a message on " + state_->scan_topic + " is damaged and was skipped: " + error.what());
   }
   return false;
 }
@@ -204,16 +204,16 @@ bool BagRecording::place(Message& message, RecordedScan& scan) {
     const bool connected = state.transforms->connected(state.base_frame, message.frame);
     const std::string pair = state.base_frame + " -> " + message.frame;
     skip(connected ? "transform not recorded at this time" : "missing transform",
-         connected ? "tf of " + pair + " was not recorded over the whole time of the scans"
+         connected ? "tf " + pair + " is not available at the times of some scans"
                    : "the bag has no tf " + pair +
-                         "; the laser's driver or robot_state_publisher should publish it (or "
-                         "choose another base frame)");
+                         "; it should be published by the laser driver or by robot_state_publisher "
+                         "(or choose another base frame)");
     return false;
   }
   scan.base_T_laser = *base_T_laser;
   scan.odom_T_base = state.odometry->at(message.scan.stamp, message.time);
   if (hasOdometry() && !scan.odom_T_base) {
-    warnOnce("odometry gap", "some scans have no odometry at their time");
+    warnOnce("odometry gap", "there is no odometry at the times of some scans");
   }
   scan.time = state.monotone_time.repair(message.scan.stamp);
   scan.scan = std::move(message.scan);

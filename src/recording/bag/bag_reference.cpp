@@ -36,13 +36,13 @@ std::string chooseTopic(const BagTopics& topics, const std::string& wanted) {
     throw std::runtime_error("has no topic with poses; its topics: " + listTopics(topics, ""));
   }
   if (candidates.size() > 1) {
-    throw std::runtime_error("has several topics with poses; choose the reference among " +
+    throw std::runtime_error("has several topics with poses; choose one as reference: " +
                              listTopics(topics, kTypes));
   }
   return candidates.front();
 }
 
-/// A motion capture system that has lost its body sends zeros.
+/// False for a zero quaternion, which motion capture systems send when they lose the body.
 bool isRotation(const geometry_msgs::Quaternion& q) {
   constexpr double kMinNorm = 0.5;
   return std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w) > kMinNorm;

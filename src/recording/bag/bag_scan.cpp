@@ -11,8 +11,8 @@
 namespace kestrel {
 namespace {
 
-/// Whether the arrays of a serialized LaserScan are no longer than the message. Otherwise the
-/// library would allocate what a damaged length says (up to 16 GB) before it notices.
+/// True if the arrays of a serialized LaserScan are not longer than the message. Without this
+/// check, the ROS library would allocate up to 16 GB for a damaged length.
 bool arraysFit(const std::vector<std::uint8_t>& bytes) {
   constexpr std::uint64_t kLength = sizeof(std::uint32_t);
   constexpr std::uint64_t kHeader = 3 * sizeof(std::uint32_t);  // sequence number and stamp
@@ -36,7 +36,7 @@ sensor_msgs::LaserScan deserializeScan(const rosbag::MessageInstance& instance) 
   std::vector<std::uint8_t> bytes(instance.size());
   ros::serialization::OStream out(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
   instance.write(out);
-  if (!arraysFit(bytes)) throw std::runtime_error("its arrays are longer than the message");
+  if (!arraysFit(bytes)) throw std::runtime_error("an array is longer than the message");
   ros::serialization::IStream in(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
   sensor_msgs::LaserScan scan;
   ros::serialization::deserialize(in, scan);

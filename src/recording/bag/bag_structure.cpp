@@ -14,8 +14,8 @@
 namespace kestrel {
 namespace {
 
-// http://wiki.ros.org/Bags/Format/2.0: a record is a header and data, each with its length in
-// front; numbers are little-endian.
+// Format: http://wiki.ros.org/Bags/Format/2.0. A record consists of a header and data, each
+// preceded by its length. Numbers are little-endian.
 const std::string kMagic = "#ROSBAG V2.0\n";
 constexpr std::uint64_t kLengthBytes = 4;
 constexpr std::uint64_t kMaxHeaderBytes = 1U << 24U;
@@ -58,8 +58,9 @@ class Walker {
   std::ifstream file_;
   std::uint64_t size_;
   std::set<std::uint64_t> records_, chunks_;
-  std::uint64_t chunk_size_ = 0;                     ///< of the last chunk, unpacked
-  std::optional<std::set<std::uint64_t>> in_chunk_;  ///< its messages, where it is not packed
+  std::uint64_t chunk_size_ = 0;  ///< uncompressed size of the last chunk
+  std::optional<std::set<std::uint64_t>>
+      in_chunk_;  ///< positions of its messages, if it is not compressed
 };
 
 void Walker::fail(std::uint64_t position) const {
@@ -137,7 +138,7 @@ void Walker::enterChunk(const Record& chunk) {
 
 void Walker::checkIndex(Record& index) {
   const std::uint64_t count = number(index, "count", sizeof(std::uint32_t));
-  // Bags of 2010 say 20 bytes for each entry, but have 12: the library only believes the count.
+  // Bags of 2010 give a length of 20 bytes per entry, but use 12. The library uses only the count.
   index.end = index.data_begin + count * kIndexEntryBytes;
   if (index.end > size_) fail(index.start);
   const std::string entries = readBytes(index.data_begin, count * kIndexEntryBytes);
@@ -171,7 +172,7 @@ void Walker::walk() {
     if (record.is(kChunkInfo)) checkPosition(record, "chunk_pos", chunks_);
     at = record.end;
   }
-  records_.insert(size_);  // where a bag without any message has its index
+  records_.insert(size_);  // the index position of a bag without messages
   if (indexed) checkPosition(header, "index_pos", records_);
 }
 

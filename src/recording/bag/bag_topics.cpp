@@ -27,7 +27,7 @@ void openBag(rosbag::Bag& bag, const std::string& path) {
   } catch (const rosbag::BagUnindexedException&) {
     throw std::runtime_error(path + ": the bag has no index (its recording was cut off)" + advice);
   } catch (const std::exception& error) {
-    throw std::runtime_error(path + ": is no usable bag: " + error.what() + advice);
+    throw std::runtime_error(path + ": is not a valid bag: " + error.what() + advice);
   }
 }
 
@@ -95,8 +95,8 @@ std::string requireTopic(const BagTopics& topics, const std::string& wanted,
 void requireMd5(const BagTopics& topics, const std::string& name, const std::string& expected) {
   const BagTopic& topic = topics.at(name);
   if (topic.md5 == expected) return;
-  throw std::runtime_error("topic " + name + " has another version of " + topic.type + " (md5 " +
-                           topic.md5 + ", expected " + expected +
+  throw std::runtime_error("topic " + name + " has a different version of " + topic.type +
+                           " (md5 " + topic.md5 + ", expected " + expected +
                            "); convert the bag with `rosbag fix`");
 }
 

@@ -17,12 +17,12 @@
 namespace kestrel {
 namespace {
 
-// Longer than any recording: the buffer keeps everything, so that late scans find their transform.
+// Longer than any recording, so that the buffer never drops a transform.
 const ros::Duration kKeepAll(30.0 * 24.0 * 3600.0);
-constexpr double kRigidTolerance = 1e-6;  // m and of the rotation matrix
+constexpr double kRigidTolerance = 1e-6;  // m, and for elements of the rotation matrix
 
 bool isUsable(const geometry_msgs::TransformStamped& transform) {
-  constexpr double kNormTolerance = 1e-2;  // of the squared norm; tf2 refuses worse ones
+  constexpr double kNormTolerance = 1e-2;  // for the squared norm; tf2 rejects larger errors
   const auto& t = transform.transform.translation;
   const auto& q = transform.transform.rotation;
   const double norm2 = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
@@ -38,9 +38,9 @@ BagTransforms::BagTransforms(const rosbag::Bag& bag) : buffer_(kKeepAll) {
   for (const rosbag::MessageInstance& message : view) {
     const auto transforms = message.instantiate<tf2_msgs::TFMessage>();
     if (!transforms) {
-      throw std::runtime_error("topic " + message.getTopic() + " is a " + message.getDataType() +
-                               " of an unknown version (md5 " + message.getMD5Sum() +
-                               "); convert the bag with `rosbag fix`");
+      throw std::runtime_error("topic " + message.getTopic() + " has the type " +
+                               message.getDataType() + " in an unknown version (md5 " +
+                               message.getMD5Sum() + "); convert the bag with `rosbag fix`");
     }
     const bool is_static = withoutSlash(message.getTopic()) == "tf_static";
     for (const auto& transform : transforms->transforms) add(transform, is_static);
@@ -72,7 +72,8 @@ bool BagTransforms::knows(const std::string& frame) const {
 std::vector<std::string> BagTransforms::ancestors(const std::string& frame) const {
   std::vector<std::string> result;
   auto edge = edges_.find(frame);
-  while (edge != edges_.end() && result.size() <= edges_.size()) {  // a loop of frames ends too
+  while (edge != edges_.end() &&
+         result.size() <= edges_.size()) {  // also ends if frames form a loop
     result.push_back(edge->second.parent);
     edge = edges_.find(edge->second.parent);
   }

@@ -20,12 +20,12 @@ namespace {
 const std::string kLaserFrame = "laser";
 const std::string kBaseFrame = "base_link";
 const std::string kOdomFrame = "odom";
-// Players do not keep the order of messages with the same time: tf is recorded 1 us before its
-// scan.
+// Record tf 1 us before its scan, because players do not keep the order of messages with the same
+// time.
 const ros::Duration kAhead(0, 1000);
 
 bool fitsRosTime(double seconds) {
-  // 0 means "no stamp" to ROS, and rosbag refuses times before ros::TIME_MIN.
+  // In ROS, 0 means "no stamp", and rosbag rejects times before ros::TIME_MIN.
   constexpr double kMin = 1e-3;
   return seconds >= kMin &&
          seconds < static_cast<double>(std::numeric_limits<std::uint32_t>::max());
@@ -77,7 +77,7 @@ nav_msgs::Odometry toOdometry(const Pose2& odom_T_base, const ros::Time& stamp) 
   return message;
 }
 
-/// With a header of our own rosbag fills in none of its fields.
+/// A complete connection header, because rosbag does not add fields to a given header.
 template <typename Message>
 boost::shared_ptr<ros::M_string> latchedHeader(const std::string& topic) {
   const auto header = boost::make_shared<ros::M_string>();

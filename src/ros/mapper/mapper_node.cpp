@@ -11,6 +11,7 @@
 
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/planar_scan_message.h"
+#include "kestrel_slam/messages/sensor_messages.h"
 
 namespace kestrel {
 namespace {

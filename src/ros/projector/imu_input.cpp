@@ -35,7 +35,7 @@ void ImuInput::onImu(const sensor_msgs::ImuConstPtr& message) {
   const ImuSample sample = toImuSample(*message);
   last_stamp_ = sample.stamp;
   since_last_ = WaitingTime();
-  if (projection_.addImu(sample, *base_T_imu)) {
+  if (projection_.addImu(check_.check(sample, *base_T_imu))) {
     on_attitude_(message->header.stamp);
   }
 }

@@ -25,7 +25,7 @@ using Field = sensor_msgs::PointField;
 constexpr double kStamp = 1317000000.25;  // s; exact in binary
 const float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-/// Makes a message field by field, in the byte order that it says.
+/// Builds a message field by field, in the byte order given by its flag.
 class CloudMaker {
  public:
   CloudMaker(std::uint32_t width, std::uint32_t height, std::uint32_t point_step,
@@ -85,7 +85,7 @@ std::string problemOf(const sensor_msgs::PointCloud2& cloud) {
   return "nothing thrown";
 }
 
-TEST(BagCloud, ReadsCoordinatesWhereverTheyLie) {
+TEST(BagCloud, ReadsCoordinatesAtAnyOffset) {
   CloudMaker maker(2, 1, 32);
   maker.field<float>("intensity", 0, Field::FLOAT32, {9.0F, 9.0F})
       .field<double>("z", 5, Field::FLOAT64, {3.0, -6.0})
@@ -112,7 +112,7 @@ TEST(BagCloud, ConvertsBigEndianData) {
   EXPECT_FLOAT_EQ(cloud.points[1].time, 0.05F);
 }
 
-TEST(BagCloud, RespectsThePaddingOfRowsAndKeepsMissingReturns) {
+TEST(BagCloud, SkipsRowPaddingAndKeepsMissingReturns) {
   CloudMaker maker(2, 2, 12, 20);
   maker.field<float>("x", 0, Field::FLOAT32, {1.0F, kNaN, 3.0F, 4.0F})
       .field<float>("y", 4, Field::FLOAT32, {1.5F, kNaN, 3.5F, 4.5F})
@@ -133,7 +133,7 @@ std::vector<float> timesOf(const std::string& name, std::uint8_t type, T first, 
   return {cloud.points[0].time, cloud.points[1].time};
 }
 
-TEST(BagCloud, ReadsTimesAsTheDriversSendThem) {
+TEST(BagCloud, ReadsTheTimeFieldsOfCommonDrivers) {
   using Times = std::vector<float>;
   EXPECT_EQ(timesOf<float>("time", Field::FLOAT32, -0.0625F, 0.0F), (Times{-0.0625F, 0.0F}));
   EXPECT_EQ(timesOf<std::uint32_t>("t", Field::UINT32, 0, 99'000'000), (Times{0.0F, 0.099F}));
@@ -148,11 +148,11 @@ TEST(BagCloud, ReadsTimesAsTheDriversSendThem) {
   EXPECT_NEAR(nanoseconds[1], 0.0625, 1e-6);
 }
 
-TEST(BagCloud, ATimeOfNoUsualTypeIsNoTime) {
+TEST(BagCloud, TimeFieldOfUnknownTypeIsIgnored) {
   EXPECT_EQ(timesOf<std::uint16_t>("t", Field::UINT16, 3, 4), (std::vector<float>{0.0F, 0.0F}));
 }
 
-TEST(BagCloud, BrokenTimesAndThoseOfMissingReturnsAreZero) {
+TEST(BagCloud, InvalidTimesAndTimesOfMissingReturnsAreZero) {
   CloudMaker maker(3, 1, 20);
   maker.field<float>("x", 0, Field::FLOAT32, {kNaN, 0.0F, 1.0F})
       .field<float>("y", 4, Field::FLOAT32, {kNaN, 0.0F, 1.0F})
@@ -165,7 +165,7 @@ TEST(BagCloud, BrokenTimesAndThoseOfMissingReturnsAreZero) {
   EXPECT_EQ(timesOf<float>("time", Field::FLOAT32, kNaN, 0.5F), (std::vector<float>{0.0F, 0.5F}));
 }
 
-TEST(BagCloud, SaysWhatIsWrong) {
+TEST(BagCloud, ErrorsDescribeTheProblem) {
   CloudMaker no_z(1, 1, 16);
   no_z.field<float>("x", 0, Field::FLOAT32, {1.0F}).field<float>("rgb", 4, Field::FLOAT32, {1.0F});
   EXPECT_EQ(problemOf(no_z.cloud()), "the cloud has no field y, z; its fields: x, rgb");
@@ -195,7 +195,7 @@ TEST(BagCloud, SaysWhatIsWrong) {
   EXPECT_CONTAINS(problemOf(bad), "lies outside of its point");
 }
 
-/// A number that is small, at a limit, or anything.
+/// A random number that is small, at a limit, or arbitrary.
 std::uint32_t wildNumber(std::mt19937& random) {
   const std::uint32_t any = static_cast<std::uint32_t>(random());
   switch (random() % 4U) {
@@ -210,7 +210,7 @@ std::uint32_t wildNumber(std::mt19937& random) {
   }
 }
 
-TEST(BagCloud, GarbageHeadersNeitherCrashNorReadOutside) {
+TEST(BagCloud, RandomHeadersDoNotCrash) {
   std::mt19937 random(7);
   const std::vector<std::string> names = {"x", "y", "z", "time", "t", "timestamp", "ring"};
   int accepted = 0, refused = 0;
@@ -273,7 +273,7 @@ class BagCloudRecording : public ::testing::Test {
   std::string path_ = folder_.file("a.bag");
 };
 
-TEST_F(BagCloudRecording, CloudsAreTheScansOfABagWithoutLaser) {
+TEST_F(BagCloudRecording, CloudsAreUsedIfTheBagHasNoLaser) {
   write(false);
   const auto recording = openRecording(path_);
   EXPECT_CONTAINS(recording->description(), "rosbag, 3 clouds on /points, laser lidar on lidar");
@@ -291,7 +291,7 @@ TEST_F(BagCloudRecording, CloudsAreTheScansOfABagWithoutLaser) {
   EXPECT_CONTAINS(recording->warnings().back(), "the cloud has no field z; its fields: x, y");
 }
 
-TEST_F(BagCloudRecording, TheUserChoosesBetweenLaserAndClouds) {
+TEST_F(BagCloudRecording, OptionsSelectLaserOrClouds) {
   write(true);
   EXPECT_CONTAINS(openRecording(path_)->description(), "1 scans on /scan");
   RecordingOptions options;
@@ -314,7 +314,7 @@ TEST(RealClouds, AllFramesOfTheKittiBagAreRead) {
       EXPECT_EQ(scan.cloud->points.size(), 30277U);
     }
     for (const PointCloud::Point& point : scan.cloud->points) {
-      // The bag was cropped to this.
+      // The bag was cropped to this height.
       ASSERT_GT(point.z, -1.5F);
       ASSERT_LT(point.z, 0.2F);
       ASSERT_LT(std::hypot(point.x, point.y), 51.0F);

@@ -39,7 +39,7 @@ class BagFlightWriter : public testing::Test {
     return writeFlightBag(folder_.file(name), flight, vehicle);
   }
 
-  /// The messages on a topic, of which there have to be some.
+  /// The messages of a topic; the test fails if there are none.
   template <typename Message>
   std::vector<Message> read(const std::string& topic, const std::string& name = "flight.bag") {
     rosbag::Bag bag(folder_.file(name), rosbag::bagmode::Read);
@@ -62,7 +62,7 @@ class BagFlightWriter : public testing::Test {
   const TemporaryFolder folder_;
 };
 
-TEST_F(BagFlightWriter, ScansAreThoseOfTheSimulator) {
+TEST_F(BagFlightWriter, WritesTheScansOfTheSimulator) {
   const FlightBagSummary summary = write(smallVehicle());
   const auto expected = messagesOf<LaserScan>(simulateAll(world_, motion_, smallVehicle(), kSeed));
   const auto scans = read<sensor_msgs::LaserScan>("/scan");
@@ -98,7 +98,7 @@ TEST_F(BagFlightWriter, GroundTruthIsPoseInTheWorldAndTwistInTheBase) {
   }
 }
 
-TEST_F(BagFlightWriter, ImuSaysWhatItGives) {
+TEST_F(BagFlightWriter, ImuMessageMarksMissingOrientation) {
   VehicleModel vehicle = onlyImu(ImuModel());
   write(vehicle);
   const auto expected = messagesOf<ImuSample>(simulateAll(world_, motion_, vehicle, kSeed));
@@ -120,7 +120,7 @@ TEST_F(BagFlightWriter, ImuSaysWhatItGives) {
   EXPECT_EQ(raw[7].angular_velocity.x, expected[7].angular_velocity->x());
 }
 
-TEST_F(BagFlightWriter, HeightsAndPeopleAreThere) {
+TEST_F(BagFlightWriter, WritesHeightsAndPeople) {
   write(smallVehicle());
   const auto events = simulateAll(world_, motion_, smallVehicle(), kSeed);
   const auto range = read<sensor_msgs::Range>("/height").at(5);
@@ -182,8 +182,9 @@ TEST_F(BagFlightWriter, StaticTransformsAreLatchedAndComplete) {
   EXPECT_EQ(mountings.at("laser").translation.z, 0.06);
   EXPECT_NEAR(std::abs(mountings.at("imu_link").rotation.x), 1.0, 1e-12);
   EXPECT_EQ(mountings.at("velodyne").rotation.w, 1.0);
-  EXPECT_NEAR(mountings.at("range_finder").rotation.y, std::sqrt(0.5), 1e-12);  // x looks down
-  // Readers in Python refuse a bag whose connection lacks one of these.
+  EXPECT_NEAR(mountings.at("range_finder").rotation.y, std::sqrt(0.5),
+              1e-12);  // the x axis points down
+  // The Python bag reader rejects a connection without these fields.
   const rosbag::ConnectionInfo& connection = *view.getConnections().at(0);
   for (const char* field : {"type", "md5sum", "message_definition"}) {
     EXPECT_EQ(connection.header->count(field), 1U) << field;
@@ -199,7 +200,7 @@ TEST_F(BagFlightWriter, MessagesAreRecordedAtTheirArrival) {
   rosbag::Bag bag(folder_.file("flight.bag"), rosbag::bagmode::Read);
   rosbag::View view(bag);
   EXPECT_EQ(view.getBeginTime(), ros::Time(kFlightStart));
-  EXPECT_EQ(view.size(), events.size() + 1);  // and the static transforms
+  EXPECT_EQ(view.size(), events.size() + 1);  // one more: the static transforms
   EXPECT_EQ(summary.messages, view.size());
   std::multimap<std::uint64_t, std::size_t> expected;
   for (std::size_t i = 0; i < events.size(); ++i) {
@@ -212,7 +213,7 @@ TEST_F(BagFlightWriter, MessagesAreRecordedAtTheirArrival) {
   }
 }
 
-TEST_F(BagFlightWriter, AVehicleWithoutASensorHasNeitherItsTopicNorItsFrame) {
+TEST_F(BagFlightWriter, MissingSensorHasNoTopicAndNoFrame) {
   write(onlyImu(ImuModel()));
   rosbag::Bag bag(folder_.file("flight.bag"), rosbag::bagmode::Read);
   std::set<std::string> topics;
@@ -223,7 +224,7 @@ TEST_F(BagFlightWriter, AVehicleWithoutASensorHasNeitherItsTopicNorItsFrame) {
   EXPECT_EQ(read<tf2_msgs::TFMessage>("/tf_static")[0].transforms.size(), 1U);
 }
 
-TEST_F(BagFlightWriter, SameSeedSameBytes) {
+TEST_F(BagFlightWriter, SameSeedGivesTheSameBytes) {
   VehicleModel vehicle = smallVehicle();
   vehicle.stamp_jitter_s = 0.001;
   vehicle.loss_probability = 0.1;
@@ -236,7 +237,7 @@ TEST_F(BagFlightWriter, SameSeedSameBytes) {
   EXPECT_FALSE(bytes("a.bag") == bytes("c.bag"));
 }
 
-TEST_F(BagFlightWriter, AFailureNamesTheFileAndLeavesNothing) {
+TEST_F(BagFlightWriter, FailureNamesTheFileAndLeavesNoFile) {
   const std::string missing = folder_.file("no_such_folder/flight.bag");
   FlightSimulator flight(world_, motion_, smallVehicle(), kSeed);
   const auto writeTo = [&](const std::string& path) {

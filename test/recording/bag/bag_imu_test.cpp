@@ -85,7 +85,7 @@ class BagImuTest : public ::testing::Test {
   std::string path_ = folder_.file("a.bag");
 };
 
-TEST(ImuMessage, GivesItsValues) {
+TEST(ImuMessage, ValuesAreConverted) {
   const ImuSample sample = toImuSample(imuAt(2.5));
   EXPECT_EQ(sample.stamp, 2.5);
   ASSERT_TRUE(sample.world_R_imu && sample.angular_velocity && sample.linear_acceleration);
@@ -94,7 +94,7 @@ TEST(ImuMessage, GivesItsValues) {
   EXPECT_EQ(*sample.linear_acceleration, Eigen::Vector3d(0.5, 0.0, 9.75));
 }
 
-TEST(ImuMessage, WhatTheDriverDoesNotHaveIsAbsent) {
+TEST(ImuMessage, DataMissingInTheDriverAreAbsent) {
   sensor_msgs::Imu message = imuAt(1.0);
   message.orientation_covariance[0] = -1.0;
   EXPECT_FALSE(toImuSample(message).world_R_imu);
@@ -108,7 +108,7 @@ TEST(ImuMessage, WhatTheDriverDoesNotHaveIsAbsent) {
   EXPECT_FALSE(toImuSample(message).world_R_imu);
 }
 
-TEST(ImuMessage, BrokenValuesArePassedOn) {
+TEST(ImuMessage, InvalidValuesArePassedOn) {
   sensor_msgs::Imu message = imuAt(1.0);
   message.orientation.x = std::nan("");
   message.angular_velocity.z = kInfinity;
@@ -122,8 +122,8 @@ TEST_F(BagImuTest, ReadsTheImuInTheOrderOfTheFileWithItsMounting) {
   const auto recording = read([&](rosbag::Bag& bag) {
     bag.write("/tf_static", ros::Time(1.0), mounting("imu_link", upside_down));
     bag.write("/imu", ros::Time(2.0), imuAt(2.25));
-    bag.write("/imu", ros::Time(2.1), imuAt(2.0));   // goes back
-    bag.write("/imu", ros::Time(2.2), imuAt(2.25));  // a second time
+    bag.write("/imu", ros::Time(2.1), imuAt(2.0));   // earlier than the one before
+    bag.write("/imu", ros::Time(2.2), imuAt(2.25));  // repeated
     bag.write("/imu", ros::Time(2.5), imuAt(0.0));   // without a stamp
   });
   const RecordedImu& imu = recording->imu();
@@ -138,17 +138,17 @@ TEST_F(BagImuTest, ReadsTheImuInTheOrderOfTheFileWithItsMounting) {
   EXPECT_CONTAINS(recording->description(), ", IMU /imu");
 }
 
-TEST_F(BagImuTest, WithoutTfItsAxesAreThoseOfTheVehicleWithOneWarning) {
+TEST_F(BagImuTest, WithoutTfTheAxesAreThoseOfTheVehicleWithOneWarning) {
   const auto recording = read([](rosbag::Bag& bag) {
     for (int i = 1; i < 9; ++i) bag.write("/imu", ros::Time(i), imuAt(i));
   });
   EXPECT_EQ(recording->imu().samples.size(), 8U);
   EXPECT_EQ(recording->imu().base_T_imu.matrix(), Eigen::Matrix4d::Identity());
   ASSERT_EQ(recording->warnings().size(), 1U);
-  EXPECT_CONTAINS(recording->warnings()[0], "no tf base_link -> imu_link: the IMU's axes");
+  EXPECT_CONTAINS(recording->warnings()[0], "no tf base_link -> imu_link: the IMU axes");
 }
 
-TEST_F(BagImuTest, TakesTheBusiestImuOrTheOneThatIsAskedFor) {
+TEST_F(BagImuTest, UsesTheImuWithMostMessagesOrTheRequestedOne) {
   const auto fill = [](rosbag::Bag& bag) {
     bag.write("/tf_static", ros::Time(1.0), mounting("imu_link", Eigen::Quaterniond::Identity()));
     bag.write("/a/imu", ros::Time(1.0), imuAt(1.0));
@@ -156,7 +156,7 @@ TEST_F(BagImuTest, TakesTheBusiestImuOrTheOneThatIsAskedFor) {
   };
   const auto busiest = read(fill);
   EXPECT_EQ(busiest->imu().topic, "/b/imu");
-  EXPECT_CONTAINS(busiest->warnings().at(0), "several IMU topics, the busiest is used: /b/imu");
+  EXPECT_CONTAINS(busiest->warnings().at(0), "the one with the most messages is used: /b/imu");
   RecordingOptions options;
   options.imu_topic = "a/imu";
   EXPECT_EQ(read(fill, options)->imu().samples.size(), 1U);
@@ -165,20 +165,20 @@ TEST_F(BagImuTest, TakesTheBusiestImuOrTheOneThatIsAskedFor) {
                   "a.bag: no topic /c/imu of type sensor_msgs/Imu; choose one of: /a/imu (1");
 }
 
-TEST_F(BagImuTest, ABagWithoutImuHasNoSamples) {
+TEST_F(BagImuTest, BagWithoutImuHasNoSamples) {
   const auto recording = read([](rosbag::Bag&) {});
   EXPECT_TRUE(recording->imu().samples.empty());
   EXPECT_TRUE(recording->heights().empty());
   EXPECT_TRUE(recording->warnings().empty());
 }
 
-TEST(RangeMessage, IsTheHeightOfTheBaseAlongTheBeam) {
+TEST(RangeMessage, GivesTheHeightOfTheBaseAlongTheBeam) {
   EXPECT_EQ(toHeightSample(rangeAt(2.5, 1.5F), 0.0).height_m, 1.5);
   EXPECT_EQ(toHeightSample(rangeAt(2.5, 1.5F), -0.25).height_m, 1.75);
   EXPECT_EQ(toHeightSample(rangeAt(2.5, 1.5F), 0.0).stamp, 2.5);
 }
 
-TEST(RangeMessage, OutsideOfTheLimitsFollowsRep117) {
+TEST(RangeMessage, RangesOutsideTheLimitsFollowRep117) {
   const float infinity = std::numeric_limits<float>::infinity();
   EXPECT_EQ(toHeightSample(rangeAt(1.0, infinity), -0.25).height_m, kInfinity);
   EXPECT_EQ(toHeightSample(rangeAt(1.0, -infinity), -0.25).height_m, -kInfinity);
@@ -190,7 +190,7 @@ TEST(RangeMessage, OutsideOfTheLimitsFollowsRep117) {
   EXPECT_EQ(toHeightSample(unlimited, 0.0).height_m, 4.5);
 }
 
-TEST_F(BagImuTest, TakesTheRangeFinderThatLooksDown) {
+TEST_F(BagImuTest, UsesTheRangeFinderThatLooksDown) {
   const auto recording = read([](rosbag::Bag& bag) {
     bag.write("/tf_static", ros::Time(1.0), mounting("front", Eigen::Quaterniond::Identity()));
     bag.write("/tf_static", ros::Time(1.0), mounting("sonar", kDown, -0.25));
@@ -205,11 +205,11 @@ TEST_F(BagImuTest, TakesTheRangeFinderThatLooksDown) {
   EXPECT_CONTAINS(recording->description(), ", height /height");
 }
 
-TEST_F(BagImuTest, ARangeFinderOfUnknownPlaceIsTakenWhereItIsTheOnlyOne) {
+TEST_F(BagImuTest, OnlyRangeFinderIsUsedWithoutTf) {
   const auto one = [](rosbag::Bag& bag) { bag.write("/r", ros::Time(1.0), rangeAt(1.0, 3.0F)); };
   const auto recording = read(one);
   EXPECT_EQ(recording->heights().size(), 1U);
-  EXPECT_CONTAINS(recording->warnings().at(0), "tf does not say where the range finder /r is");
+  EXPECT_CONTAINS(recording->warnings().at(0), "tf has no mounting of the range finder /r");
   const auto two = read([&](rosbag::Bag& bag) {
     one(bag);
     bag.write("/s", ros::Time(1.0), rangeAt(1.0, 3.0F));
@@ -218,7 +218,7 @@ TEST_F(BagImuTest, ARangeFinderOfUnknownPlaceIsTakenWhereItIsTheOnlyOne) {
   EXPECT_CONTAINS(two->warnings().at(0), "choose one of: /r (1 messages), /s (1 messages)");
 }
 
-TEST_F(BagImuTest, ARangeFinderThatLooksAheadIsNoHeightUnlessTheUserSaysSo) {
+TEST_F(BagImuTest, ForwardRangeFinderIsUsedOnlyOnRequest) {
   const auto fill = [](rosbag::Bag& bag) {
     bag.write("/tf_static", ros::Time(1.0), mounting("sonar", Eigen::Quaterniond::Identity()));
     bag.write("/r", ros::Time(1.0), rangeAt(1.0, 3.0F));
@@ -229,7 +229,7 @@ TEST_F(BagImuTest, ARangeFinderThatLooksAheadIsNoHeightUnlessTheUserSaysSo) {
   EXPECT_EQ(read(fill, options)->heights().size(), 1U);
 }
 
-TEST(RealImus, HaveTheirKnownReadings) {
+TEST(RealImus, HaveTheExpectedReadings) {
   const std::string data = dataFolder();
   SKIP_WITHOUT_DATA(data);
   const auto check = [&](const std::string& name, std::size_t count, std::size_t warnings) {
@@ -246,7 +246,7 @@ TEST(RealImus, HaveTheirKnownReadings) {
     EXPECT_NEAR(gravity.norm(), 9.81, 0.6) << name;
     EXPECT_GT(gravity.z(), 9.0) << name;
   };
-  check("/moving/overtakes.bag", 2634, 2);  // neither the laser nor the IMU is in tf
+  check("/moving/overtakes.bag", 2634, 2);  // tf has neither the laser nor the IMU
   check("/moving/parallel.bag", 1695, 2);
   check("/moving/two_robots.bag", 3220, 0);
   check("/moving/people_wheelchair.bag", 0, 0);

@@ -115,7 +115,7 @@ TEST_F(BagRecordingTest, WithoutTfTheLaserIsTheBase) {
   EXPECT_CONTAINS(recording->warnings()[0], "no tf");
 }
 
-TEST_F(BagRecordingTest, TakesMountingAndOdometryFromTf) {
+TEST_F(BagRecordingTest, UsesMountingAndOdometryFromTf) {
   writeBag([](rosbag::Bag& bag) {
     record(bag, "/tf_static", 1.0, transform("/base_link", "/laser", 1.0, 0.2, kPi));
     record(bag, "/tf", 2.0, transform("/odom", "/base_link", 2.0, 1.0, 0.0));
@@ -134,7 +134,7 @@ TEST_F(BagRecordingTest, TakesMountingAndOdometryFromTf) {
   EXPECT_TRUE(recording->warnings().empty());
 }
 
-TEST_F(BagRecordingTest, TakesOdometryFromTheOnlyTopic) {
+TEST_F(BagRecordingTest, UsesTheOnlyOdometryTopic) {
   writeBag([](rosbag::Bag& bag) {
     record(bag, "/tf_static", 1.0, transform("base_link", "laser", 1.0, 0.2));
     record(bag, "/wheels", 2.0, odometryAt(2.0, 1.0));
@@ -149,10 +149,10 @@ TEST_F(BagRecordingTest, TakesOdometryFromTheOnlyTopic) {
   EXPECT_NEAR(scans[0].odom_T_base->x, 1.5, 1e-9);
   EXPECT_FALSE(scans[1].odom_T_base);
   ASSERT_EQ(recording->warnings().size(), 1U);
-  EXPECT_CONTAINS(recording->warnings()[0], "no odometry at their time");
+  EXPECT_CONTAINS(recording->warnings()[0], "no odometry at the times of some scans");
 }
 
-TEST_F(BagRecordingTest, AMountingThatNeverMovesHoldsAtAnyTime) {
+TEST_F(BagRecordingTest, ConstantMountingIsValidAtAnyTime) {
   writeBag([](rosbag::Bag& bag) {
     record(bag, "/scan", 1.0, scanAt(1.0));
     record(bag, "/tf", 5.0, transform("base_link", "laser", 5.0, 0.2));
@@ -171,10 +171,11 @@ TEST_F(BagRecordingTest, SkipsAndCountsScansWithoutTransform) {
   EXPECT_EQ(recording->skipped(), (std::map<std::string, std::size_t>{{"missing transform", 3}}));
   ASSERT_EQ(recording->warnings().size(), 1U);
   EXPECT_CONTAINS(recording->warnings()[0], "base_link -> laser_7");
-  EXPECT_CONTAINS(recording->warnings()[0], "robot_state_publisher should publish it");
+  EXPECT_CONTAINS(recording->warnings()[0],
+                  "published by the laser driver or by robot_state_publisher");
 }
 
-TEST_F(BagRecordingTest, TakesTheBusiestLaserAndNamesTheOthers) {
+TEST_F(BagRecordingTest, UsesTheLaserWithMostMessagesAndListsTheOthers) {
   writeBag([](rosbag::Bag& bag) {
     record(bag, "/rear", 1.0, scanAt(1.0));
     record(bag, "/front", 1.0, scanAt(1.0));
@@ -182,7 +183,7 @@ TEST_F(BagRecordingTest, TakesTheBusiestLaserAndNamesTheOthers) {
   });
   const auto recording = openRecording(path_);
   EXPECT_EQ(recording->scanCount(), 2U);
-  EXPECT_CONTAINS(recording->warnings().at(0), "/front; there are /front (2 messages), /rear (1");
+  EXPECT_CONTAINS(recording->warnings().at(0), "/front; topics: /front (2 messages), /rear (1");
   RecordingOptions options;
   options.scan_topic = "rear";
   EXPECT_EQ(openRecording(path_, options)->scanCount(), 1U);
@@ -190,12 +191,12 @@ TEST_F(BagRecordingTest, TakesTheBusiestLaserAndNamesTheOthers) {
   EXPECT_CONTAINS(problem(options), "no topic /side of type sensor_msgs/LaserScan");
 }
 
-TEST_F(BagRecordingTest, ScansWithoutStampGetTheTimeOfRecording) {
+TEST_F(BagRecordingTest, ScansWithoutStampGetTheRecordTime) {
   writeBag([](rosbag::Bag& bag) { record(bag, "/scan", 7.5, scanAt(0.0)); });
   EXPECT_EQ(readAll(*openRecording(path_)).at(0).scan.stamp, 7.5);
 }
 
-TEST_F(BagRecordingTest, ABagThatLoopsGoesOn) {
+TEST_F(BagRecordingTest, StampsThatJumpBackAreRead) {
   writeBag([](rosbag::Bag& bag) {
     for (int i = 0; i < 200; ++i) record(bag, "/scan", 100.0 + i, scanAt(50.0 + i % 100));
   });
@@ -205,7 +206,7 @@ TEST_F(BagRecordingTest, ABagThatLoopsGoesOn) {
   EXPECT_EQ(scans[150].scan.stamp, 100.0);
 }
 
-TEST_F(BagRecordingTest, ABagWithoutLaserListsItsTopics) {
+TEST_F(BagRecordingTest, BagWithoutLaserListsItsTopics) {
   writeBag([](rosbag::Bag& bag) {
     std_msgs::String text;
     record(bag, "/chatter", 1.0, text);
@@ -214,7 +215,7 @@ TEST_F(BagRecordingTest, ABagWithoutLaserListsItsTopics) {
   EXPECT_CONTAINS(problem(), "/chatter (std_msgs/String, 1 messages)");
 }
 
-TEST_F(BagRecordingTest, AnotherVersionOfTheMessageIsAnError) {
+TEST_F(BagRecordingTest, DifferentVersionOfTheMessageIsAnError) {
   writeBag([](rosbag::Bag& bag) {
     const auto header = boost::make_shared<ros::M_string>();
     (*header)["topic"] = "/scan";
@@ -223,22 +224,22 @@ TEST_F(BagRecordingTest, AnotherVersionOfTheMessageIsAnError) {
     (*header)["message_definition"] = "string data";
     bag.write("/scan", ros::Time(1.0), std_msgs::String(), header);
   });
-  EXPECT_CONTAINS(problem(), "topic /scan has another version of sensor_msgs/LaserScan");
+  EXPECT_CONTAINS(problem(), "topic /scan has a different version of sensor_msgs/LaserScan");
 }
 
-TEST_F(BagRecordingTest, ACutOffBagAsksForReindex) {
+TEST_F(BagRecordingTest, CutOffBagSuggestsReindex) {
   writeBag([](rosbag::Bag& bag) {
     for (int i = 1; i < 500; ++i) record(bag, "/scan", i, scanAt(i));
   });
   std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2);
   EXPECT_CONTAINS(problem(), "rosbag reindex " + path_);
   folder_.write("a.bag", "#ROSBAG V2.0\n");
-  EXPECT_CONTAINS(problem(), "a.bag: is no usable bag");
+  EXPECT_CONTAINS(problem(), "a.bag: is not a valid bag");
   folder_.write("a.bag", "#ROSBAG V2.0\n" + std::string(10000, 'x'));
   EXPECT_CONTAINS(problem(), "a.bag: ");
 }
 
-TEST_F(BagRecordingTest, DamagedBytesAreNoCrash) {
+TEST_F(BagRecordingTest, DamagedBytesDoNotCrash) {
   writeBag([](rosbag::Bag& bag) {
     for (int i = 1; i < 50; ++i) record(bag, "/scan", i, scanAt(i));
   });
@@ -257,9 +258,9 @@ TEST_F(BagRecordingTest, DamagedBytesAreNoCrash) {
   }
 }
 
-TEST_F(BagRecordingTest, AConvertedLogReadsAsTheLogItself) {
+TEST_F(BagRecordingTest, ConvertedLogGivesTheSameScansAsTheLog) {
   std::string text = "PARAM robot_frontlaser_offset -0.04 h 0\n";
-  const double stamps[] = {10.125001, 10.3, 10.2, 10.5};  // the third is late
+  const double stamps[] = {10.125001, 10.3, 10.2, 10.5};  // the third stamp jumps back
   for (int i = 0; i < 4; ++i) {
     text += "FLASER 3 1 2.5 81.91 0 0 0 " + std::to_string(0.1 * i) + " 0.25 " +
             std::to_string(3.0 - i) + ' ' + std::to_string(stamps[i]) + " h 0\n";
@@ -286,7 +287,7 @@ TEST_F(BagRecordingTest, AConvertedLogReadsAsTheLogItself) {
   EXPECT_FALSE(bag->next(b));
 }
 
-TEST_F(BagRecordingTest, AnUnwritableBagIsAnErrorThatLeavesNothing) {
+TEST_F(BagRecordingTest, UnwritableBagIsAnErrorAndLeavesNoFile) {
   CarmenLog log(folder_.write("a.clf", "FLASER 1 1 0 0 0 0 0 0 5 h 0\n"));
   const std::string path = folder_.file("no/a.bag");
   EXPECT_CONTAINS(messageOf([&] { kestrel::writeBag(path, log, BagStamps::kMonotone); }),
@@ -294,7 +295,7 @@ TEST_F(BagRecordingTest, AnUnwritableBagIsAnErrorThatLeavesNothing) {
   EXPECT_FALSE(std::filesystem::exists(path + ".part"));
 }
 
-TEST(RealBags, HaveTheirKnownScansAndMountings) {
+TEST(RealBags, HaveTheExpectedScansAndMountings) {
   const std::string data = dataFolder();
   SKIP_WITHOUT_DATA(data);
   const auto check = [&](const std::string& name, std::size_t count, double laser_x) {

@@ -58,11 +58,11 @@ class BagReferenceTest : public ::testing::Test {
   rosbag::Bag bag_;
 };
 
-TEST_F(BagReferenceTest, GoesByTheStampsOfTheHeadersEachOnce) {
+TEST_F(BagReferenceTest, PosesAreSortedByHeaderStampWithoutDuplicates) {
   bag().write("/mocap", ros::Time(5.0), stamped(1.0, 10.0, 0.5));
-  bag().write("/mocap", ros::Time(5.0), stamped(3.0, 30.0));  // a burst, in another order
+  bag().write("/mocap", ros::Time(5.0), stamped(3.0, 30.0));  // a burst in wrong order
   bag().write("/mocap", ros::Time(5.0), stamped(2.0, 20.0));
-  bag().write("/mocap", ros::Time(5.1), stamped(2.0, 21.0));  // a second time
+  bag().write("/mocap", ros::Time(5.1), stamped(2.0, 21.0));  // repeated
   const Trajectory trajectory = read();
   ASSERT_EQ(trajectory.size(), 3U);
   EXPECT_EQ(trajectory[0].stamp, 1.0);
@@ -85,12 +85,12 @@ TEST_F(BagReferenceTest, ReadsAllThreeTypes) {
   EXPECT_EQ(read("b").at(0).pose.x, 2.0);
   EXPECT_EQ(read("/c").at(0).pose.x, 3.0);
   EXPECT_CONTAINS(messageOf([&] { read(); }),
-                  "a.bag: has several topics with poses; choose the "
-                  "reference among /a (geometry_msgs/PoseStamped, 1");
+                  "a.bag: has several topics with poses; choose one "
+                  "as reference: /a (geometry_msgs/PoseStamped, 1");
   EXPECT_CONTAINS(messageOf([&] { read("/d"); }), "a.bag: no topic /d of type geometry_msgs/Pose");
 }
 
-TEST_F(BagReferenceTest, PosesThatAreNoneAreLeftOut) {
+TEST_F(BagReferenceTest, InvalidPosesAreOmitted) {
   geometry_msgs::PoseStamped lost = stamped(1.0, 1.0);
   lost.pose.orientation = geometry_msgs::Quaternion();
   bag().write("/mocap", ros::Time(1.0), lost);
@@ -103,19 +103,19 @@ TEST_F(BagReferenceTest, PosesThatAreNoneAreLeftOut) {
   EXPECT_EQ(readReference(path_, "").size(), 1U);
 }
 
-TEST_F(BagReferenceTest, ABagWithoutPosesListsItsTopics) {
+TEST_F(BagReferenceTest, BagWithoutPosesListsItsTopics) {
   bag().write("/scan", ros::Time(1.0), sensor_msgs::LaserScan());
   EXPECT_CONTAINS(messageOf([&] { read(); }),
                   "has no topic with poses; its topics: /scan (sensor_msgs/LaserScan, 1 messages)");
 }
 
-TEST_F(BagReferenceTest, ATextFileHasNoTopics) {
+TEST_F(BagReferenceTest, TextFileHasNoTopics) {
   const std::string path = folder_.write("a.tum", "1 2 3 0 0 0 0 1\n");
   EXPECT_EQ(readReference(path, "").at(0).pose.x, 2.0);
-  EXPECT_CONTAINS(messageOf([&] { readReference(path, "/mocap"); }), "a.tum: is no rosbag");
+  EXPECT_CONTAINS(messageOf([&] { readReference(path, "/mocap"); }), "a.tum: is not a rosbag");
 }
 
-TEST_F(BagReferenceTest, GroundTruthIsNeverTakenAsOdometryUnasked) {
+TEST_F(BagReferenceTest, GroundTruthIsOdometryOnlyOnRequest) {
   sensor_msgs::LaserScan scan;
   scan.header.stamp = ros::Time(1.0);
   scan.header.frame_id = "base_link";
@@ -126,8 +126,9 @@ TEST_F(BagReferenceTest, GroundTruthIsNeverTakenAsOdometryUnasked) {
   bag().close();
   const auto recording = openRecording(path_);
   EXPECT_FALSE(recording->hasOdometry());
-  EXPECT_CONTAINS(recording->warnings().at(0), "/ground_truth is ground truth by its name");
-  EXPECT_CONTAINS(recording->warnings().at(1), "/gt/odom is ground truth by its name");
+  EXPECT_CONTAINS(recording->warnings().at(0),
+                  "/ground_truth is ground truth, according to its name");
+  EXPECT_CONTAINS(recording->warnings().at(1), "/gt/odom is ground truth, according to its name");
 
   rosbag::Bag more(path_, rosbag::bagmode::Append);
   more.write("/gtx/odom", ros::Time(1.0), odometry(1.0, 7.0));
@@ -145,7 +146,7 @@ TEST_F(BagReferenceTest, GroundTruthIsNeverTakenAsOdometryUnasked) {
   EXPECT_CONTAINS(asked->warnings().at(0), "the odometry /ground_truth is ground truth");
 }
 
-TEST(RealReferences, AreThoseOfTheMotionCapture) {
+TEST(RealReferences, ReadMotionCapturePoses) {
   const std::string data = dataFolder();
   SKIP_WITHOUT_DATA(data);
   const auto check = [&](const std::string& name, const std::string& topic, std::size_t count) {

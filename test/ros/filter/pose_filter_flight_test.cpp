@@ -9,7 +9,6 @@
 #include <set>
 #include <thread>
 
-#include "../tools/temporary_folder.h"
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/messages/conversions.h"
@@ -19,6 +18,7 @@
 #include "kestrel_slam/simulation/flight_plan.h"
 #include "kestrel_slam/simulation/flight_simulator.h"
 #include "node_watcher.h"
+#include "temporary_folder.h"
 
 namespace kestrel {
 namespace {

@@ -4,11 +4,11 @@
 
 #include <string>
 
-#include "../tools/temporary_folder.h"
 #include "kestrel_slam/evaluation/evaluation.h"
 #include "kestrel_slam/recording/bag/bag_writer.h"
 #include "kestrel_slam/recording/recording.h"
 #include "mapper_client.h"
+#include "temporary_folder.h"
 
 namespace kestrel {
 namespace {

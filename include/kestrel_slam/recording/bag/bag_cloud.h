@@ -6,7 +6,7 @@
 
 namespace kestrel {
 
-/// Reads a PointCloud2 message of a bag. Throws std::exception where its bytes are damaged.
+/// Reads a PointCloud2 message of a bag. Throws std::exception if its bytes are damaged.
 sensor_msgs::PointCloud2 deserializeCloud(const rosbag::MessageInstance& instance);
 
 }  // namespace kestrel

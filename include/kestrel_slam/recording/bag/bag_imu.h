@@ -15,12 +15,13 @@
 
 namespace kestrel {
 
-/// What a bag has of a sensor, and what the user should know of it.
+/// The IMU data of a bag, and warnings for the user.
 struct BagImu {
   RecordedImu imu;
   std::size_t broken = 0;  ///< messages that could not be read
   std::vector<std::string> warnings;
 };
+/// The range finder data of a bag, and warnings for the user.
 struct BagHeights {
   std::vector<HeightSample> samples;
   std::string topic;
@@ -28,13 +29,14 @@ struct BagHeights {
   std::vector<std::string> warnings;
 };
 
-/// Reads the IMU topic `wanted`, or the busiest one where it is "", and the mounting from tf.
-/// Throws std::runtime_error where `wanted` is not there.
+/// Reads the IMU topic `wanted` and its mounting from tf. If `wanted` is "", reads the IMU topic
+/// with the most messages. Throws std::runtime_error if the bag has no topic `wanted`.
 BagImu readBagImu(const rosbag::Bag& bag, const BagTopics& topics, const BagTransforms& transforms,
                   const std::string& base_frame, const std::string& wanted);
 
-/// Reads the Range topic `wanted`; where it is "", one that looks down according to tf, or the only
-/// one where tf does not know its frame. Throws std::runtime_error where `wanted` is not there.
+/// Reads the Range topic `wanted`. If it is "", reads a topic whose sensor looks down according to
+/// tf, or the only Range topic if tf does not know its frame. Throws std::runtime_error if the bag
+/// has no topic `wanted`.
 BagHeights readBagHeights(const rosbag::Bag& bag, const BagTopics& topics,
                           const BagTransforms& transforms, const std::string& base_frame,
                           const std::string& wanted);

@@ -19,7 +19,7 @@ class BagOdometry {
  public:
   BagOdometry(const rosbag::Bag& bag, const std::string& topic);
 
-  /// odom_T_child at `stamp` (s), between two messages at most kMaxGap apart.
+  /// odom_T_child at `stamp` (s). Nothing if the two nearest messages are more than kMaxGap apart.
   std::optional<Pose2> at(double stamp) const;
 
   bool empty() const { return poses_.empty(); }
@@ -37,17 +37,18 @@ class BagOdometry {
   std::string child_frame_;
 };
 
-/// Where a bag has its odometry: in an Odometry topic, in tf, or nowhere. A topic whose name says
-/// that it is ground truth is only taken where the user asks for it.
+/// The odometry of a bag: an Odometry topic, tf, or none. A topic whose name indicates ground truth
+/// is used only if the user names it.
 class BagOdometrySource {
  public:
-  /// `wanted`: a topic, or "" for the only one. Throws std::runtime_error where it is not there.
+  /// `wanted`: a topic, or "" for the only one. Throws std::runtime_error if the bag has no such
+  /// topic.
   BagOdometrySource(const rosbag::Bag& bag, const BagTopics& topics,
                     const BagTransforms& transforms, std::string base_frame,
                     const std::string& wanted);
 
   bool available() const { return !odom_frame_.empty() || (odometry_ && !odometry_->empty()); }
-  /// odom_T_base at a stamp, given in s and as ROS has it.
+  /// odom_T_base at a time, which is given as `stamp` in s and as `time`.
   std::optional<Pose2> at(double stamp, const ros::Time& time) const;
 
   /// "odometry /odom", or "no odometry".
@@ -60,7 +61,7 @@ class BagOdometrySource {
   const BagTransforms& transforms_;
   std::string base_frame_;
   std::optional<BagOdometry> odometry_;
-  std::string odom_frame_;  ///< in tf; "" where odometry is not from tf
+  std::string odom_frame_;  ///< in tf; "" if the odometry is not from tf
   std::string description_ = "no odometry";
   std::vector<std::string> warnings_;
 };

@@ -8,15 +8,14 @@
 
 namespace kestrel {
 
-/// Reads the scans of a rosbag (LaserScan, or PointCloud2 of a 3D lidar) in the order of their
-/// recording, with the sensor's mounting from the bag's tf, the odometry from an Odometry topic or
-/// tf, the IMU and the range finder.
+/// Reads a rosbag in the order of recording: scans (LaserScan, or PointCloud2 of a 3D lidar), the
+/// sensor mounting from tf, odometry from an Odometry topic or tf, the IMU and the range finder.
 ///
-/// A bag without any tf is read as if the laser were the base. A header stamp of 0 is replaced by
-/// the time at which the message was recorded.
+/// If the bag has no tf, the laser frame is used as the base frame. A header stamp of 0 is replaced
+/// by the time at which the message was recorded.
 class BagRecording : public Recording {
  public:
-  /// Throws std::runtime_error where the bag cannot be read or has no laser.
+  /// Throws std::runtime_error if the bag cannot be read or has no laser.
   BagRecording(const std::string& path, const RecordingOptions& options);
   ~BagRecording() override;
 

@@ -7,11 +7,11 @@
 
 namespace kestrel {
 
-/// Reads a reference trajectory (motion capture, ground truth) from the PoseStamped,
-/// PoseWithCovarianceStamped or Odometry topic of a bag, by the stamps in the headers, ascending,
-/// each once. `topic` may be "" where the bag has only one that could be meant.
+/// Reads a reference trajectory (motion capture, ground truth) from a PoseStamped,
+/// PoseWithCovarianceStamped or Odometry topic of a bag. The poses are sorted by header stamp, with
+/// one pose per stamp. `topic` may be "" if the bag has only one such topic.
 ///
-/// Throws std::runtime_error that names the bag and lists the topics.
+/// Throws std::runtime_error with the name of the bag and a list of its topics.
 Trajectory readBagReference(const std::string& path, const std::string& topic);
 
 }  // namespace kestrel

@@ -6,7 +6,7 @@
 
 namespace kestrel {
 
-/// Reads a LaserScan message of a bag. Throws std::exception where its bytes are damaged.
+/// Reads a LaserScan message of a bag. Throws std::exception if its bytes are damaged.
 sensor_msgs::LaserScan deserializeScan(const rosbag::MessageInstance& instance);
 
 }  // namespace kestrel

@@ -5,9 +5,9 @@
 
 namespace kestrel {
 
-/// Walks through the records of a rosbag (format 2.0) and checks that every length and position in
-/// it lies where it can. The rosbag library trusts them: it asks for gigabytes or reads outside of
-/// its memory where a few bytes are damaged. Throws std::runtime_error that says at which byte.
+/// Checks that all lengths and positions in the records of a rosbag (format 2.0) are valid. The
+/// rosbag library does not check them: with a few damaged bytes it allocates gigabytes or reads
+/// outside of its memory. Throws std::runtime_error with the position of the damage.
 void checkBagStructure(const std::string& path);
 
 }  // namespace kestrel

@@ -12,11 +12,11 @@
 
 namespace kestrel {
 
-/// Opens a bag for reading. Throws std::runtime_error that names it where it is damaged or has no
+/// Opens a bag for reading. Throws std::runtime_error with its name if it is damaged or has no
 /// index.
 void openBag(rosbag::Bag& bag, const std::string& path);
 
-/// What a bag says of one of its topics.
+/// Properties of one topic of a bag.
 struct BagTopic {
   std::string type, md5;
   std::size_t messages = 0;
@@ -25,26 +25,26 @@ using BagTopics = std::map<std::string, BagTopic>;
 
 BagTopics topicsOf(const rosbag::Bag& bag);
 
-/// "a (5 messages), b (3 messages)" for the topics of a type; of all topics, with their types,
-/// where `type` is empty.
+/// Lists the topics of a type as "a (5 messages), b (3 messages)". If `type` is empty, lists all
+/// topics with their types.
 std::string listTopics(const BagTopics& topics, const std::string& type);
 /// The same for several types.
 std::string listTopics(const BagTopics& topics, const std::vector<std::string>& types);
 
-/// The topic with the most messages of a type; "" where no topic has any.
+/// The topic of a type with the most messages; "" if there is none.
 std::string busiestTopic(const BagTopics& topics, const std::string& type);
 
 std::size_t countOfType(const BagTopics& topics, const std::string& type);
 
-/// The topic that the user asked for, with or without its leading slash. Throws std::runtime_error
-/// that lists the topics of this type.
+/// The topic that the user asked for; its leading slash is optional. If the bag does not have it,
+/// throws std::runtime_error with a list of the topics of this type.
 std::string requireTopic(const BagTopics& topics, const std::string& wanted,
                          const std::string& type);
 
 std::string requireTopic(const BagTopics& topics, const std::string& wanted,
                          const std::vector<std::string>& types);
 
-/// Throws std::runtime_error where the topic was recorded with another definition of its message.
+/// Throws std::runtime_error if the topic was recorded with another definition of its message.
 void requireMd5(const BagTopics& topics, const std::string& name, const std::string& expected);
 
 template <typename Message>

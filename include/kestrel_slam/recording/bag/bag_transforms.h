@@ -23,18 +23,18 @@ class BagTransforms {
   bool empty() const { return edges_.empty(); }
   bool knows(const std::string& frame) const;
 
-  /// The frames above `frame`, nearest first.
+  /// The ancestors of `frame`, beginning with its parent.
   std::vector<std::string> ancestors(const std::string& frame) const;
 
-  /// The frame of the vehicle: base_link where tf knows it, otherwise the highest frame above the
-  /// sensor that does not belong to the world.
+  /// The frame of the vehicle: base_link if tf has it, otherwise the topmost ancestor of the sensor
+  /// that is not a world frame (such as map or odom).
   std::string vehicleFrame(const std::string& sensor_frame) const;
 
-  /// `target_T_source` at a time, or at any time where nothing between the two ever moves.
+  /// `target_T_source` at `time`. The time is ignored if the transform is the same at all times.
   std::optional<Eigen::Isometry3d> lookup(const std::string& target, const std::string& source,
                                           const ros::Time& time) const;
 
-  /// Whether tf has a path between the frames at all, whatever the time.
+  /// True if tf connects the two frames at any time.
   bool connected(const std::string& a, const std::string& b) const;
 
   std::size_t badTransforms() const { return bad_; }
@@ -51,7 +51,7 @@ class BagTransforms {
 
   tf2::BufferCore buffer_;
   std::map<std::string, Edge> edges_;  ///< by child frame
-  std::size_t bad_ = 0;                ///< with NaN, without a frame, or to itself
+  std::size_t bad_ = 0;                ///< invalid transforms, which are ignored
 };
 
 }  // namespace kestrel

@@ -37,6 +37,7 @@ class ImuInput {
   void onImu(const sensor_msgs::ImuConstPtr& message);
 
   const Mountings& mountings_;
+  ImuCheck check_;
   ProjectionStage& projection_;
   std::function<void(const ros::Time&)> on_attitude_;
   std::string waiting_for_;

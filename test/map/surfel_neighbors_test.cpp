@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which surfel a cell looks to, after thousands of cells came and went one by one.
+// Tests the nearest surfel of every cell after thousands of single cells were added and removed.
 
 #include <gtest/gtest.h>
 
@@ -12,11 +12,11 @@
 namespace kestrel {
 namespace {
 
-constexpr float kSize = 0.05F;  // m, of a cell
-constexpr int kHalf = 25;       // cells that come and go lie in [-kHalf, kHalf)
+constexpr float kSize = 0.05F;  // size of a cell, m
+constexpr int kHalf = 25;       // cells in [-kHalf, kHalf) are added and removed
 constexpr int kReach = SurfelField::kReachCells;
 
-/// The same point of a cell every time, so that no mean moves.
+/// Always the same point for a cell, so that its mean does not move.
 Eigen::Vector2f pointIn(const Cell& cell) {
   const auto hash =
       static_cast<unsigned>(cell.x * 73856093) ^ static_cast<unsigned>(cell.y * 19349663);
@@ -25,27 +25,27 @@ Eigen::Vector2f pointIn(const Cell& cell) {
   return {(static_cast<float>(cell.x) + u) * kSize, (static_cast<float>(cell.y) + v) * kSize};
 }
 
-/// A hit without a beam: nothing is cleared.
+/// A hit whose beam clears no cell.
 PlanarRay hitIn(const Cell& cell) { return {pointIn(cell), pointIn(cell), true}; }
 
-/// A beam that passes this cell and no other.
+/// A beam that clears only this cell.
 PlanarRay missIn(const Cell& cell) {
   const Eigen::Vector2f from((static_cast<float>(cell.x) + 0.25F) * kSize,
                              (static_cast<float>(cell.y) + 0.5F) * kSize);
   return {from, from + Eigen::Vector2f(1.05F * kSize, 0.0F), false};
 }
 
-/// One miss undoes one hit.
-OccupancyGridConfig forgetful() {
+/// A configuration in which one miss cancels one hit.
+OccupancyGridConfig singleMissClears() {
   OccupancyGridConfig config;
   config.miss_probability = 0.05;
   config.min_probability = 0.04;
   return config;
 }
 
-class Neighbors : public ::testing::Test {
+class SurfelNeighbors : public ::testing::Test {
  protected:
-  /// Up to eight cells come and go at once.
+  /// Adds and removes up to eight cells at once.
   void changeSome() {
     PlanarScan scan;
     for (int i = 0; i < 4; ++i) {
@@ -62,8 +62,8 @@ class Neighbors : public ::testing::Test {
     }
   }
 
-  /// Squared distance in cells² from the center of a cell to the nearest mean of a surfel whose
-  /// cell is within reach; infinite where there is none.
+  /// Squared distance in cells² from the center of a cell to the nearest mean of a surfel within
+  /// reach; infinite if there is none.
   float nearest2(const Cell& cell) const {
     float best = std::numeric_limits<float>::infinity();
     for (const Cell& other : occupied_) {
@@ -79,7 +79,7 @@ class Neighbors : public ::testing::Test {
   }
 
   void expectAllNearest() const {
-    // Distances are kept in steps of 1/512 cell², and floats round.
+    // Distances are stored in steps of 1/512 cell², and floats are rounded.
     constexpr float kTolerance = 2.5F / 512.0F;
     for (int y = -kHalf - kReach - 3; y < kHalf + kReach + 3; ++y) {
       for (int x = -kHalf - kReach - 3; x < kHalf + kReach + 3; ++x) {
@@ -90,7 +90,7 @@ class Neighbors : public ::testing::Test {
         if (found == nullptr) continue;
         ASSERT_TRUE(map_.grid().isOccupied(found->cell)) << x << " " << y << ": a removed surfel";
         if (map_.grid().isOccupied(cell)) {
-          ASSERT_EQ(found->cell, cell) << "an occupied cell has its own";
+          ASSERT_EQ(found->cell, cell) << "an occupied cell must have its own surfel";
         } else {
           ASSERT_LE(distance2(cell, found->mean), expected + kTolerance) << x << " " << y;
         }
@@ -109,11 +109,11 @@ class Neighbors : public ::testing::Test {
   }
 
   std::mt19937 random_{5};
-  Submap map_{forgetful()};
+  Submap map_{singleMissClears()};
   std::vector<Cell> occupied_;
 };
 
-TEST_F(Neighbors, AreTheNearestAfterThousandsOfInsertionsAndRemovals) {
+TEST_F(SurfelNeighbors, AreTheNearestAfterThousandsOfInsertionsAndRemovals) {
   std::size_t most = 0;
   for (int round = 0; round < 100; ++round) {
     for (int i = 0; i < 30; ++i) changeSome();
@@ -121,7 +121,7 @@ TEST_F(Neighbors, AreTheNearestAfterThousandsOfInsertionsAndRemovals) {
     ASSERT_NO_FATAL_FAILURE(expectAllNearest()) << "round " << round;
     most = std::max(most, occupied());
   }
-  EXPECT_GT(most, 10U);  // neither empty nor full, or nothing was tested
+  EXPECT_GT(most, 10U);  // the map must be neither empty nor full
   EXPECT_LT(most, 400U);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "kestrel_slam/evaluation/claims.h"
+#include "kestrel_slam/evaluation/covariance_file.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "kestrel_slam/evaluation/consistency.h"
-#include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/recording/text_stream.h"
 
@@ -32,32 +32,32 @@ Eigen::Matrix3d covarianceFrom(const double* v) {
   return c;
 }
 
-const Claim* claimAt(const std::vector<Claim>& sorted, double stamp) {
+const ScanCovariance* covarianceAt(const std::vector<ScanCovariance>& sorted, double stamp) {
   const auto after =
       std::lower_bound(sorted.begin(), sorted.end(), stamp - kStampTolerance,
-                       [](const Claim& claim, double time) { return claim.stamp < time; });
+                       [](const ScanCovariance& entry, double time) { return entry.stamp < time; });
   return after != sorted.end() && after->stamp <= stamp + kStampTolerance ? &*after : nullptr;
 }
 
 }  // namespace
 
-void writeClaims(const std::string& path, const std::vector<Claim>& claims) {
+void writeCovariances(const std::string& path, const std::vector<ScanCovariance>& covariances) {
   std::ostringstream out;
   out << "# stamp x y yaw, then map and match covariance: xx xy xt yy yt tt (m, rad)\n";
-  for (const Claim& claim : claims) {
-    const Pose2& pose = claim.pose.pose;
-    out << std::fixed << std::setprecision(kStampDecimals) << claim.stamp << std::defaultfloat
+  for (const ScanCovariance& entry : covariances) {
+    const Pose2& pose = entry.pose.pose;
+    out << std::fixed << std::setprecision(kStampDecimals) << entry.stamp << std::defaultfloat
         << std::setprecision(kDigits) << ' ' << pose.x << ' ' << pose.y << ' ' << pose.yaw;
-    write(out, claim.pose.map_covariance);
-    write(out, claim.pose.match_covariance);
+    write(out, entry.pose.map_covariance);
+    write(out, entry.pose.match_covariance);
     out << '\n';
   }
   writeFileAtomically(path, out.str());
 }
 
-std::vector<Claim> readClaims(const std::string& path) {
+std::vector<ScanCovariance> readCovariances(const std::string& path) {
   const std::unique_ptr<std::istream> stream = openText(path);
-  std::vector<Claim> claims;
+  std::vector<ScanCovariance> covariances;
   std::size_t number = 0;
   for (std::string line; std::getline(*stream, line);) {
     ++number;
@@ -73,32 +73,31 @@ std::vector<Claim> readClaims(const std::string& path) {
     if (count != kFields) {
       throw std::runtime_error(path + ", line " + std::to_string(number) + ": expected " +
                                std::to_string(kFields) +
-                               " numbers; give the covariances.txt of map_recording");
+                               " numbers; use the covariances.txt of map_recording");
     }
-    claims.push_back({v[0],
-                      {Pose2(v[1], v[2], v[3]), covarianceFrom(&v[kPoseFields]),
-                       covarianceFrom(&v[kPoseFields + kCovarianceFields])}});
+    covariances.push_back({v[0],
+                           {Pose2(v[1], v[2], v[3]), covarianceFrom(&v[kPoseFields]),
+                            covarianceFrom(&v[kPoseFields + kCovarianceFields])}});
   }
-  return claims;
+  return covariances;
 }
 
-ClaimEvaluation evaluateClaims(const std::vector<Claim>& claims,
-                               const std::vector<Relation>& relations) {
-  std::vector<Claim> sorted = claims;
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const Claim& a, const Claim& b) { return a.stamp < b.stamp; });
+CovarianceEvaluation evaluateCovariances(const std::vector<ScanCovariance>& covariances,
+                                         const std::vector<Relation>& relations) {
+  std::vector<ScanCovariance> sorted = covariances;
+  std::stable_sort(
+      sorted.begin(), sorted.end(),
+      [](const ScanCovariance& a, const ScanCovariance& b) { return a.stamp < b.stamp; });
   std::vector<double> translations, rotations, nees;
   for (const Relation& relation : relations) {
-    const Claim* a = claimAt(sorted, relation.stamp1);
-    const Claim* b = claimAt(sorted, relation.stamp2);
+    const ScanCovariance* a = covarianceAt(sorted, relation.stamp1);
+    const ScanCovariance* b = covarianceAt(sorted, relation.stamp2);
     if (a == nullptr || b == nullptr) continue;
-    const Pose2 found = a->pose.pose.inverse() * b->pose.pose;
-    const Eigen::Vector3d error(found.x - relation.pose.x, found.y - relation.pose.y,
-                                normalizeAngle(found.yaw - relation.pose.yaw));
+    const Eigen::Vector3d error = offsetBetween(relation.pose, a->pose.pose.between(b->pose.pose));
     const Eigen::Matrix3d covariance = relativeCovariance(a->pose, b->pose);
-    const double spread = covariance.topLeftCorner<2, 2>().trace();
-    if (!(spread > 0.0) || !(covariance(2, 2) > 0.0)) continue;
-    translations.push_back(error.head<2>().norm() / std::sqrt(spread));
+    const double variance = covariance.topLeftCorner<2, 2>().trace();
+    if (!(variance > 0.0) || !(covariance(2, 2) > 0.0)) continue;
+    translations.push_back(error.head<2>().norm() / std::sqrt(variance));
     rotations.push_back(std::abs(error.z()) / std::sqrt(covariance(2, 2)));
     nees.push_back(neesOf(error, covariance));
   }
