@@ -42,7 +42,7 @@ test_tsan() {
   step "tsan: build" build_tsan || return 0
   local reports=$LOGS/tsan_report
   rm -f "$reports".*
-  export TSAN_OPTIONS="suppressions=$ROOT/test/ros/tsan.supp log_path=$reports exitcode=0"
+  export TSAN_OPTIONS="log_path=$reports exitcode=0"
   suites tsan tsan -R rostest_test_ros
   step "tsan: no findings" no_findings "$reports" || true
 }
