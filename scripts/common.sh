@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # shellcheck shell=bash
-# Shared by the other scripts: `source` it, do not run it. Needs bash.
-# Sets ROOT (the clone) and BUILD (its ignored folder), and puts Debian's own Python first: ROS's
-# tools need it.
+# Shared functions of the other scripts. Use it with `source` in bash.
+# Sets ROOT (the clone) and BUILD (its build folder). Puts /usr/bin first in PATH, because the ROS
+# tools need Debian's Python.
 set -euo pipefail
 
 ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -16,10 +16,10 @@ die() {
   exit 1
 }
 
-# The comment at the head of a script is its help.
+# Prints the comment at the head of the script as its help.
 show_help() { sed -n '3,/^[^#]/ s/^# \{0,1\}//p' "$0"; }
 
-# Prints the help and ends the script where the first argument asks for it.
+# Prints the help and exits if the first argument is -h or --help.
 help_if_asked() {
   case ${1:-} in -h | --help)
     show_help
@@ -34,7 +34,7 @@ wrong_usage() {
   exit 2
 }
 
-# A compiler of this package takes up to 1.2 GB: as many at a time as cores and memory allow.
+# Number of parallel compilers, limited by the number of cores and by memory (1.2 GB for each).
 job_count() {
   local by_memory
   by_memory=$(awk '/MemAvailable/ { n = int($2 / 1200000); print (n < 1 ? 1 : n) }' /proc/meminfo)
@@ -101,8 +101,8 @@ progress() {
   done
 }
 
-# Enters the environment of the installed package, with its tools as commands. Not that of `devel`:
-# there rosrun looks through the clone itself, and finds the programs in its .build once more.
+# Enters the environment of the installed package and adds its tools to PATH. It does not use
+# `devel`, because rosrun would then search the clone and find the programs in .build twice.
 enter_workspace() {
   local setup=$WORKSPACE/install/setup.bash
   [ -f "$setup" ] || die "$setup is missing: run scripts/build"
@@ -111,6 +111,6 @@ enter_workspace() {
   source "$setup"
   set -u
   export PATH="/usr/bin:$WORKSPACE/install/lib/kestrel_slam:$PATH"
-  # ROS writes its logs into the home folder, which not every account has.
+  # ROS writes its logs to the home folder. Some accounts have none.
   [ -w "${ROS_HOME:-${HOME:-/nowhere}}" ] || export ROS_HOME=$BUILD/ros_home
 }

@@ -140,7 +140,7 @@ double bestThreshold(const std::vector<EvaluationExperiment::Trial>& trials) {
 
 std::string evaluationTable(const std::vector<MethodTrials>& methods, double threshold) {
   std::string table =
-      "| matcher |  good matches | bad matches | threshold | good rejected | bad accepted |\n"
+      "| matcher | good matches | bad matches | threshold | good rejected | bad accepted |\n"
       "| --- | ---: | ---: | ---: | ---: | ---: |\n";
   for (const MethodTrials& method : methods) {
     for (const double at : {threshold, bestThreshold(method.trials)}) {

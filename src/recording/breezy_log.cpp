@@ -111,7 +111,7 @@ void BreezyLog::drive(const std::array<double, 2>& ticks) {
 
 std::string BreezyLog::description() const {
   return "BreezySLAM log, " + std::to_string(scan_count_) +
-         "  scans of a URG-04LX, with wheel odometry";
+         " scans of a URG-04LX, with wheel odometry";
 }
 
 }  // namespace kestrel

@@ -36,7 +36,7 @@ class Fields {
   std::size_t count(const char* what) {
     const double value = number(what);
     if (value < 0.0 || value > kMaxBeams || value != std::floor(value)) {
-      throw std::invalid_argument(std::string(what) + "  is not a valid count");
+      throw std::invalid_argument(std::string(what) + " is not a valid count");
     }
     return static_cast<std::size_t>(value);
   }
