@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/messages/sensor_messages.h"
 
 namespace kestrel {
 namespace {
@@ -64,7 +65,7 @@ HeightSample toHeightSample(const sensor_msgs::FluidPressure& message) {
   const double height = pressure > 0.0
                             ? kScaleHeightM * (1.0 - std::pow(pressure / kSeaLevelPa, kExponent))
                             : std::numeric_limits<double>::quiet_NaN();
-  return {message.header.stamp.toSec(), height};
+  return {toSeconds(message.header.stamp), height};
 }
 
 std::optional<YawMeasurement> toYaw(const sensor_msgs::MagneticField& message,
@@ -76,7 +77,7 @@ std::optional<YawMeasurement> toYaw(const sensor_msgs::MagneticField& message,
   if (!field.allFinite() || !(level.norm() > kLeastFieldShare * field.norm())) return std::nullopt;
   const double to_north = std::atan2(level.y(), level.x());  // from the vehicle's ahead
   const double north = kPi / 2.0 - declination_rad;          // from east
-  return YawMeasurement{message.header.stamp.toSec(), normalizeAngle(north - to_north), 0.0};
+  return YawMeasurement{toSeconds(message.header.stamp), normalizeAngle(north - to_north), 0.0};
 }
 
 std::optional<PositionMeasurement> LocalFixes::toPosition(const sensor_msgs::NavSatFix& message,
@@ -86,7 +87,7 @@ std::optional<PositionMeasurement> LocalFixes::toPosition(const sensor_msgs::Nav
   const Eigen::Vector3d earth = earthOf(latitude, longitude, message.altitude);
   if (!has_fix || !earth.allFinite()) return std::nullopt;
   if (!origin_) origin_ = Origin{earth, enuFromEarth(latitude, longitude), first_position};
-  return PositionMeasurement{message.header.stamp.toSec(),
+  return PositionMeasurement{toSeconds(message.header.stamp),
                              origin_->position + origin_->enu_R_earth * (earth - origin_->earth),
                              covarianceOf(message)};
 }
