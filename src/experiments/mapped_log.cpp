@@ -3,10 +3,8 @@
 
 #include <memory>
 
-#include "kestrel_slam/mapping/mapper.h"
-#include "kestrel_slam/parameters/parameters.h"
+#include "kestrel_slam/offline/offline_run.h"
 #include "kestrel_slam/recording/recording.h"
-#include "kestrel_slam/sensor/scan_projector.h"
 
 namespace kestrel {
 
@@ -15,22 +13,13 @@ MappedLog mapLog(const std::string& path, double resolution_m) {
   OccupancyGridConfig grid = config.mapper.grid;
   grid.resolution_m = resolution_m;
   const std::unique_ptr<Recording> recording = openRecording(path);
-  ScanProjector projector(config.projector);
-  Mapper mapper(config.mapper);
   MappedLog log{Submap(grid), {}};
-  RecordedScan recorded;
-  while (recording->next(recorded)) {
-    Projection projection = projector.project(recorded.scan, recorded.base_T_laser);
-    if (projection.error != ScanError::kNone) continue;
-    projection.scan.time = recorded.time;
-    const MapperResult result = mapper.process(projection.scan);
-    if (result.inserted) log.map.insert(projection.scan, result.pose);
-    MappedScan mapped{{}, result.pose};
-    for (const PlanarRay& ray : projection.scan.rays) {
-      if (ray.hit) mapped.points.push_back(ray.end);
-    }
-    log.scans.push_back(std::move(mapped));
-  }
+  RunOptions options;
+  options.observer = [&log](const PlanarScan& scan, const MapperResult& result) {
+    if (result.inserted) log.map.insert(scan, result.pose);
+    log.scans.push_back({hitsOf(scan), result.pose});
+  };
+  runOffline(*recording, config, options);
   return log;
 }
 

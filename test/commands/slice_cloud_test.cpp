@@ -78,7 +78,7 @@ TEST(CloudFile, ErrorsDescribeTheProblem) {
   EXPECT_CONTAINS(problemOf(folder.write("a.pcd", pcdHeader("binary") + "abc")),
                   "a.pcd: the payload of the cloud has 3 bytes, fewer than 1 rows of 32 bytes");
   EXPECT_CONTAINS(problemOf(folder.write("a.pcd", pcdHeader("binary_compressed"))),
-                  "convert it with `pcl_convert_pcd_ascii_binary");
+                  "convert the file with `pcl_convert_pcd_ascii_binary");
   EXPECT_CONTAINS(problemOf(folder.write("a.pcd", pcdHeader("ascii") + "1 2 x 4")),
                   "a.pcd: 'x' is not a number");
   EXPECT_CONTAINS(problemOf(folder.write("a.pcd", pcdHeader("binary", "0"))), "zero points");

@@ -10,11 +10,10 @@
 #include <string>
 
 #include "kestrel_slam/evaluation/evaluation.h"
-#include "kestrel_slam/mapping/mapper.h"
-#include "kestrel_slam/parameters/parameters.h"
+#include "kestrel_slam/offline/offline_run.h"
+#include "kestrel_slam/offline/stats.h"
 #include "kestrel_slam/recording/recording.h"
 #include "kestrel_slam/recording/trajectory.h"
-#include "kestrel_slam/sensor/scan_projector.h"
 
 namespace kestrel {
 namespace {
@@ -37,22 +36,12 @@ struct LogRun {
 LogRun mapLog(const std::string& name, bool use_odometry, const SlamConfig& config = SlamConfig(),
               std::size_t max_scans = std::numeric_limits<std::size_t>::max()) {
   const std::unique_ptr<Recording> recording = openRecording(dataFile(name + ".clf.bz2"));
-  ScanProjector projector(config.projector);
-  Mapper mapper(config.mapper);
-  LogRun run;
-  RecordedScan scan;
-  while (run.scans < max_scans && recording->next(scan)) {
-    Projection projection = projector.project(scan.scan, scan.base_T_laser);
-    projection.scan.time = scan.time;
-    const MapperResult result =
-        mapper.process(projection.scan, use_odometry ? scan.odom_T_base : std::nullopt);
-    run.trajectory.push_back({scan.scan.stamp, result.pose});
-    run.lost += result.state == MatchState::kLost ? 1U : 0U;
-    ++run.scans;
-  }
-  run.map = mapper.snapshot();
-  run.memory_bytes = mapper.memoryBytes();
-  return run;
+  RunOptions options;
+  options.use_odometry = use_odometry;
+  options.max_scans = max_scans;
+  const OfflineRun run = runOffline(*recording, config, options);
+  return {run.trajectory, run.map, run.scans.size(), summarize(run.scans).lost,
+          run.map_memory_bytes};
 }
 
 double meanError(const LogRun& run, const std::string& name) {
