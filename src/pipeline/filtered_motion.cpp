@@ -33,18 +33,17 @@ bool FilteredMotionBuffer::add(const FilteredMotion& motion) {
     states_.clear();
     attitude_.clear();
   }
-  if (!motion.gives_attitude) return false;
-  if (!attitude_.add(motion.stamp, motion.odom_R_base, motion.angular_velocity,
-                     motion.specific_force)) {
-    return false;
-  }
+  const bool is_used =
+      motion.gives_attitude && attitude_.add(motion.stamp, motion.odom_R_base,
+                                             motion.angular_velocity, motion.specific_force);
+  if (motion.gives_attitude && !is_used) return false;
   const bool is_newest = states_.empty() || motion.stamp > states_.back().stamp;
   if (is_newest) {
     states_.push_back({motion.stamp, motion.odom_T_base,
                        motion.gives_prediction && motion.odom_T_base.isFinite()});
   }
   while (states_.front().stamp < states_.back().stamp - history_s_) states_.pop_front();
-  return true;
+  return is_used;
 }
 
 bool FilteredMotionBuffer::runs(double time) const {

@@ -155,7 +155,7 @@ ProjectedSweep ProjectionStage::project(const SweepData& data,
     projection.scan.integrated_acceleration.reset();
   }
   if (attitude != nullptr) last_attitude_ = attitude;
-  if (result.filtered) projection.scan.predicted = motions_.odomPose(stamp);
+  if (!level) projection.scan.predicted = motions_.odomPose(stamp);
   return result;
 }
 

@@ -32,7 +32,7 @@ class FilteredMotionBuffer {
  public:
   explicit FilteredMotionBuffer(const AttitudeBufferConfig& config);
 
-  /// False where the state is not used: the attitude is not known well enough, a number is not
+  /// False where the attitude is not used: it is not known well enough, a number is not
   /// finite, or the stamp is there already. Stamps far in the past clear the buffer (a clock that
   /// was set back).
   bool add(const FilteredMotion& motion);
