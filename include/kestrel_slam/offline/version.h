@@ -4,6 +4,6 @@
 namespace kestrel {
 
 /// The version of the package, as in package.xml (a test compares them).
-constexpr const char* kVersion = "0.1.0";
+constexpr const char* kVersion = "0.2.0";
 
 }  // namespace kestrel
