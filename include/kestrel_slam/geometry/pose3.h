@@ -7,8 +7,8 @@
 
 namespace kestrel {
 
-/// The rotation without its turn about the vertical: `stabilized_R_base` (REP-105; paper 000 eq.
-/// 1).
+/// The rotation without its turn about the vertical: `stabilized_R_base` (REP-105;
+/// [MAV SLAM 2013, eq. 1]).
 Eigen::Quaterniond withoutYaw(const Eigen::Quaterniond& world_R_base);
 
 /// The turn about the vertical: angle of the base's x axis seen from above, rad.

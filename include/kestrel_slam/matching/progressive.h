@@ -41,8 +41,8 @@ struct CandidateSpread {
 /// Standard normal samples of (x, y, yaw), the most likely first. The first one is zero.
 using StandardCandidates = std::vector<Eigen::Vector3f>;
 
-/// `count` samples, generated as in the sampling algorithm that [Xie 2010] cites (Thrun et al.,
-/// "Probabilistic Robotics", table 5.4). Depends only on its arguments.
+/// `count` samples, generated as in the sampling algorithm that [Xie 2010] cites: [Thrun 2005,
+/// table 5.4]. Depends only on its arguments.
 StandardCandidates standardCandidates(int count, int seed);
 
 /// The spread of the motion model around the prediction x* = `initial_guess` [Xie 2010, eq. 7-10].
