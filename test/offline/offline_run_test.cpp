@@ -103,8 +103,9 @@ TEST(OfflineRunTest, ARecordingThatBreaksOffKeepsWhatCameBefore) {
   const OfflineRun run = runOffline(recording, SlamConfig(), RunOptions());
   EXPECT_EQ(run.trajectory.size(), 6U);
   EXPECT_FALSE(run.map.empty());
-  EXPECT_EQ(run.warnings, std::vector<std::string>{
-                              "the recording breaks off after 6 scans: the file is cut off"});
+  EXPECT_EQ(run.warnings,
+            std::vector<std::string>{
+                "the recording ends with an error after 6 scans: the file is cut off"});
 }
 
 TEST(OfflineRunTest, TheCallbackSeesEveryScanAndCanStop) {
@@ -128,8 +129,8 @@ TEST(OfflineRunTest, MissingOdometryIsReportedOnlyWhereItIsUsed) {
   options.use_odometry = true;
   const OfflineRun used = runOffline(with, SlamConfig(), options);
   EXPECT_EQ(used.warnings,
-            std::vector<std::string>{"1 of 10 scans had no odometry and used the laser alone, the "
-                                     "first at 0.5 s (scan 6)"});
+            std::vector<std::string>{"1 of 10 scans had no odometry and were matched with the "
+                                     "laser only, the first at 0.5 s (scan 6)"});
   EXPECT_TRUE(runOffline(without, SlamConfig(), RunOptions()).warnings.empty());
 }
 
