@@ -139,7 +139,7 @@ TEST_F(PoseFilterGarbage, ReadingsThatAreNotFinite) {
 TEST_F(PoseFilterGarbage, PosesThatAreNone) {
   expectDiagnosis("refused: poses in the frame 'odom', must be in 'map'",
                   [&] { pose_.publish(poseAt(now_, "odom")); });
-  expectDiagnosis("refused: poses the pose has a number that is not finite", [&] {
+  expectDiagnosis("refused: poses the pose has a value that is not finite", [&] {
     auto pose = poseAt(now_);
     pose.pose.pose.position.x = kNan;
     pose_.publish(pose);
