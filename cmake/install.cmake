@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Programs, libraries, headers, and an export for other CMake projects: find_package(kestrel_slam)
-# gives the targets kestrel_slam::<folder> (cmake/kestrel_slam-extras.cmake).
+# Installs programs, libraries and headers, and an export for other CMake projects:
+# find_package(kestrel_slam) gives the targets kestrel_slam::<folder>
+# (cmake/kestrel_slam-extras.cmake).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(EXPORT_FOLDER share/${PROJECT_NAME}/cmake)
@@ -28,7 +29,7 @@ install(TARGETS ${KESTREL_LIBRARIES} EXPORT ${PROJECT_NAME}Targets
   ARCHIVE DESTINATION ${LIBRARY_FOLDER})
 install(EXPORT ${PROJECT_NAME}Targets NAMESPACE ${PROJECT_NAME}:: DESTINATION ${EXPORT_FOLDER})
 if(KESTREL_WITH_ROS)
-  # For packages that are built against catkin's devel space.
+  # For packages that are built with the devel space of catkin.
   export(EXPORT ${PROJECT_NAME}Targets NAMESPACE ${PROJECT_NAME}::
     FILE ${CATKIN_DEVEL_PREFIX}/${EXPORT_FOLDER}/${PROJECT_NAME}Targets.cmake)
 endif()

@@ -15,7 +15,7 @@ if(PkgConfig_FOUND AND NOT TARGET PkgConfig::CAIRO)
   pkg_check_modules(CAIRO QUIET IMPORTED_TARGET cairo)
 endif()
 
-# In the same catkin workspace the targets exist already.
+# In the same catkin workspace the targets already exist.
 if(NOT TARGET kestrel_slam::geometry)
   include(${kestrel_slam_DIR}/kestrel_slamTargets.cmake)
 endif()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# One static library for each folder of src/. The order is that of the dependencies: a folder may
-# include what stands above it here (scripts/check_includes checks that).
+# One static library for each folder of src/. They are sorted by dependency: a folder may
+# include only folders above it in this file (scripts/check_includes checks this).
 set(KESTREL_LIBRARIES)
 
 # kestrel_library(FOLDER SOURCES glob... LINKS library... PRIVATE library...)
@@ -14,7 +14,7 @@ function(kestrel_library folder)
   string(REPLACE "/" "_" name kestrel_${folder})
   add_library(${name} STATIC ${sources})
   target_link_libraries(${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE})
-  # As options, not as a link: kestrel_warnings is not exported.
+  # Set as compile options, because kestrel_warnings is not exported and cannot be linked here.
   target_compile_options(${name} PRIVATE $<TARGET_PROPERTY:kestrel_warnings,INTERFACE_COMPILE_OPTIONS>)
   string(REPLACE "/" "_" export_name ${folder})
   set_target_properties(${name} PROPERTIES EXPORT_NAME ${export_name})
@@ -22,7 +22,7 @@ function(kestrel_library folder)
   set(KESTREL_LIBRARIES ${KESTREL_LIBRARIES} ${name} PARENT_SCOPE)
 endfunction()
 
-# ---- core: no ROS, no third party but Eigen and, for the ICP alone, nanoflann
+# ---- core: no ROS; third-party libraries are only Eigen, and nanoflann for ICP
 kestrel_library(geometry LINKS Eigen3::Eigen)
 target_include_directories(kestrel_geometry PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# One program for each file named *_main.cpp, and the nodes once more as nodelets.
+# One program for each file named *_main.cpp. The nodes are also built as nodelets.
 set(KESTREL_PROGRAMS)
 
 # kestrel_program(MAIN library...)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Everything of catkin that has to come before the first target.
+# The catkin commands that must come before the first target.
 find_package(catkin REQUIRED COMPONENTS
   diagnostic_updater geometry_msgs message_filters message_generation nav_msgs nodelet pluginlib
   roscpp sensor_msgs std_msgs std_srvs tf2 tf2_msgs tf2_ros visualization_msgs)
-find_package(rosbag_storage REQUIRED)  # apart: what flies is not linked to it
+find_package(rosbag_storage REQUIRED)  # separate, because the flight nodes do not link to it
 
 file(GLOB MESSAGES RELATIVE ${PROJECT_SOURCE_DIR}/msg ${PROJECT_SOURCE_DIR}/msg/*.msg)
 add_message_files(DIRECTORY msg FILES ${MESSAGES})

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# One program of unit tests for each folder of test/. Tests that need ROS are those of messages/,
-# recording/bag/ and ros/, and the files named bag_*. Those of ros/common/ need no ROS master.
+# One program of unit tests for each folder of test/. The tests in messages/, recording/bag/
+# and ros/ and the files named bag_* need ROS. The tests in ros/common/ need no ROS master.
 find_package(GTest REQUIRED)
-find_package(Ceres QUIET)  # an oracle of the filter's test alone
+find_package(Ceres QUIET)  # only a reference solution for the filter test
 enable_testing()
 
 function(kestrel_test folder)
@@ -28,7 +28,7 @@ function(kestrel_test folder)
     target_compile_definitions(test_filter PRIVATE KESTREL_WITH_CERES)
   endif()
   add_test(NAME ${name} COMMAND test_${name})
-  # Tests that run side by side end sooner where the longest begins first.
+  # The longest tests start first, which shortens a parallel test run.
   if(folder MATCHES "^(mapping|experiments|matching)$")
     set_tests_properties(${name} PROPERTIES COST 100)
   endif()

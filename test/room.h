@@ -17,16 +17,16 @@ struct Segment {
   double x0, y0, x1, y1;
 };
 
-/// A room of 8 m × 6 m around the origin with a box in one corner, so that no two views agree.
+/// A room of 8 m × 6 m around the origin. The box in one corner makes every view unique.
 inline std::vector<Segment> walls() {
   return {{-4, -3, 4, -3}, {4, -3, 4, 3}, {4, 3, -4, 3}, {-4, 3, -4, -3},  {2, 1, 3, 1},
           {3, 1, 3, 2},    {3, 2, 2, 2},  {2, 2, 2, 1},  {-4, 0, -2.5, 0}, {-1, -3, -1, -2}};
 }
 
-/// A corridor along x without ends.
+/// An infinitely long corridor along x.
 inline std::vector<Segment> corridor() { return {{-500, -1, 500, -1}, {-500, 1, 500, 1}}; }
 
-/// Distance to the nearest wall in a direction; infinite where there is none.
+/// Distance to the nearest wall in a direction; infinite if there is no wall.
 inline double cast(const std::vector<Segment>& segments, const Pose2& from, double angle) {
   const double dx = std::cos(from.yaw + angle), dy = std::sin(from.yaw + angle);
   double nearest = std::numeric_limits<double>::infinity();
@@ -41,7 +41,7 @@ inline double cast(const std::vector<Segment>& segments, const Pose2& from, doub
   return nearest;
 }
 
-/// What a laser of 360° sees without noise from `pose`; beams beyond `max_range_m` only clear.
+/// Noise-free scan of a 360° laser at `pose`. Beams longer than `max_range_m` only mark free space.
 inline PlanarScan scanFrom(const Pose2& pose, const std::vector<Segment>& segments = walls(),
                            int beams = 360, double max_range_m = 12.0) {
   PlanarScan scan;
@@ -58,7 +58,7 @@ inline PlanarScan scanFrom(const Pose2& pose, const std::vector<Segment>& segmen
   return scan;
 }
 
-/// The map of the room, as three scans see it.
+/// A map of the room made from three scans.
 inline Submap map(const Pose2& map_T_room = Pose2()) {
   Submap map{OccupancyGridConfig()};
   for (const Pose2& pose : {Pose2(0, 0, 0), Pose2(0.5, 0.3, 1), Pose2(-0.6, -0.4, 2)}) {

@@ -14,8 +14,8 @@
 
 namespace kestrel {
 
-/// A flight along x through a room with a corner cut off by a cupboard: x from -2 to 5 m, y from
-/// -1.5 to 2.5 m, in closed form.
+/// A simulated flight along x in a room: x from -2 to 5 m, y from -1.5 to 2.5 m. A cupboard cuts
+/// off one corner. All distances are computed in closed form.
 struct RoomFlight {
   static constexpr double kStep_m = 0.05;     ///< between scans
   static constexpr double kPeriod_s = 0.1;    ///< between scans
@@ -24,7 +24,7 @@ struct RoomFlight {
   static constexpr int kBeams = 180;  ///< -90 to +89 degrees
 
   static double stamp(int i) { return kStart_s + kPeriod_s * i; }
-  /// To and fro between 0 and 2 m.
+  /// Moves back and forth between 0 and 2 m.
   static double x(int i) {
     const int phase = i % (2 * kStepsOneWay);
     return kStep_m * std::min(phase, 2 * kStepsOneWay - phase);
@@ -36,7 +36,7 @@ struct RoomFlight {
     const double infinity = std::numeric_limits<double>::infinity();
     const double to_x = dx > 0 ? (5.0 - x) / dx : dx < 0 ? (-2.0 - x) / dx : infinity;
     const double to_y = dy > 0 ? 2.5 / dy : dy < 0 ? -1.5 / dy : infinity;
-    // The cupboard: the line x + y = 5.5 before the corner (5, 2.5).
+    // The cupboard: the line x + y = 5.5 in front of the corner (5, 2.5).
     const double to_cupboard = dx + dy > 0 ? (5.5 - x) / (dx + dy) : infinity;
     return std::min({to_x, to_y, to_cupboard});
   }

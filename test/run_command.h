@@ -9,7 +9,7 @@
 
 namespace kestrel {
 
-/// What a command left behind.
+/// Exit code and output of a command.
 struct Outcome {
   int code = -1;
   std::string output;  ///< standard output and error

@@ -11,7 +11,7 @@
 
 namespace kestrel {
 
-/// A folder for the files of one test; gone with it.
+/// A folder for the files of one test. It is deleted after the test.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -38,14 +38,14 @@ class TemporaryFolder {
   std::string path_;
 };
 
-/// The folder of the real recordings; empty where it is absent.
+/// The folder of the real recordings; empty if it is absent.
 inline std::string dataFolder() {
   const char* set = std::getenv("KESTREL_DATA");
   const std::string folder = set != nullptr ? set : KESTREL_SOURCE_DIR "/../shared/data";
   return std::filesystem::is_directory(folder) ? folder : std::string();
 }
 
-/// What `action` throws, or "nothing thrown".
+/// The message of the exception that `action` throws, or "nothing thrown".
 template <typename Action>
 std::string messageOf(Action action) {
   try {

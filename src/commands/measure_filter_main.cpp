@@ -106,7 +106,8 @@ void printCounts(const FilterStatus& status) {
 void printFilterHeader() {
   std::printf(
       "| flight | xy rmse, max | z rmse | velocity rmse | roll, pitch rmse | yaw rmse | odom: "
-      "largest step, ratio to true motion | NEES (15 states) | error after scans were missing |\n"
+      "largest step and its ratio to the true motion | NEES (15 states) | error after scans were "
+      "missing |\n"
       "|---|---|---|---|---|---|---|---|---|\n");
 }
 

@@ -22,7 +22,7 @@ Eigen::Vector3d turnBetween(const Eigen::Matrix3d& estimate, const Eigen::Matrix
   return normalizeAngle(turn.angle()) * turn.axis();
 }
 
-/// Compares what the filter and the mapper say with the truth.
+/// Compares the output of the filter and the mapper with the truth.
 class Judge {
  public:
   Judge(const Motion& motion, double return_stamp) : motion_(motion), return_stamp_(return_stamp) {}
@@ -114,7 +114,7 @@ class Judge {
   }
 
   const Motion& motion_;
-  double return_stamp_;  ///< the last moment without scans
+  double return_stamp_;  ///< end of the interval without scans, s
   FilterMeasurement m_;
   bool placed_ = false;
   Pose2 map_T_world_;

@@ -13,9 +13,9 @@
 namespace kestrel {
 namespace {
 
-constexpr double kHalfDifference_s = 0.1;  // motion capture jitters from frame to frame
+constexpr double kHalfDifference_s = 0.1;  // averages the noise of the motion capture
 
-/// The reference's velocity around `stamp`; false where it has a gap.
+/// Computes the reference velocity around `stamp`. Returns false if the reference has a gap there.
 bool velocityAt(const Trajectory& reference, double stamp, Eigen::Vector2d& velocity) {
   const auto is_before = [](const StampedPose& pose, double t) { return pose.stamp < t; };
   const auto at = [&](double t) {

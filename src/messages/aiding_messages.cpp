@@ -10,7 +10,7 @@
 namespace kestrel {
 namespace {
 
-constexpr double kLeastFieldShare = 0.05;  // of the field that is level; less has no direction
+constexpr double kLeastFieldShare = 0.05;  // smallest horizontal share of a usable field
 
 // The standard atmosphere (ISO 2533) up to 11 km.
 constexpr double kSeaLevelPa = 101325.0, kScaleHeightM = 44330.77, kExponent = 0.190263;
@@ -48,7 +48,7 @@ Eigen::Matrix3d covarianceOf(const sensor_msgs::NavSatFix& message) {
 }  // namespace
 
 Eigen::Matrix3d planarCovariance(const geometry_msgs::PoseWithCovariance& message) {
-  constexpr int kPlace[] = {0, 1, 5};  // x, y, yaw of six
+  constexpr int kPlace[] = {0, 1, 5};  // indices of x, y, yaw
   const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> all(
       message.covariance.data());
   Eigen::Matrix3d result;
@@ -75,7 +75,7 @@ std::optional<YawMeasurement> toYaw(const sensor_msgs::MagneticField& message,
                               message.magnetic_field.z);
   const Eigen::Vector2d level = (stabilized_R_sensor * field).head<2>();
   if (!field.allFinite() || !(level.norm() > kLeastFieldShare * field.norm())) return std::nullopt;
-  const double to_north = std::atan2(level.y(), level.x());  // from the vehicle's ahead
+  const double to_north = std::atan2(level.y(), level.x());  // from the x axis of the vehicle
   const double north = kPi / 2.0 - declination_rad;          // from east
   return YawMeasurement{toSeconds(message.header.stamp), normalizeAngle(north - to_north), 0.0};
 }

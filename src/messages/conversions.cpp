@@ -14,7 +14,8 @@
 namespace kestrel {
 namespace {
 
-// Standard deviations outside 1e-5 and 1e3 m (or rad) are rounding or mean nothing.
+// Limits standard deviations to 1e-5 ... 1e3 m (or rad). Values outside come from rounding or are
+// meaningless.
 constexpr double kMinVariance = 1e-10;
 constexpr double kMaxVariance = 1e6;
 
@@ -50,11 +51,11 @@ Pose2 planarFromMessage(const geometry_msgs::Pose& message) {
   const Eigen::Quaterniond q(message.orientation.w, message.orientation.x, message.orientation.y,
                              message.orientation.z);
   if (!p.allFinite() || !q.coeffs().allFinite()) {
-    throw std::invalid_argument("the pose has a number that is not finite");
+    throw std::invalid_argument("the pose has a value that is not finite");
   }
   constexpr double kMinNorm = 1e-6;
   if (q.norm() < kMinNorm) {
-    throw std::invalid_argument("the quaternion of the pose is zero; w = 1 is no rotation");
+    throw std::invalid_argument("the quaternion of the pose is zero; use w = 1 for no rotation");
   }
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
   transform.linear() = q.normalized().toRotationMatrix();
@@ -82,7 +83,7 @@ geometry_msgs::Transform toTransformMessage(const Pose2& pose) {
 
 geometry_msgs::PoseWithCovariance toMessage(const Pose2& pose, const Eigen::Matrix3d& covariance) {
   constexpr std::size_t kSide = 6, kZ = 2, kRoll = 3, kPitch = 4;
-  constexpr std::size_t kPlace[] = {0, 1, 5};  // of x, y and yaw
+  constexpr std::size_t kPlace[] = {0, 1, 5};  // indices of x, y and yaw
   geometry_msgs::PoseWithCovariance message;
   message.pose = toMessage(pose);
   const Eigen::Matrix3d planar = positiveDefinite(covariance);

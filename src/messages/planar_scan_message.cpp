@@ -18,12 +18,12 @@ constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// A near return hides a farther one, and any return hides a ray that only clears.
+/// Prefers a near hit to a farther hit, and any hit to a ray that only marks free space.
 float nearer(float before, float range) {
   return std::isnan(before) ? range : std::min(before, range);
 }
 
-/// Throws where the value is infinite, or only a part of it is absent.
+/// Throws if the value is infinite or only a part of it is absent.
 bool isPresent(const Eigen::VectorXd& value, const char* name) {
   if (value.array().isNaN().all()) return false;
   if (value.allFinite()) return true;
@@ -108,7 +108,7 @@ sensor_msgs::LaserScanPtr toLaserScanView(const PlanarScan& scan, const std::str
     throw std::invalid_argument("the angle increment of the view must lie between 0 and pi");
   }
   const auto bins = static_cast<std::size_t>(std::ceil(2.0 * kPi / angle_increment));
-  const double step = 2.0 * kPi / static_cast<double>(bins);  // the bins fill the turn evenly
+  const double step = 2.0 * kPi / static_cast<double>(bins);  // equal bins fill the full circle
   const auto message = boost::make_shared<sensor_msgs::LaserScan>();
   message->header.frame_id = frame;
   message->header.stamp = stamp;

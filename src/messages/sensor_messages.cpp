@@ -10,7 +10,7 @@
 namespace kestrel {
 namespace {
 
-/// sensor_msgs/Imu: a covariance that begins with -1 belongs to a value that does not exist.
+/// sensor_msgs/Imu: a covariance that begins with -1 marks a value as missing.
 template <typename Covariance>
 bool exists(const Covariance& covariance) {
   constexpr double kAbsent = -1.0;
@@ -22,7 +22,8 @@ Eigen::Vector3d toVector(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.
 }  // namespace
 
 double toSeconds(const ros::Time& time) {
-  // Through text: sec + 1e-9 * nsec rounds twice, and misses the double that a log has by one bit.
+  // Converts through text, because sec + 1e-9 * nsec rounds twice. Its last bit can differ from the
+  // value in a log file.
   char text[32];
   std::snprintf(text, sizeof text, "%u.%09u", time.sec, time.nsec);
   return std::strtod(text, nullptr);

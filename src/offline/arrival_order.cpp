@@ -10,7 +10,7 @@
 namespace kestrel {
 namespace {
 
-/// A stamp that is farther from those before does not move the clock, s.
+/// A stamp that differs more from the previous stamps does not change the clock, s.
 constexpr double kMaxJump = 10.0;
 
 double endOf(const RecordedScan& scan) {
@@ -41,7 +41,7 @@ bool ArrivalOrder::next(ArrivingMessage& message) {
   return true;
 }
 
-/// A single wrong stamp is not the newest reading.
+/// Ignores a single wrong stamp when it updates the newest reading.
 void ArrivalOrder::noteStamp(double stamp) {
   if (faultOfStamp(stamp)) return;
   const StampCheck::Verdict verdict = stamp_check_.check(stamp);
@@ -50,7 +50,7 @@ void ArrivalOrder::noteStamp(double stamp) {
   if (is_newest) newest_imu_ = stamp;
 }
 
-/// The next reading of IMU or range finder.
+/// Returns the next reading of the IMU or the range finder.
 bool ArrivalOrder::nextReading(ArrivingMessage& message) {
   const std::vector<ImuSample>& imu = recording_.imu().samples;
   const std::vector<HeightSample>& heights = recording_.heights();

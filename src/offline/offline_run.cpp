@@ -19,15 +19,15 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kKilobytesPerMegabyte = 1024.0;
 constexpr double kMillisecondsPerSecond = 1e3;
-// The path is measured in steps of this length, so that the jitter of a vehicle that stands still
-// does not count.
+// The path length is measured in steps of this length. So the pose noise of a stationary vehicle is
+// not counted.
 constexpr double kDistanceStep_m = 0.1;
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// VmHWM rather than getrusage, whose figure may be that of the parent before it started us.
+/// Uses VmHWM, because getrusage may report the peak memory of the parent process.
 double peakMemoryMb() {
   std::ifstream status("/proc/self/status");
   for (std::string key; status >> key;) {
@@ -39,7 +39,7 @@ double peakMemoryMb() {
   return static_cast<double>(usage.ru_maxrss) / kKilobytesPerMegabyte;
 }
 
-/// The place of a scan in the recording, for warnings.
+/// Describes the position of a scan in the recording, for warnings.
 std::string placeText(double recorded_s, std::size_t number) {
   std::ostringstream text;
   text.precision(1);
@@ -47,7 +47,7 @@ std::string placeText(double recorded_s, std::size_t number) {
   return text.str();
 }
 
-/// Counts scans of one kind and remembers the first.
+/// Counts scans with one kind of problem and stores the position of the first.
 struct Occurrence {
   std::size_t count = 0;
   std::string first;
@@ -57,7 +57,7 @@ struct Occurrence {
   }
 };
 
-/// More than a live projector waits: nobody waits for the result of a recording.
+/// Longer than the limit of a live projector, because a recording has no real-time limit.
 constexpr double kMaxWait_s = 1.0;
 constexpr std::size_t kQueueSize = 200;
 
@@ -109,12 +109,12 @@ class Runner {
   }
 
  private:
-  /// False at the end, and where the recording breaks off.
+  /// Returns false at the end of the recording and after a read error.
   bool readNext(ArrivingMessage& message) {
     try {
       return messages_.next(message);
     } catch (const std::exception& error) {
-      run_.warnings.push_back("the recording breaks off after " + std::to_string(read_) +
+      run_.warnings.push_back("the recording ends with an error after " + std::to_string(read_) +
                               " scans: " + error.what());
       return false;
     }
@@ -162,7 +162,7 @@ class Runner {
                             placeOf(sweep.input) + ": " + sweep.message);
   }
 
-  /// Of projector, filter and mapper since the scan before, ms.
+  /// Processing time of projector, filter and mapper since the previous scan, ms.
   double takeWork() {
     const double ms = kMillisecondsPerSecond * (work_s_ + secondsSince(work_start_));
     work_s_ = 0.0;
@@ -223,12 +223,12 @@ class Runner {
     for (const auto& [reason, count] : recording_.skipped()) run_.dropped[reason] += count;
     const auto& read_warnings = recording_.warnings();
     run_.warnings.insert(run_.warnings.begin(), read_warnings.begin(), read_warnings.end());
-    warn(lost_, "fitted nowhere and did not enter the map", "");
+    warn(lost_, "did not match the map and were not inserted", "");
     std::ostringstream limit;
     limit << config_.slam.mapper.grid.memory_limit_mb;
-    warn(full_, "met a full map, parts of them are missing in it",
+    warn(full_, "could not be inserted completely because the map is full",
          "the memory limit is " + limit.str() + " MB");
-    warn(without_odometry_, "had no odometry and used the laser alone", "");
+    warn(without_odometry_, "had no odometry and were matched with the laser only", "");
     run_.map = pipeline_.mapper().snapshot();
     run_.map_memory_bytes = pipeline_.mapper().memoryBytes();
     run_.peak_memory_mb = peakMemoryMb();
@@ -240,8 +240,8 @@ class Runner {
   ArrivalOrder messages_;
   Pipeline pipeline_;
   RunOptions options_;
-  Clock::time_point work_start_;  ///< of the call of the pipeline that runs
-  double work_s_ = 0.0;           ///< in the calls before it, since the last scan
+  Clock::time_point work_start_;  ///< start time of the current pipeline call
+  double work_s_ = 0.0;           ///< time in earlier calls since the last scan
 
   OfflineRun run_;
   std::size_t read_ = 0;

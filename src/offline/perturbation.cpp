@@ -8,7 +8,7 @@
 namespace kestrel {
 namespace {
 
-/// Spreads the numbers of the scans over the seeds (the golden ratio of 2^64).
+/// Multiplier that gives each scan a different seed (2^64 divided by the golden ratio).
 constexpr std::uint64_t kSeedStep = 0x9e3779b97f4a7c15ULL;
 
 }  // namespace

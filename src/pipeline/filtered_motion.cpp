@@ -6,7 +6,7 @@
 namespace kestrel {
 namespace {
 
-/// A filter that has given no state for this long is not running, s.
+/// A filter without a new state for this time is considered stopped, s.
 constexpr double kSilent = 0.2;
 
 }  // namespace

@@ -10,7 +10,7 @@ MapperResult MappingStage::process(PlanarScan& scan, const std::optional<Pose2>&
 }
 
 void MappingStage::restartMotion() {
-  const Pose2 pose = mapper_.pose();  // a copy: setPose takes a reference to what it changes
+  const Pose2 pose = mapper_.pose();  // copy: setPose changes the value behind pose()
   mapper_.setPose(pose);
 }
 

@@ -38,7 +38,7 @@ void Pipeline::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_i
   if (config_.level) return;
   const CheckedImu reading = imu_check_.check(sample, base_T_imu);
   projection_.addImu(reading);
-  processQueue();  // as a node would, before the filter's state comes
+  processQueue();  // a live node also does this before the new filter state arrives
   if (!config_.use_filter) return;
   updateFilter(reading);
   processQueue();
@@ -75,7 +75,7 @@ void Pipeline::addScan(PipelineScan scan, double arrival) {
   advance(arrival);
   const SweepTimes times = sweepTimes(scan.data);
   const std::optional<WaitingScan> removed = queue_.push({std::move(scan), times, now_});
-  if (removed) drop(removed->scan, "overload", "too many scans wait for their attitude");
+  if (removed) drop(removed->scan, "overload", "too many scans are waiting for their attitude");
   processQueue();
 }
 
@@ -89,7 +89,7 @@ void Pipeline::processQueue() {
   queue_.process([this](const WaitingScan& waiting) { return handle(waiting); });
 }
 
-/// True where the scan does not have to wait any more.
+/// True if the scan is finished (mapped or dropped).
 bool Pipeline::handle(const WaitingScan& waiting) {
   const double waited =
       finished_ ? std::numeric_limits<double>::infinity() : now_ - waiting.arrival;

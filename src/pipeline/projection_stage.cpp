@@ -7,8 +7,8 @@
 namespace kestrel {
 namespace {
 
-constexpr double kMaxVelocityAge = 0.3;  // s; an older velocity says nothing of a flying vehicle
-constexpr double kOtherClock = 1.0;      // s; stamps that differ by more are of two clocks
+constexpr double kMaxVelocityAge = 0.3;  // s; older velocities are not used
+constexpr double kOtherClock = 1.0;      // s; larger differences: the stamps come from two clocks
 
 HeightConfig heightConfigOf(const ProjectorConfig& projector) {
   HeightConfig config;
@@ -20,7 +20,7 @@ bool isGone(ImuHealth health) {
   return health == ImuHealth::kNoData || health == ImuHealth::kSilent;
 }
 
-/// Whether the IMU gives nothing that can be used.
+/// True if the IMU data cannot be used.
 bool hasFailed(ImuHealth health) {
   return isGone(health) || health == ImuHealth::kFrozen || health == ImuHealth::kInvalid;
 }
@@ -40,8 +40,8 @@ std::string reasonOf(ImuHealth health, AttitudeError error) {
   }
 }
 
-/// Heights travel as sensor_msgs/Range, which has single precision; the same number is used where
-/// no message is in between.
+/// The nodes exchange heights as sensor_msgs/Range in single precision. Rounding here gives the
+/// same value without a message.
 void roundHeights(Projection& projection) {
   for (std::optional<double>* height : {&projection.mirror_height_m, &projection.floor_height_m}) {
     if (*height) *height = static_cast<double>(static_cast<float>(**height));
@@ -110,17 +110,17 @@ SweepDecision ProjectionStage::judge(const SweepTimes& times, double waited_s, d
           hasFailed(imu.health) ? imu.message : uncovered(times)};
 }
 
-/// The state of a running filter comes shortly after the IMU's reading.
+/// A running filter publishes its state shortly after each IMU reading.
 bool ProjectionStage::waitsForFilter(const SweepTimes& times, double waited_s) const {
   return motions_.runs(times.last) &&
          motions_.attitude().covers(times.first, times.last) == AttitudeError::kNotYet &&
          waited_s < config_.max_wait_s;
 }
 
-/// How the time of a sweep lies relative to the attitudes.
+/// Compares the time of a sweep with the times of the attitudes.
 std::string ProjectionStage::uncovered(const SweepTimes& times) const {
   const std::optional<double> latest = tracker_.buffer().latest();
-  if (!latest) return "no attitude has come yet";
+  if (!latest) return "no attitude has been received yet";
   const double ahead = times.last - *latest;
   char text[200];
   std::snprintf(text, sizeof text, "its last beam is %.3f s %s than the newest attitude%s",
@@ -150,7 +150,7 @@ ProjectedSweep ProjectionStage::project(const SweepData& data,
   heights_.addProjection(stamp, projection);
   if (projection.error != ScanError::kNone) return result;
   if (last_attitude_ != nullptr && attitude != nullptr && attitude != last_attitude_) {
-    // The integrals of two buffers have nothing in common.
+    // Integrals from two different buffers cannot be compared.
     projection.scan.integrated_yaw.reset();
     projection.scan.integrated_acceleration.reset();
   }

@@ -12,12 +12,13 @@
 
 namespace kestrel {
 
-/// Runs a node inside of a nodelet manager, where messages between nodelets are passed by pointer.
-/// The handles of a nodelet are served by one thread at a time, as the nodes ask for.
+/// Runs a node inside a nodelet manager. Messages between nodelets are passed by pointer. The node
+/// handles of a nodelet are served by one thread at a time, as the nodes require.
 template <typename Node>
 class NodeletOf : public nodelet::Nodelet {
  private:
-  /// What is thrown makes the manager refuse this nodelet and live on; it does not say why.
+  /// An exception makes the manager refuse this nodelet and continue. The manager does not log the
+  /// reason, so it is logged here.
   void onInit() override {
     try {
       node_ = std::make_unique<Node>(getNodeHandle(), getPrivateNodeHandle());

@@ -30,15 +30,15 @@ TEST(AidingMessages, PressureBecomesTheHeightOfTheStandardAtmosphere) {
   EXPECT_TRUE(std::isnan(toHeightSample(message).height_m));
 }
 
-TEST(AidingMessages, HeadingIsCountedFromEast) {
+TEST(AidingMessages, YawIsMeasuredFromEast) {
   sensor_msgs::MagneticField message;
   message.magnetic_field.x = 2e-5;
-  message.magnetic_field.z = -4e-5;  // it dips
+  message.magnetic_field.z = -4e-5;  // the field points down
   const Eigen::Quaterniond level = Eigen::Quaterniond::Identity();
-  EXPECT_NEAR(toYaw(message, level, 0.0)->yaw, kPi / 2.0, 1e-12);  // the nose points north
+  EXPECT_NEAR(toYaw(message, level, 0.0)->yaw, kPi / 2.0, 1e-12);  // the vehicle points north
   EXPECT_NEAR(toYaw(message, level, 0.1)->yaw, kPi / 2.0 - 0.1, 1e-12);
   message.magnetic_field.x = 0.0;
-  message.magnetic_field.y = 2e-5;  // north is to the left: the nose points east
+  message.magnetic_field.y = 2e-5;  // north is to the left, so the vehicle points east
   EXPECT_NEAR(toYaw(message, level, 0.0)->yaw, 0.0, 1e-12);
 
   const Eigen::Quaterniond tilt(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()));
@@ -49,7 +49,7 @@ TEST(AidingMessages, HeadingIsCountedFromEast) {
   EXPECT_NEAR(toYaw(message, tilt, 0.0)->yaw, 0.0, 1e-12);
 }
 
-TEST(AidingMessages, AFieldWithoutALevelPartHasNoHeading) {
+TEST(AidingMessages, AFieldWithoutAHorizontalPartGivesNoYaw) {
   sensor_msgs::MagneticField message;
   message.magnetic_field.z = -4e-5;
   EXPECT_FALSE(toYaw(message, Eigen::Quaterniond::Identity(), 0.0));
@@ -57,7 +57,7 @@ TEST(AidingMessages, AFieldWithoutALevelPartHasNoHeading) {
   EXPECT_FALSE(toYaw(message, Eigen::Quaterniond::Identity(), 0.0));
 }
 
-TEST(AidingMessages, FixesAreCountedFromTheFirst) {
+TEST(AidingMessages, PositionsAreRelativeToTheFirstFix) {
   LocalFixes fixes;
   sensor_msgs::NavSatFix message;
   message.latitude = 48.0;

@@ -23,7 +23,7 @@ const ros::Time kStamp(1400000000, 250000000);
 PlanarScan threeRays() {
   PlanarScan scan;
   scan.stamp = kStamp.toSec();
-  scan.integrated_yaw = 7.1;  // no float has this value
+  scan.integrated_yaw = 7.1;  // not exactly representable as float
   scan.integrated_acceleration = Eigen::Vector2d(1.5, -0.1);
   scan.predicted = Pose2(0.7, -0.25, 0.5);
   scan.rays = {{{0.125F, -0.25F}, {3.0F, 4.0F}, true},
@@ -43,10 +43,10 @@ std::string errorOf(const Message& message) {
   }
 }
 
-TEST(PlanarScanMessage, ThereAndBackIsExact) {
+TEST(PlanarScanMessage, RoundTripIsExact) {
   const PlanarScan there = threeRays(), back = fromPlanarScanMessage(message());
   EXPECT_EQ(back.stamp, 1400000000.25);
-  EXPECT_EQ(back.time, back.stamp) << "until the mapper repairs it";
+  EXPECT_EQ(back.time, back.stamp) << "the mapper repairs the time later";
   EXPECT_EQ(back.integrated_yaw, there.integrated_yaw);
   EXPECT_EQ(back.integrated_acceleration, there.integrated_acceleration);
   EXPECT_EQ(back.predicted, there.predicted);
@@ -58,7 +58,7 @@ TEST(PlanarScanMessage, ThereAndBackIsExact) {
   }
 }
 
-TEST(PlanarScanMessage, WhatIsAbsentStaysAbsent) {
+TEST(PlanarScanMessage, AbsentValuesStayAbsent) {
   PlanarScan scan = threeRays();
   scan.integrated_yaw.reset();
   scan.integrated_acceleration.reset();
@@ -88,7 +88,7 @@ struct Damage {
   const char* answer;
 };
 
-TEST(PlanarScanMessage, RefusesWhatItCannotRead) {
+TEST(PlanarScanMessage, RefusesInvalidMessages) {
   const Damage damages[] = {
       {"a short array", [](Message& m) { m.end_x.pop_back(); }, "different lengths: end_x 2"},
       {"a long array", [](Message& m) { m.hit.push_back(1); }, "hit 4"},
@@ -98,8 +98,8 @@ TEST(PlanarScanMessage, RefusesWhatItCannotRead) {
       {"NaN in the origin", [](Message& m) { m.origin_x[0] = kNan; }, "ray 0 is not finite"},
       {"an infinite yaw", [](Message& m) { m.integrated_yaw = kInfinity; },
        "integrated_yaw is not"},
-      {"half a pose", [](Message& m) { m.predicted_yaw = kNan; }, "predicted is not finite"},
-      {"half an acceleration", [](Message& m) { m.integrated_acceleration_x = kNan; },
+      {"a part of a pose", [](Message& m) { m.predicted_yaw = kNan; }, "predicted is not finite"},
+      {"a part of an acceleration", [](Message& m) { m.integrated_acceleration_x = kNan; },
        "integrated_acceleration is not finite"},
   };
   for (const Damage& damage : damages) {
@@ -119,9 +119,9 @@ TEST(LaserScanView, HasTheNearestHitOfEveryBin) {
   };
   add(0.2, 5.0, true);
   add(-0.3, 3.0, true);   // the same bin, nearer
-  add(0.0, 1.0, false);   // nothing there: does not hide the returns behind
-  add(90.0, 2.0, false);  // only clears
-  add(179.8, 4.0, true);  // the bin around the seam
+  add(0.0, 1.0, false);   // free space does not hide the hits behind it
+  add(90.0, 2.0, false);  // only marks free space
+  add(179.8, 4.0, true);  // the bin at the border between +180 and -180 degrees
   add(45.0, 31.0, true);  // beyond the range of the view
   const auto view = toLaserScanView(scan, "base_stabilized", kStamp, kDegree, 30.0);
   ASSERT_EQ(view->ranges.size(), 360U);
@@ -138,10 +138,10 @@ TEST(LaserScanView, HasTheNearestHitOfEveryBin) {
   EXPECT_TRUE(std::isnan(view->ranges[10]));
 }
 
-TEST(LaserScanView, BinsFillTheTurnWhateverTheIncrement) {
+TEST(LaserScanView, BinsFillTheCircleForAnyIncrement) {
   PlanarScan scan;
   for (int i = 0; i < 1000; ++i) {
-    const double angle = -M_PI + i * 2.0 * M_PI / 999.0;  // both ends of the turn
+    const double angle = -M_PI + i * 2.0 * M_PI / 999.0;  // both ends of the circle
     scan.rays.push_back({Eigen::Vector2f::Zero(),
                          Eigen::Vector2d(std::cos(angle), std::sin(angle)).cast<float>(), true});
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Real cars with motion capture, and a cheap laser whose error is known: three recordings, laser
-// only. The correction was found on `overtakes` alone, from where the captured poses put two walls.
+// Three recordings of real cars with motion capture, mapped with the laser only. The laser is cheap
+// and has a known range error. Its correction was estimated only from the recording `overtakes`:
+// the captured poses give the true positions of two walls.
 
 #include <gtest/gtest.h>
 
@@ -17,13 +18,13 @@ namespace {
 
 constexpr char kCorrection[] =
     "3.86:0.14, 4.27:0.23, 4.66:0.345, 5.04:0.465, 5.55:0.45, 6.1:0.4, 6.62:0.38";
-constexpr double kBehind = -0.165;  // m; where the laser sits, which two of the bags do not say
+constexpr double kBehind = -0.165;  // m; position of the laser, missing in two of the bags
 
 struct Drive {
   const char* bag;
   const char* topic;
   bool has_mounting;
-  double limit_m;  ///< of the mean position error; some 20 % above what is reached
+  double limit_m;  ///< limit of the mean position error, about 20 % above the measured one
 };
 
 class MotionCapture : public ::testing::TestWithParam<Drive> {};

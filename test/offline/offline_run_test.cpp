@@ -13,7 +13,7 @@
 namespace kestrel {
 namespace {
 
-/// The room flight, with what a test wants to go wrong.
+/// The room flight with optional errors for a test.
 class RoomRecording : public Recording {
  public:
   explicit RoomRecording(int scans) : scans_(scans) {}
@@ -53,7 +53,8 @@ TEST(OfflineRunTest, FollowsAFlightThroughARoom) {
   ASSERT_EQ(run.scans.size(), 41U);
   EXPECT_NEAR(run.trajectory.back().pose.x, 2.0, 0.03);
   EXPECT_NEAR(run.trajectory.back().pose.y, 0.0, 0.03);
-  EXPECT_NEAR(run.distance_m, 2.0, 0.15);  // added up in steps: the last one is not whole
+  EXPECT_NEAR(run.distance_m, 2.0,
+              0.15);  // sum of full steps; the last partial step is not counted
   EXPECT_NEAR(run.duration_s, 4.0, 1e-9);
   EXPECT_EQ(run.droppedCount(), 0U);
   EXPECT_TRUE(run.warnings.empty()) << run.warnings.front();
@@ -87,7 +88,7 @@ TEST(OfflineRunTest, AScanWithoutValidBeamsIsDroppedAndCounted) {
   EXPECT_CONTAINS(run.warnings[0], "at 0.4 s (scan 5)");
 }
 
-TEST(OfflineRunTest, WhatTheRecordingSkippedIsCountedToo) {
+TEST(OfflineRunTest, ScansSkippedByTheRecordingAreCountedToo) {
   RoomRecording recording(3);
   recording.skip("broken line", 2);
   recording.warn("line 7 is broken");
@@ -97,14 +98,15 @@ TEST(OfflineRunTest, WhatTheRecordingSkippedIsCountedToo) {
   EXPECT_EQ(run.warnings, std::vector<std::string>{"line 7 is broken"});
 }
 
-TEST(OfflineRunTest, ARecordingThatBreaksOffKeepsWhatCameBefore) {
+TEST(OfflineRunTest, AReadErrorKeepsTheScansBeforeIt) {
   RoomRecording recording(10);
   recording.breaks_at = 6;
   const OfflineRun run = runOffline(recording, SlamConfig(), RunOptions());
   EXPECT_EQ(run.trajectory.size(), 6U);
   EXPECT_FALSE(run.map.empty());
-  EXPECT_EQ(run.warnings, std::vector<std::string>{
-                              "the recording breaks off after 6 scans: the file is cut off"});
+  EXPECT_EQ(run.warnings,
+            std::vector<std::string>{
+                "the recording ends with an error after 6 scans: the file is cut off"});
 }
 
 TEST(OfflineRunTest, TheCallbackSeesEveryScanAndCanStop) {
@@ -128,12 +130,12 @@ TEST(OfflineRunTest, MissingOdometryIsReportedOnlyWhereItIsUsed) {
   options.use_odometry = true;
   const OfflineRun used = runOffline(with, SlamConfig(), options);
   EXPECT_EQ(used.warnings,
-            std::vector<std::string>{"1 of 10 scans had no odometry and used the laser alone, the "
-                                     "first at 0.5 s (scan 6)"});
+            std::vector<std::string>{"1 of 10 scans had no odometry and were matched with the "
+                                     "laser only, the first at 0.5 s (scan 6)"});
   EXPECT_TRUE(runOffline(without, SlamConfig(), RunOptions()).warnings.empty());
 }
 
-TEST(OfflineRunTest, APerturbedRunLeavesOutWhatItWasTold) {
+TEST(OfflineRunTest, APerturbedRunRemovesTheChosenScans) {
   RoomRecording recording(20);
   RunOptions options;
   options.perturbation.skip_scans = 3;
@@ -148,7 +150,7 @@ TEST(OfflineRunTest, APerturbedRunLeavesOutWhatItWasTold) {
   EXPECT_EQ(run.trajectory[9].stamp, RoomFlight::stamp(14));
 }
 
-TEST(OfflineRunTest, TheObserverSeesEveryProcessedScanUpToTheLastWanted) {
+TEST(OfflineRunTest, TheObserverSeesEveryProcessedScanUpToTheLimit) {
   RoomRecording recording(20);
   RunOptions options;
   options.max_scans = 6;

@@ -23,7 +23,7 @@ std::vector<std::size_t> droppedBeams(const RecordedScan& scan) {
   return dropped;
 }
 
-TEST(PerturbationTest, WithoutOneNothingChanges) {
+TEST(PerturbationTest, WithoutPerturbationNothingChanges) {
   RecordedScan scan = scanOf(10);
   for (std::size_t number = 1; number < 100; ++number) {
     EXPECT_TRUE(perturb(Perturbation(), number, scan));
@@ -31,7 +31,7 @@ TEST(PerturbationTest, WithoutOneNothingChanges) {
   EXPECT_EQ(scan.scan.ranges, std::vector<float>(10, 2.5F));
 }
 
-TEST(PerturbationTest, LeavesOutTheFirstScansAndEveryNth) {
+TEST(PerturbationTest, RemovesTheFirstScansAndEveryNth) {
   Perturbation perturbation;
   perturbation.skip_scans = 4;
   perturbation.drop_every = 7;
@@ -43,7 +43,7 @@ TEST(PerturbationTest, LeavesOutTheFirstScansAndEveryNth) {
   EXPECT_EQ(kept, (std::vector<std::size_t>{5, 6, 8, 9, 10, 11, 12, 13, 15}));
 }
 
-TEST(PerturbationTest, DropsTheShareOfTheBeamsAndLeavesTheOthers) {
+TEST(PerturbationTest, RemovesTheShareOfTheBeamsAndKeepsTheOthers) {
   Perturbation perturbation;
   perturbation.drop_beams_share = 0.1;
   RecordedScan scan = scanOf(100000);
@@ -57,7 +57,7 @@ TEST(PerturbationTest, DropsTheShareOfTheBeamsAndLeavesTheOthers) {
   EXPECT_EQ(droppedBeams(all).size(), 100U);
 }
 
-TEST(PerturbationTest, TheSameBeamsEveryTimeButOthersInOtherScansAndForOtherSeeds) {
+TEST(PerturbationTest, BeamsDependOnlyOnScanNumberAndSeed) {
   Perturbation perturbation;
   perturbation.drop_beams_share = 0.3;
   const auto droppedIn = [&](std::size_t number) {
@@ -72,7 +72,7 @@ TEST(PerturbationTest, TheSameBeamsEveryTimeButOthersInOtherScansAndForOtherSeed
   EXPECT_NE(droppedIn(5), first);
 }
 
-TEST(PerturbationTest, PointsOfACloudAreDroppedAsAWhole) {
+TEST(PerturbationTest, AllValuesOfADroppedPointBecomeNan) {
   Perturbation perturbation;
   perturbation.drop_beams_share = 0.5;
   RecordedScan scan;

@@ -87,7 +87,7 @@ TEST(StatsTest, CountsAndShares) {
   EXPECT_EQ(stats["warnings"].dump(), R"(["something happened"])");
 }
 
-TEST(StatsTest, EveryParameterIsThereWithItsType) {
+TEST(StatsTest, ContainsEveryParameterWithItsType) {
   RunInfo info = infoOf(true);
   info.config.mapper.grid.resolution_m = 0.1;
   const auto parameters = statsOf(smallRun(), info)["parameters"];
@@ -97,7 +97,7 @@ TEST(StatsTest, EveryParameterIsThereWithItsType) {
   EXPECT_TRUE(parameters["matcher"].is_string());
 }
 
-TEST(StatsTest, NothingMeasuredIsLeftWithoutTiming) {
+TEST(StatsTest, WithoutTimingNoMeasuredValueRemains) {
   OfflineRun slow = smallRun();
   slow.processing_s = 99.0;
   slow.peak_memory_mb = 999.0;
@@ -112,7 +112,7 @@ TEST(StatsTest, AnEmptyRunHasNoNan) {
   EXPECT_EQ(text.find("null"), std::string::npos) << text;
 }
 
-TEST(VersionTest, IsThatOfThePackage) {
+TEST(VersionTest, EqualsThatOfPackageXml) {
   EXPECT_CONTAINS(readFile(KESTREL_SOURCE_DIR "/package.xml"),
                   "<version>" + std::string(kVersion) + "</version>");
 }

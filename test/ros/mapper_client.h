@@ -26,21 +26,21 @@
 
 namespace kestrel {
 
-/// One scan and where the base really was at its stamp.
+/// One scan and the true pose of the base at its stamp.
 struct SimulatedScan {
   LaserScan scan;
   Pose2 world_T_base;
 };
 
-/// A level flight through the laboratory with a small fast laser, the same every time.
+/// A level flight through the laboratory with a small fast laser. Every call gives the same data.
 struct TestFlight {
   World::Parts parts;
   std::vector<SimulatedScan> scans;
 
-  /// From a point in the plane to the nearest surface that stands there, m.
+  /// Distance from a point in the plane to the nearest surface, m.
   double distanceToSurface(const Eigen::Vector2d& point) const;
 
-  /// Where the base is in a map that begins at the first scan.
+  /// The true pose of the base in a map that starts at the first scan.
   Pose2 truth(std::size_t i) const {
     return scans.front().world_T_base.inverse() * scans[i].world_T_base;
   }
@@ -58,16 +58,17 @@ geometry_msgs::TransformStamped transformOf(const std::string& parent, const std
 Pose2 poseOf(const geometry_msgs::Pose& message);
 Pose2 poseOf(const geometry_msgs::Transform& message);
 
-/// Plays the rest of the robot: publishes scans and tf, and listens to everything of the node.
+/// Simulates the rest of the robot: publishes scans and tf, and subscribes to all outputs of the
+/// node.
 class MapperClient {
  public:
   /// `ns`: the namespace of the mapper, "" for the root.
   explicit MapperClient(const std::string& ns = "");
 
-  /// Runs callbacks until `condition` holds; false after `timeout_s` of wall time.
+  /// Runs callbacks until `condition` is true. Returns false after `timeout_s` of wall time.
   bool waitFor(const std::function<bool()>& condition, double timeout_s = 5.0);
 
-  /// Waits until the mapper listens to the scans.
+  /// Waits until the mapper subscribes to the scans.
   bool connect();
 
   void publish(const sensor_msgs::LaserScan& scan) { scan_publisher_.publish(scan); }
@@ -76,10 +77,10 @@ class MapperClient {
   std::optional<Pose2> match(const sensor_msgs::LaserScan& scan, double timeout_s = 5.0);
 
   /// The next report of a diagnostics item ("Scans", "Match", "Map") by key; "level" and "message"
-  /// are those of the item. Empty if none comes.
+  /// are the level and the message of the item. Empty if none comes.
   std::map<std::string, std::string> report(const std::string& item);
 
-  /// One value of the next report; empty where it has none.
+  /// One value of the next report; empty if it is missing.
   std::string diagnosis(const std::string& item, const std::string& key) {
     return report(item)[key];
   }

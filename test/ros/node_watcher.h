@@ -14,25 +14,25 @@
 
 namespace kestrel {
 
-/// Listens to the diagnostics of one node and to tf.
+/// Subscribes to the diagnostics of one node and to tf.
 class NodeWatcher {
  public:
   /// `node`: its full name without the leading slash.
   explicit NodeWatcher(const std::string& node);
 
-  /// Runs callbacks until `condition` holds; false after `timeout_s` of wall time.
+  /// Runs callbacks until `condition` is true. Returns false after `timeout_s` of wall time.
   bool waitFor(const std::function<bool()>& condition, double timeout_s = 5.0);
 
-  /// Runs callbacks for some wall time.
+  /// Runs callbacks for a given wall time.
   void wait(double seconds) {
     waitFor([] { return false; }, seconds);
   }
 
-  /// The next report of a diagnostics item by key; "level" and "message" are those of the item.
-  /// Empty if none comes.
+  /// The next report of a diagnostics item by key; "level" and "message" are the level and the
+  /// message of the item. Empty if none comes.
   std::map<std::string, std::string> report(const std::string& item);
 
-  /// One value of the next report; empty where it has none.
+  /// One value of the next report; empty if it is missing.
   std::string diagnosis(const std::string& item, const std::string& key) {
     return report(item)[key];
   }

@@ -44,12 +44,13 @@ bool unload(const std::string& name) {
 
 std::vector<std::string> loaded() {
   nodelet::NodeletList service;
-  EXPECT_TRUE(ros::service::call(std::string(kManager) + "/list", service)) << "the manager died";
+  EXPECT_TRUE(ros::service::call(std::string(kManager) + "/list", service))
+      << "the nodelet manager has stopped";
   std::sort(service.response.nodelets.begin(), service.response.nodelets.end());
   return service.response.nodelets;
 }
 
-/// The process of a node, as the node itself says.
+/// The process id of a node, as reported by the node.
 int pidOf(const std::string& node) {
   XmlRpc::XmlRpcValue request, response, payload;
   request[0] = ros::this_node::getName();
@@ -73,7 +74,7 @@ int threadsOf(int pid) {
   return -1;
 }
 
-/// A vehicle that hovers, tilts and turns, and both nodelets in one manager.
+/// A vehicle that hovers, tilts and turns, and both nodelets in one manager process.
 class Nodelets : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -123,8 +124,8 @@ class Nodelets : public testing::Test {
     client_->scan_publisher.publish(client_->nextScan());
   }
 
-  /// Nobody can see when the nodelets are connected with each other: scans until one comes through.
-  /// Its pose is the origin of the map.
+  /// The connection between the nodelets is not visible from outside. So scans are published until
+  /// one gives a pose. This pose is the origin of the map.
   static void waitForFirstPose() {
     const ros::Time before = pose_.header.stamp;
     const auto came = [&] { return pose_.header.stamp != before; };
@@ -132,11 +133,11 @@ class Nodelets : public testing::Test {
       publishScan();
       client_->waitFor(came, 0.5);
     }
-    ASSERT_TRUE(came()) << "no scan gets through";
+    ASSERT_TRUE(came()) << "no scan gives a pose";
     start_ = pose_.header.stamp;
   }
 
-  /// Scans through projector and mapper: every one gives its pose, and the pose is right.
+  /// Publishes scans to projector and mapper. Expects a correct pose for every scan.
   static void fly(int scans) {
     for (int i = 0; i < scans; ++i) {
       const ros::Time stamp(client_->time);
@@ -154,7 +155,7 @@ class Nodelets : public testing::Test {
   inline static ros::Subscriber pose_subscriber_, map_subscriber_;
   inline static geometry_msgs::PoseWithCovarianceStamped pose_;
   inline static nav_msgs::OccupancyGrid map_;
-  inline static ros::Time start_;  ///< stamp of the scan where the map begins
+  inline static ros::Time start_;  ///< stamp of the first scan in the map
 };
 
 TEST_F(Nodelets, MapAFlight) {
@@ -163,14 +164,15 @@ TEST_F(Nodelets, MapAFlight) {
   EXPECT_EQ(loaded(), (std::vector<std::string>{kMapper, kProjector}));
   ASSERT_TRUE(client_->waitFor([] {
     return std::count(map_.data.begin(), map_.data.end(), 100) > 300;
-  })) << "no map of the walls";
-  EXPECT_GT(std::count(map_.data.begin(), map_.data.end(), 0), 10000) << "8 m x 6 m of 5 cm cells";
+  })) << "the map shows no walls";
+  EXPECT_GT(std::count(map_.data.begin(), map_.data.end(), 0), 10000)
+      << "free cells of 5 cm in a room of 8 m x 6 m";
   EXPECT_EQ(client_->parents["flight_footprint"], std::set<std::string>{"map"});
   EXPECT_EQ(client_->parents["flight_stabilized"], std::set<std::string>{"flight_footprint"});
   EXPECT_EQ(client_->parents["flight_base"], std::set<std::string>{"flight_stabilized"});
 }
 
-TEST_F(Nodelets, ABadParameterDoesNotTakeDownTheManager) {
+TEST_F(Nodelets, AnInvalidParameterDoesNotStopTheManager) {
   EXPECT_FALSE(load("/flight/bad_mapper", "MapperNodelet"));
   EXPECT_FALSE(load("/flight/bad_projector", "ScanProjectorNodelet"));
   EXPECT_EQ(loaded(), (std::vector<std::string>{kMapper, kProjector}));
@@ -192,11 +194,11 @@ TEST_F(Nodelets, UnloadCleanlyAndLoadAgain) {
   loadBoth();
   EXPECT_GT(threadsOf(pid), threads);
   fly(20);
-  publishScan();  // on its way while the nodelets go
+  publishScan();  // this scan is in a queue while the nodelets are unloaded
   unloadBoth();
   EXPECT_TRUE(loaded().empty());
   EXPECT_TRUE(client_->waitFor([&] { return threadsOf(pid) <= threads; }))
-      << threadsOf(pid) << " threads are left, there were " << threads;
+      << threadsOf(pid) << " threads remain, before there were " << threads;
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One recorded flight through the three nodes in one process and through the offline run: the same
-// trajectory, bit for bit, where the messages arrive in the same order.
+// Runs one recorded flight through the three nodes in one process and through the offline run. The
+// trajectories must be bit-identical if the messages arrive in the same order.
 
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
@@ -33,11 +33,11 @@
 namespace kestrel {
 namespace {
 
-constexpr double kFlown = 8.0;     // s of the flight
+constexpr double kFlown = 8.0;     // duration of the flight, s
 constexpr double kPatience = 5.0;  // s
 constexpr std::uint32_t kQueue = 1000;
 
-/// The messages of a bag by their stamp.
+/// The messages of a bag, by stamp.
 template <typename Message>
 class Messages {
  public:
@@ -91,7 +91,7 @@ class PipelineParity : public ::testing::Test {
     return runOffline(*recording, SlamConfig(), options);
   }
 
-  /// Spins until `done`; false where it takes too long.
+  /// Spins until `done` is true. Returns false after a timeout.
   static bool spinUntil(const std::function<bool()>& done) {
     const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
     while (!done()) {
@@ -102,7 +102,8 @@ class PipelineParity : public ::testing::Test {
     return true;
   }
 
-  /// Gives the messages one by one to the nodes, each after the one before has had its effect.
+  /// Publishes the messages one by one. Each message is published after the nodes have processed
+  /// the previous one.
   Trajectory runLive() {
     rosbag::Bag bag(path_);
     const Messages<sensor_msgs::LaserScan> scans(bag, "/scan");
@@ -160,11 +161,12 @@ class PipelineParity : public ::testing::Test {
              height_publisher_.getNumSubscribers() > 0 && state_subscriber_.getNumPublishers() > 0;
     }));
     const ros::WallTime mounted = ros::WallTime::now() + ros::WallDuration(0.5);
-    spinUntil([&] { return ros::WallTime::now() > mounted; });  // tf reaches the nodes
+    spinUntil([&] { return ros::WallTime::now() > mounted; });  // wait until tf reaches the nodes
   }
 
-  /// Until the message before has had all its effects. The mapper matches on a thread of its own:
-  /// every planar scan has to give its odometry, the last message of the mapper.
+  /// Waits until the nodes have processed the previous message. The mapper matches on its own
+  /// thread. So it waits until every planar scan has given an odometry message, which the mapper
+  /// publishes last.
   void settle() {
     constexpr int kRounds = 4;  // planar scan -> mapper -> filter -> projector
     const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
@@ -193,7 +195,8 @@ TEST_F(PipelineParity, NodesAndOfflineRunGiveTheSameTrajectory) {
   const OfflineRun offline = runRecorded(motions);
   ASSERT_GT(offline.trajectory.size(), 60U);
   ASSERT_TRUE(offline.filter);
-  EXPECT_GT(offline.filter->of(FilterSensor::kPose).accepted, 40U) << "the filter takes part";
+  EXPECT_GT(offline.filter->of(FilterSensor::kPose).accepted, 40U)
+      << "the filter must use the poses";
   const Trajectory live = runLive();
   ASSERT_FALSE(motions_.empty());
   EXPECT_EQ(motions_.front().stamp, motions.front().stamp);

@@ -17,9 +17,9 @@ constexpr std::uint32_t kQueue = 1000;
 constexpr double kImuPeriod = 0.005;   // s
 constexpr double kScanPeriod = 0.025;  // s
 constexpr float kTolerance_m = 1e-3F;
-constexpr double kSlice_m = 1.5;         // the default: above and below the laser
-constexpr double kLimit_m = 0.005;       // so close to the slice's limits a beam may be in or out
-constexpr std::size_t kAtTheLimits = 8;  // beams that may end there
+constexpr double kSlice_m = 1.5;    // the default value, above and below the laser
+constexpr double kLimit_m = 0.005;  // closer to the slice limits, a beam may be inside or outside
+constexpr std::size_t kAtTheLimits = 8;  // allowed number of beams there
 
 float distanceToNearest(const Eigen::Vector2f& point, const std::vector<Eigen::Vector2f>& others) {
   float nearest = std::numeric_limits<float>::infinity();
@@ -27,7 +27,7 @@ float distanceToNearest(const Eigen::Vector2f& point, const std::vector<Eigen::V
   return nearest;
 }
 
-/// How many nodes subscribe to a topic, as the ROS master knows.
+/// Number of subscribers of a topic, from the ROS master.
 std::size_t subscribingNodes(const std::string& topic) {
   XmlRpc::XmlRpcValue request(ros::this_node::getName()), response, state;
   if (!ros::master::execute("getSystemState", request, response, state, false)) return 0;
@@ -58,7 +58,7 @@ ProjectorClient::ProjectorClient(const std::string& ns)
 }
 
 bool ProjectorClient::connect(bool with_imu) {
-  constexpr double kSettle = 0.3;  // s, from a connection to the mountings that come by it
+  constexpr double kSettle = 0.3;  // s; time from a connection to the arrival of the mountings
   const auto listens = [this, with_imu] {
     return scan_publisher.getNumSubscribers() > 0 && cloud_publisher.getNumSubscribers() > 0 &&
            (!with_imu || imu_publisher.getNumSubscribers() > 0) &&

@@ -21,13 +21,14 @@
 
 namespace kestrel {
 
-/// Plays the rest of the robot for a scan projector: publishes the sensors of a flight, and listens
-/// to everything of the node. Frames of a namespace `ns`: <ns>_base, <ns>_laser, <ns>_imu.
+/// Simulates the rest of the robot for a scan projector: publishes the sensor data of a flight, and
+/// subscribes to all outputs of the node. Frames in a namespace `ns`: <ns>_base, <ns>_laser,
+/// <ns>_imu.
 class ProjectorClient : public NodeWatcher {
  public:
   explicit ProjectorClient(const std::string& ns);
 
-  /// Waits until the projector listens and can be heard.
+  /// Waits until all topics are connected to the projector.
   bool connect(bool with_imu = true);
 
   std::string frame(const std::string& name) const { return ns_ + "_" + name; }
@@ -35,24 +36,23 @@ class ProjectorClient : public NodeWatcher {
   /// Publishes the mounting of a sensor: <ns>_base -> <ns>_`name`.
   void mount(const std::string& name, const Eigen::Isometry3d& base_T_sensor);
 
-  /// Publishes IMU messages, 200 a second, from the last one up to `time` (s).
+  /// Publishes IMU messages at 200 Hz, from the last one up to `time` (s).
   void flyImu(double time);
 
-  /// The next scan of the laser, 40 a second, without anything else.
+  /// Returns the next scan of the laser (40 Hz) without publishing it.
   sensor_msgs::LaserScan nextScan();
 
-  /// Publishes a scan and waits for what becomes of it.
+  /// Publishes a scan and waits for its planar scan.
   std::optional<PlanarScan> project(const sensor_msgs::LaserScan& scan, double timeout_s = 10.0);
 
-  /// Publishes the IMU up to the end of the next scan and the scan, and expects that its end points
-  /// are right.
+  /// Publishes the next scan and the IMU data up to its end, and expects correct end points.
   void flyOn();
 
-  /// Expects that every hit is where a beam of the flight ended, to a millimeter.
+  /// Expects that every hit agrees with the end point of a beam to 1 mm.
   void expectRight(const std::optional<PlanarScan>& scan, double time,
                    const Eigen::Isometry3d& base_T_laser) const;
 
-  /// Lets the time of the flight go on without any message.
+  /// Advances the time of the flight without any message.
   void skip(double seconds) { time += seconds; }
 
   ros::NodeHandle nh;
@@ -66,7 +66,7 @@ class ProjectorClient : public NodeWatcher {
 
   std::map<ros::Time, kestrel_slam::PlanarScanConstPtr> planar_scans;  ///< by stamp
   std::vector<sensor_msgs::LaserScan> views;
-  std::vector<sensor_msgs::Range> heights;  ///< of the mirror
+  std::vector<sensor_msgs::Range> heights;  ///< measured with the mirror
 
  private:
   std::string ns_;

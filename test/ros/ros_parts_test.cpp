@@ -23,18 +23,18 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-TEST(UncertaintyMarkers, ShowTheEllipseAndTheOpenDirection) {
+TEST(UncertaintyMarkers, ShowTheEllipseAndTheUnobservableDirection) {
   MapperResult result;
   result.pose = Pose2(3, 4, 1);
   result.covariance(0, 0) = 0.0001;
-  result.covariance(1, 1) = 0.25;  // long along y
+  result.covariance(1, 1) = 0.25;  // large variance along y
   result.match.degenerate_direction = {0.0, 1.0};
   EXPECT_EQ(uncertaintyMarkers(result).markers.at(1).action, visualization_msgs::Marker::DELETE);
   result.match.degenerate = true;
   const visualization_msgs::MarkerArray array = uncertaintyMarkers(result);
   const visualization_msgs::Marker &ellipse = array.markers.at(0), &line = array.markers.at(1);
   EXPECT_EQ(ellipse.pose.position.x, 3.0);
-  EXPECT_NEAR(ellipse.scale.x, 3.0, 1e-9) << "three sigma to both sides";
+  EXPECT_NEAR(ellipse.scale.x, 3.0, 1e-9) << "three sigma on both sides";
   EXPECT_NEAR(ellipse.scale.y, 0.06, 1e-9);
   EXPECT_NEAR(std::abs(ellipse.pose.orientation.z), std::sqrt(0.5), 1e-9);
   EXPECT_EQ(line.action, visualization_msgs::Marker::ADD);
@@ -54,14 +54,14 @@ TEST(BoundedQueue, DropsTheOldest) {
   EXPECT_EQ(queue.clear(), 1U);
 }
 
-TEST(BoundedQueue, CloseEndsTheWaiting) {
+TEST(BoundedQueue, CloseWakesTheReader) {
   BoundedQueue<int> queue(1);
   std::thread closer([&] { queue.close(); });
   EXPECT_EQ(queue.pop(), std::nullopt);
   closer.join();
 }
 
-TEST(FairMutex, LetsOthersInBetween) {
+TEST(FairMutex, OtherThreadsGetTheLock) {
   FairMutex mutex;
   std::atomic<bool> started{false}, stop{false};
   std::thread greedy([&] {
@@ -77,7 +77,7 @@ TEST(FairMutex, LetsOthersInBetween) {
   const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - start;
   stop = true;
   greedy.join();
-  EXPECT_LT(waited.count(), 1.0) << "at most one turn of the other before each of ours";
+  EXPECT_LT(waited.count(), 1.0) << "at most one lock of the other thread before each of ours";
 }
 
 TEST(SharedMapper, CopiesWhileScansAreMatched) {
@@ -111,10 +111,10 @@ TEST(SharedMapper, CopiesWhileScansAreMatched) {
   EXPECT_TRUE(mapper.copy().map.empty());
 }
 
-TEST(TrajectoryLog, ThinsAndStaysBounded) {
+TEST(TrajectoryLog, IsThinnedOutAndLimited) {
   TrajectoryLog log;
   log.add(ros::Time(1.0), Pose2());
-  log.add(ros::Time(2.0), Pose2(0.01, 0.0, 0.01));  // not far enough
+  log.add(ros::Time(2.0), Pose2(0.01, 0.0, 0.01));  // too close to the last pose
   log.add(ros::Time(3.0), Pose2(0.06, 0.0, 0.0));
   log.add(ros::Time(4.0), Pose2(0.06, 0.0, 0.2));
   const nav_msgs::Path path = log.path("map");
@@ -129,7 +129,7 @@ TEST(TrajectoryLog, ThinsAndStaysBounded) {
   EXPECT_TRUE(log.path("map").poses.empty());
 }
 
-TEST(Conversions, CovarianceIsPositiveDefiniteWhateverComesIn) {
+TEST(Conversions, CovarianceIsPositiveDefiniteForAnyInput) {
   Eigen::Matrix3d singular = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d negative = -Eigen::Matrix3d::Identity();
   Eigen::Matrix3d infinite = Eigen::Matrix3d::Constant(std::numeric_limits<double>::infinity());
@@ -145,7 +145,7 @@ TEST(Conversions, CovarianceIsPositiveDefiniteWhateverComesIn) {
   }
 }
 
-TEST(Conversions, CovarianceKeepsItsPlace) {
+TEST(Conversions, CovarianceElementsKeepTheirIndices) {
   Eigen::Matrix3d covariance;
   covariance << 4.0, 1.0, 0.5, 1.0, 3.0, 0.25, 0.5, 0.25, 2.0;
   const auto full = toMessage(Pose2(), covariance).covariance;
@@ -157,7 +157,7 @@ TEST(Conversions, CovarianceKeepsItsPlace) {
   EXPECT_NEAR(full[35], 2.0, 1e-12);
 }
 
-TEST(Conversions, PoseThereAndBack) {
+TEST(Conversions, PoseRoundTrip) {
   const Pose2 pose(1.5, -2.5, 3.0);
   const Pose2 back = planarFromMessage(toMessage(pose));
   EXPECT_DOUBLE_EQ(back.x, pose.x);
@@ -165,7 +165,7 @@ TEST(Conversions, PoseThereAndBack) {
   EXPECT_NEAR(back.yaw, pose.yaw, 1e-12);
 }
 
-TEST(Conversions, PoseRefusesNonsense) {
+TEST(Conversions, InvalidPosesAreRefused) {
   geometry_msgs::Pose pose;  // the quaternion of an empty message is zero
   EXPECT_THROW(planarFromMessage(pose), std::invalid_argument);
   pose.orientation.w = 1.0;

@@ -18,7 +18,7 @@ constexpr double kHalfWidth = 3.0;   // m, along y
 constexpr double kFieldOfView = 1.5 * kPi;
 constexpr double kStep = kFieldOfView / (TiltingFlight::kBeams - 1);
 
-/// How far a wall is along a direction.
+/// Distance to the wall along a direction.
 double toWalls(const Vector3d& from, const Vector3d& direction) {
   const double far = std::numeric_limits<double>::infinity();
   const auto along = [&](double position, double step, double half) {

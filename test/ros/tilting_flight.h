@@ -12,9 +12,9 @@
 
 namespace kestrel {
 
-/// A vehicle that hovers in the middle of a room of 8 m × 6 m, tilts to and fro and turns: what its
-/// sensors measure, and what a scan of it has to look like, in closed form. The walls are so high
-/// that beams meet nothing else. Times in s.
+/// A vehicle that hovers in the middle of a room of 8 m × 6 m, oscillates in roll and pitch, and
+/// turns. Gives the sensor readings and the expected planar scans in closed form. The walls are so
+/// high that beams hit only walls. Times in s.
 struct TiltingFlight {
   double roll_amplitude = 0.2;    ///< rad
   double pitch_amplitude = 0.15;  ///< rad
@@ -32,15 +32,15 @@ struct TiltingFlight {
   sensor_msgs::LaserScan scan(double time, const std::string& frame,
                               const Eigen::Isometry3d& base_T_laser) const;
 
-  /// Where the beams of scan() ended, in base_stabilized at `time`: those within `slice_m`
-  /// above and below the laser there.
+  /// End points of the beams of scan() in base_stabilized at `time`. Only those up to `slice_m`
+  /// above or below the laser.
   std::vector<Eigen::Vector2f> hits(double time, const Eigen::Isometry3d& base_T_laser,
                                     double slice_m) const;
 
  private:
   struct Beam {
     double range;
-    Eigen::Vector3d end;  ///< in world, from the vehicle
+    Eigen::Vector3d end;  ///< in world, relative to the vehicle
   };
   Beam beam(int i, double time, const Eigen::Isometry3d& base_T_laser) const;
   Eigen::Vector3d bodyRate(double time) const;

@@ -13,7 +13,7 @@
 
 namespace kestrel {
 
-/// Where something was, and how fast: in map, seen from above.
+/// Horizontal pose and velocity in map.
 struct MovingPose {
   StampedPose pose;
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< m/s
@@ -23,7 +23,7 @@ struct MovingPose {
 struct MovingErrors {
   std::size_t count = 0;
   double position_rmse_m = 0.0;
-  double velocity_rmse = 0.0;  ///< m/s; of the reference: its difference over 0.2 s
+  double velocity_rmse = 0.0;  ///< m/s; the reference velocity is a difference over 0.2 s
 };
 
 /// Throws ReferenceMismatch.
@@ -32,13 +32,13 @@ MovingErrors compareWithReference(const std::vector<MovingPose>& poses,
 
 /// The mapper's poses and the filter's states of a recording with an IMU.
 struct RecordedFilterRun {
-  std::vector<MovingPose> mapper;  ///< one a scan that is not lost
-  std::vector<MovingPose> filter;  ///< one an IMU sample
+  std::vector<MovingPose> mapper;  ///< one per scan that is not lost
+  std::vector<MovingPose> filter;  ///< one per IMU sample
   FilterStatus status;             ///< at the end
 };
 
-/// Feeds a recording to projector, mapper and filter, in the order of its stamps. `base_T_laser`:
-/// in place of what the recording says. Throws std::runtime_error where it has no IMU.
+/// Runs projector, mapper and filter on a recording, in the order of its stamps. `base_T_laser`
+/// replaces the mounting in the recording. Throws std::runtime_error if the recording has no IMU.
 RecordedFilterRun runFiltered(Recording& recording, const SlamConfig& config,
                               const PoseFilterConfig& filter, const CouplingOptions& coupling,
                               const std::optional<Eigen::Isometry3d>& base_T_laser = std::nullopt);

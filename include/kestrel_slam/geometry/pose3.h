@@ -7,11 +7,10 @@
 
 namespace kestrel {
 
-/// The rotation without its turn about the vertical: `stabilized_R_base` (REP-105;
-/// [MAV SLAM 2013, eq. 1]).
+/// The rotation without yaw, `stabilized_R_base` (REP-105), see [MAV SLAM 2013, eq. 1].
 Eigen::Quaterniond withoutYaw(const Eigen::Quaterniond& world_R_base);
 
-/// The turn about the vertical: angle of the base's x axis seen from above, rad.
+/// Yaw: the angle of the x axis of the base, seen from above, rad.
 double yawOf(const Eigen::Quaterniond& world_R_base);
 
 /// Angle between the base's z axis and the vertical, rad.

@@ -14,33 +14,35 @@
 
 namespace kestrel {
 
-/// Covariance of (x, y, yaw), m² and rad², in a message of ROS (x, y, z, roll, pitch, yaw).
+/// Reads the covariance of (x, y, yaw), m² and rad², from the ROS covariance of (x, y, z, roll,
+/// pitch, yaw).
 Eigen::Matrix3d planarCovariance(const geometry_msgs::PoseWithCovariance& message);
 
-/// Height in the standard atmosphere, m. Only its changes have a meaning. NaN where the pressure is
-/// not above zero.
+/// Height in the standard atmosphere, m. Use only differences of it. NaN if the pressure is not
+/// positive.
 HeightSample toHeightSample(const sensor_msgs::FluidPressure& message);
 
-/// Yaw of the base where x points east: the angle from the field, turned into the level frame by
-/// `stabilized_R_sensor`, to magnetic north. Nothing where the field is not finite or upright.
+/// Yaw of the base relative to east. `stabilized_R_sensor` rotates the field into the level frame,
+/// where its horizontal part points to magnetic north. Empty if the field is not finite or almost
+/// vertical.
 std::optional<YawMeasurement> toYaw(const sensor_msgs::MagneticField& message,
                                     const Eigen::Quaterniond& stabilized_R_sensor,
                                     double declination_rad);
 
-/// Positions of GPS fixes in the local east-north-up frame of the first one (WGS 84), m.
+/// Converts GPS fixes (WGS 84) to positions in a local east-north-up frame at the first fix, m.
 class LocalFixes {
  public:
-  /// The first usable fix becomes `first_position`. Nothing where there is no fix, or it is not
-  /// finite.
+  /// The first usable fix is assigned to `first_position`. Empty if the message has no fix or is
+  /// not finite.
   std::optional<PositionMeasurement> toPosition(const sensor_msgs::NavSatFix& message,
                                                 const Eigen::Vector3d& first_position);
-  /// The next fix is the first one again.
+  /// Resets the local frame. The next fix is the new first fix.
   void forget() { origin_.reset(); }
 
  private:
   struct Origin {
-    Eigen::Vector3d earth;        ///< earth-centerd, earth-fixed, m
-    Eigen::Matrix3d enu_R_earth;  ///< to the local frame
+    Eigen::Vector3d earth;        ///< earth-centered, earth-fixed, m
+    Eigen::Matrix3d enu_R_earth;  ///< rotation to the local frame
     Eigen::Vector3d position;     ///< in map, m
   };
   std::optional<Origin> origin_;

@@ -19,35 +19,37 @@
 
 namespace kestrel {
 
-/// Position and yaw seen from above; not finite where the message is not.
+/// Horizontal position and yaw. Not finite if the message is not finite.
 Pose2 toPose2(const geometry_msgs::Pose& pose);
 
 Eigen::Isometry3d fromMessage(const geometry_msgs::Transform& message);
 
-/// Position and yaw of a pose, seen from above. Throws std::invalid_argument that says what is
-/// wrong where a number is not finite or the quaternion has no length.
+/// Horizontal position and yaw of a pose. Throws std::invalid_argument with the reason if a number
+/// is not finite or the quaternion is zero.
 Pose2 planarFromMessage(const geometry_msgs::Pose& message);
 
 geometry_msgs::Pose toMessage(const Pose2& pose);
 geometry_msgs::Transform toTransformMessage(const Pose2& pose);
 
-/// What z, roll and pitch get, which a 2D laser does not measure: variances so large that no filter
-/// takes the zeros there for a measurement.
+/// Variances of z, roll and pitch, which a 2D laser does not measure. They are so large that a
+/// filter does not use the zeros in the message as measurements.
 constexpr double kUnmeasuredHeightVariance = 1e4;            ///< m²
-constexpr double kUnmeasuredTiltVariance = kPi * kPi / 3.0;  ///< rad²; of any angle at all
+constexpr double kUnmeasuredTiltVariance = kPi * kPi / 3.0;  ///< rad²; of a uniform angle
 
-/// The pose with the covariance of (x, y, yaw), m² and rad², in the order of ROS (x, y, z, roll,
-/// pitch, yaw): symmetric, positive definite and finite, whatever comes in.
+/// Converts the pose and the covariance of (x, y, yaw), m² and rad², to the ROS order (x, y, z,
+/// roll, pitch, yaw). The result is always symmetric, positive definite and finite, also for
+/// invalid input.
 geometry_msgs::PoseWithCovariance toMessage(const Pose2& pose, const Eigen::Matrix3d& covariance);
 
-/// The header is left to the caller.
+/// The caller must set the header.
 nav_msgs::OccupancyGrid toMessage(MapSnapshot map);
 
-/// A height in a level frame, which says that it is the height itself, not a slanted distance.
+/// A height as a range message. Its level frame marks it as a vertical height, not a distance along
+/// a tilted axis.
 sensor_msgs::Range toRangeMessage(const ros::Time& stamp, const std::string& level_frame,
                                   double height_m, double max_height_m);
 
-/// The hits of a scan in the map frame; the header is left to the caller.
+/// The hits of a scan in the map frame. The caller must set the header.
 sensor_msgs::PointCloud2 hitCloud(const PlanarScan& scan, const Pose2& map_T_base);
 
 }  // namespace kestrel

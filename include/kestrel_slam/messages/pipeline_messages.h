@@ -12,17 +12,17 @@
 
 namespace kestrel {
 
-// What the nodes of the pipeline tell each other. Nothing is rounded, so that nodes and offline run
-// compute the same. `stamp` is that of the sensor's message.
+// The messages between the nodes of the pipeline. Values are not rounded, so that the nodes and the
+// offline run compute the same result. `stamp` is the stamp of the sensor message.
 
 kestrel_slam::FilteredMotion toMessage(const FilteredMotion& motion, const ros::Time& stamp,
                                        const std::string& odom_frame);
-/// Values that are not finite are passed on; FilteredMotionBuffer::add refuses them.
+/// Does not check values. FilteredMotionBuffer::add rejects values that are not finite.
 FilteredMotion fromMessage(const kestrel_slam::FilteredMotion& message);
 
 kestrel_slam::MapperState toMessage(const MatchedPose& pose, const ros::Time& stamp,
                                     const std::string& map_frame);
-/// An unknown state is taken for "lost".
+/// An unknown state is converted to "lost".
 MatchedPose fromMessage(const kestrel_slam::MapperState& message);
 
 }  // namespace kestrel

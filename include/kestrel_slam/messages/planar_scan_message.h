@@ -11,17 +11,18 @@
 
 namespace kestrel {
 
-/// A planar scan as a message (msg/PlanarScan.msg). `stamp` is the recorded stamp of the scan, its
-/// name and reference time. Nothing is rounded.
+/// Converts a planar scan to a message (msg/PlanarScan.msg). `stamp` is the recorded stamp of the
+/// scan, which identifies the scan and is its reference time.
 kestrel_slam::PlanarScanPtr toPlanarScanMessage(const PlanarScan& scan, const std::string& frame,
                                                 const ros::Time& stamp);
 
-/// The inverse. Throws std::invalid_argument that names what is wrong: arrays of different lengths,
-/// a number that is not finite.
+/// The inverse conversion. Throws std::invalid_argument with the reason if the arrays have
+/// different lengths or a number is not finite.
 PlanarScan fromPlanarScanMessage(const kestrel_slam::PlanarScan& message);
 
-/// The hits as a LaserScan around the base, for packages that know nothing else: in every bin of
-/// `angle_increment` (rad) the nearest hit, +inf where rays only clear, NaN where there is no ray.
+/// The hits as a LaserScan around the base, for packages that need this type. Each bin of
+/// `angle_increment` (rad) contains the nearest hit, +inf if its rays only mark free space, or NaN
+/// if it has no ray.
 sensor_msgs::LaserScanPtr toLaserScanView(const PlanarScan& scan, const std::string& frame,
                                           const ros::Time& stamp, double angle_increment,
                                           double range_max);

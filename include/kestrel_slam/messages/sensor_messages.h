@@ -15,28 +15,30 @@
 
 namespace kestrel {
 
-/// A ROS time in seconds, rounded once: the double that the same decimals give when they are read.
+/// A ROS time in seconds. The result is the double that is nearest to the decimal value, as if it
+/// was read from a text file.
 double toSeconds(const ros::Time& time);
 
-/// A frame or topic name without its leading slash (tf1 wrote it, tf2 refuses it).
+/// Removes the leading slash of a frame or topic name. tf1 used it, tf2 does not accept it.
 std::string withoutSlash(const std::string& name);
 
-/// The message as it is.
+/// Copies all values without a check.
 LaserScan fromMessage(const sensor_msgs::LaserScan& message);
 
-/// The points of a message, with their times where it has them (see unpackPoints()). The stamp is
-/// that of the header, s.
+/// The points of a message, with their times if the message has them (see unpackPoints()). The
+/// stamp is the stamp of the header, s.
 ///
-/// Throws std::invalid_argument that names what is wrong: fields that are missing (and those there
-/// are), types that are unsupported, no points, fewer bytes than promised.
+/// Throws std::invalid_argument with the reason: missing fields (with a list of the existing ones),
+/// unsupported types, no points, or too few bytes.
 PointCloud toPointCloud(const sensor_msgs::PointCloud2& message);
 
-/// The values of a message as they are, whatever they are. What the driver says that it does not
-/// have (a covariance that begins with -1; an orientation of four zeros) is absent.
+/// Copies the values of a message without a check. A value is absent if the driver marks it as
+/// missing: by a covariance that begins with -1, or by an orientation of four zeros.
 ImuSample toImuSample(const sensor_msgs::Imu& message);
 
-/// A reading of a range finder at `sensor_z` (m, in the base's frame): what the base is over what
-/// was hit, along the beam. Outside of the sensor's limits it is +inf or -inf (REP-117).
+/// A reading of a range finder at `sensor_z` (m, in the base frame). The result is the distance
+/// from the base to the surface along the beam. It is +inf or -inf outside of the sensor's limits
+/// (REP-117).
 HeightSample toHeightSample(const sensor_msgs::Range& message, double sensor_z);
 
 }  // namespace kestrel

@@ -10,21 +10,21 @@
 
 namespace kestrel {
 
-/// One message of a recording, as it would arrive on a vehicle.
+/// One message of a recording with its simulated arrival time.
 struct ArrivingMessage {
-  double arrival = 0.0;  ///< s, on the clock of the stamps; never decreases
+  double arrival = 0.0;  ///< arrival time on the clock of the stamps, s; never decreases
   std::variant<RecordedScan, ImuSample, HeightSample> message;
 };
 
-/// The messages of a recording in the order in which they arrive on a vehicle: a scan at the end of
-/// its sweep, then what the IMU and the range finder measured until then, up to the first reading
-/// of the IMU that is not older than the last beam.
+/// Sorts the messages of a recording into the order in which they arrive on a vehicle. A scan
+/// arrives at the end of its sweep. It is followed by the IMU and range finder readings up to the
+/// first IMU reading that is not older than the last beam.
 class ArrivalOrder {
  public:
-  /// `with_imu` false: only the scans.
+  /// `with_imu`: false returns only the scans.
   ArrivalOrder(Recording& recording, bool with_imu) : recording_(recording), with_imu_(with_imu) {}
 
-  /// False at the end. Throws what Recording::next throws.
+  /// Returns false at the end of the recording. Passes on the exceptions of Recording::next.
   bool next(ArrivingMessage& message);
 
  private:
@@ -36,7 +36,7 @@ class ArrivalOrder {
   bool with_imu_;
   bool scans_ended_ = false;
   std::size_t next_imu_ = 0, next_height_ = 0;
-  std::optional<double> due_;  ///< the readings until here come before the next scan, s
+  std::optional<double> due_;  ///< readings up to this time come before the next scan, s
   StampCheck stamp_check_;
   std::optional<double> newest_imu_;  ///< stamp, s
   std::optional<double> now_;

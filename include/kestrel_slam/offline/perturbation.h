@@ -8,17 +8,18 @@
 
 namespace kestrel {
 
-/// What a run leaves out of its recording: a result that depends on it was luck.
+/// Which data a run removes from its recording. A robust result must not depend on small changes of
+/// the data.
 struct Perturbation {
-  std::size_t skip_scans = 0;     ///< so many at the start
+  std::size_t skip_scans = 0;     ///< number of scans to remove at the start
   std::size_t drop_every = 0;     ///< 7: the 7th, 14th, ... scan of the recording; 0: none
-  double drop_beams_share = 0.0;  ///< of the beams (points of a cloud) of each scan, 0 to 1
-  std::uint64_t beams_seed = 1;   ///< which of them
+  double drop_beams_share = 0.0;  ///< share of beams to remove from each scan, 0 to 1
+  std::uint64_t beams_seed = 1;   ///< seed for the choice of beams
 };
 
-/// Drops beams of `scan`, the `number`-th of its recording (from 1), as a sensor does that gets no
-/// echo: their readings become NaN. False where the whole scan is left out. What happens to a scan
-/// does not depend on the others.
+/// Removes beams from `scan`, which has the given `number` in its recording (counted from 1). Their
+/// readings become NaN, as if the sensor received no echo. Returns false if the whole scan is
+/// removed. The result for a scan does not depend on other scans.
 bool perturb(const Perturbation& perturbation, std::size_t number, RecordedScan& scan);
 
 }  // namespace kestrel

@@ -10,13 +10,13 @@
 
 namespace kestrel {
 
-/// What was mapped, and how: the part of the outputs that is known before the run.
+/// Input and configuration of a run: the part of the output that is known before the run.
 struct RunInfo {
   std::string recording;    ///< the file's name, without its folder
   std::string description;  ///< one line about the file
   SlamConfig config;
   bool odometry = false;
-  bool timing = true;  ///< false: nothing measured, so that two runs give identical bytes
+  bool timing = true;  ///< false: omit measured times, so that two runs give identical files
 };
 
 /// Mean, median, 99th percentile and maximum.
@@ -27,13 +27,14 @@ struct Distribution {
   double max = 0.0;
 };
 
-/// All zero where there are no values.
+/// All zero if there are no values.
 Distribution distributionOf(std::vector<double> values);
 
-/// Time of each scan, ms, of the part of the run between two shares of its scans, 0 to 1.
+/// Processing time of each scan, ms, for a part of the run. The part is given by two shares of the
+/// number of scans, 0 to 1.
 Distribution scanTimes(const OfflineRun& run, double from = 0.0, double to = 1.0);
 
-/// How many scans ended in which state, and how well they fitted.
+/// Number of scans in each match state, and their scores.
 struct MatchSummary {
   std::size_t ok = 0;
   std::size_t degraded = 0;
@@ -49,11 +50,11 @@ MatchSummary summarize(const std::vector<ScanRecord>& scans);
 /// Area of the known cells, m².
 double knownArea(const MapSnapshot& map);
 
-/// `value` with so many decimals, so that files stay readable.
+/// Rounds `value` to a number of decimals, so that files stay readable.
 double rounded(double value, int decimals);
 
-/// The content of stats.json. Everything that was measured lies in the object "timing", which is
-/// missing without timing; all the rest is the same for every run.
+/// The content of stats.json. All measured times and memory sizes are in the object "timing", which
+/// is omitted if timing is off. All other values are the same in every run.
 nlohmann::ordered_json statsOf(const OfflineRun& run, const RunInfo& info);
 
 }  // namespace kestrel

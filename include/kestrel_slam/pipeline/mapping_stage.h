@@ -8,22 +8,23 @@
 
 namespace kestrel {
 
-/// The mapper with the time base that its scans need. The mapper's node and the pipeline run this
-/// object. Single-threaded.
+/// The mapper and the monotone time base of its scans. Both the mapper node and the pipeline use
+/// this class. Not thread-safe.
 class MappingStage {
  public:
   explicit MappingStage(const MapperConfig& config) : mapper_(config) {}
 
-  /// Matches a planar scan. Its `time` becomes `time` (s), where the time base was repaired
-  /// already, else its stamp on a monotone time base.
+  /// Matches a planar scan. If the caller has already repaired the time base, the argument `time`
+  /// (s) is used. Otherwise the time of the scan is computed from its stamp, so that time never
+  /// decreases.
   MapperResult process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                        const std::optional<double>& time = std::nullopt);
 
-  /// Forgets the map; the next scan starts a new one at `map_T_base`.
+  /// Deletes the map. The next scan starts a new map at `map_T_base`.
   void reset(const Pose2& map_T_base) { mapper_.reset(map_T_base); }
-  /// Keeps the map and places the vehicle.
+  /// Keeps the map and sets the pose of the vehicle.
   void setPose(const Pose2& map_T_base) { mapper_.setPose(map_T_base); }
-  /// Keeps map and pose and forgets the motion: for a gap or a jump of the time.
+  /// Keeps map and pose but resets the motion model. Used after a gap or a jump in time.
   void restartMotion();
 
   const Mapper& mapper() const { return mapper_; }

@@ -9,7 +9,7 @@
 
 namespace kestrel {
 
-/// What the mapper tells the pose filter and the projector of one scan.
+/// The result of matching one scan, for the pose filter and the projector.
 struct MatchedPose {
   double stamp = 0.0;                                    ///< of the scan, s
   Pose2 pose;                                            ///< map_T_base
@@ -20,7 +20,7 @@ struct MatchedPose {
 
 MatchedPose matchedPoseOf(const MapperResult& result, double stamp);
 
-/// Gives the pose to the filter, except while the mapper is lost. False where it is not used.
+/// Gives the pose to the filter, unless the mapper is lost. Returns false if the pose is not used.
 bool fuse(const MatchedPose& pose, PoseFilter& filter);
 
 }  // namespace kestrel

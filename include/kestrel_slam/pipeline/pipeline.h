@@ -19,23 +19,23 @@
 
 namespace kestrel {
 
-/// What the pose filter gives to projector and mapper, and what it gets.
+/// Which data the pose filter exchanges with the projector and the mapper.
 struct CouplingOptions {
-  bool attitude = true;    ///< its attitude, rates and forces go to the projector
-  bool height = true;      ///< its height goes to the projector
-  bool prediction = true;  ///< its motion in odom goes to the mapper
-  bool barometer = true;   ///< it gets the barometer's heights
-  double match_s = 0.0;    ///< the mapper's pose reaches it so much later, s
+  bool attitude = true;    ///< the projector uses its attitude, rates and specific force
+  bool height = true;      ///< the projector uses its height
+  bool prediction = true;  ///< the mapper uses its motion prediction in odom
+  bool barometer = true;   ///< the filter uses barometer heights
+  double match_s = 0.0;    ///< delay of the mapper's pose before it reaches the filter, s
 };
 
-/// How projector, filter and mapper work together.
+/// Configuration of the interaction of projector, filter and mapper.
 struct PipelineConfig {
   SlamConfig slam;
   PoseFilterConfig filter;
   bool use_filter = true;  ///< the pose filter runs
   CouplingOptions coupling;
-  bool level = false;              ///< the vehicle is taken to be level; the IMU is not used
-  bool level_without_imu = false;  ///< the same only while the IMU fails; else scans are dropped
+  bool level = false;              ///< assume that the vehicle is level; do not use the IMU
+  bool level_without_imu = false;  ///< the same only while the IMU fails; false: drop the scans
   double max_wait_s = 0.1;         ///< longest time that a scan waits for its attitude
   std::size_t queue_size = 20;     ///< scans that may wait for their attitude
 };
@@ -46,46 +46,48 @@ struct PipelineScan {
   Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
   std::optional<Pose2> odom_T_base;  ///< odometry at the scan's stamp
   std::optional<double> time;        ///< on a monotone time base, where it was repaired already, s
-  std::size_t number = 0;            ///< of the caller: finds the scan again in an event
+  std::size_t number = 0;            ///< chosen by the caller to identify the scan in events
 };
 
 /// A scan that was mapped.
 struct MappedSweep {
   const PipelineScan& input;
   const ProjectedSweep& projected;
-  const PlanarScan& scan;  ///< as the mapper has seen it
+  const PlanarScan& scan;  ///< the scan that was matched
   const MapperResult& result;
 };
 
 /// A scan that could not be used.
 struct DroppedSweep {
   const PipelineScan& input;
-  std::string reason;   ///< a phrase for statistics
-  std::string message;  ///< a sentence with the values
+  std::string reason;   ///< short phrase for statistics
+  std::string message;  ///< full sentence with values
 };
 
-/// Projector, pose filter and mapper, coupled as they run on a vehicle. Everything is added in the
-/// order of arrival; scans wait for the attitude of their last beam. Knows no clock: `arrival` (s)
-/// is the time at which a message came, on the clock of the caller, and never decreases.
-/// Single-threaded and deterministic.
+/// Projector, pose filter and mapper, connected as on a vehicle. Messages are added in the order of
+/// arrival. A scan waits until the attitude at its last beam is known. The pipeline does not read a
+/// clock: `arrival` (s) is the arrival time of a message on the clock of the caller and must not
+/// decrease. Deterministic, not thread-safe.
 class Pipeline {
  public:
-  /// Throws std::invalid_argument where the configuration is outside of its limits.
+  /// Throws std::invalid_argument if a value of the configuration is out of range.
   explicit Pipeline(const PipelineConfig& config);
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
   void addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu, double arrival);
-  /// A range finder's reading. `is_upright`: it is the height itself, not a slanted distance.
+  /// Adds a range finder reading. `is_upright`: true if the reading is the vertical height, false
+  /// if it is a distance along a tilted axis.
   void addRange(const HeightSample& sample, double arrival, bool is_upright = false);
   void addBarometer(const HeightSample& sample, double arrival);
   void addScan(PipelineScan scan, double arrival);
-  /// No more messages come: scans that still wait are dropped with their reason.
+  /// Call this after the last message. Drops the scans that still wait and reports the reason.
   void finish();
 
-  /// Places the vehicle in map (`initialpose`). `covariance`: of (x, y, yaw), m² and rad².
+  /// Sets the pose of the vehicle in map (`initialpose`). `covariance`: of (x, y, yaw), m² and
+  /// rad².
   void setPose(const Pose2& map_T_base, const Eigen::Matrix3d& covariance);
-  /// Forgets the map; the next scan starts a new one at `map_T_base`.
+  /// Deletes the map. The next scan starts a new map at `map_T_base`.
   void reset(const Pose2& map_T_base = Pose2());
 
   const Mapper& mapper() const { return mapping_.mapper(); }
@@ -122,7 +124,7 @@ class Pipeline {
   PoseFilter filter_;
   MappingStage mapping_;
   WaitingQueue<WaitingScan> queue_;
-  std::deque<WaitingPose> poses_;  ///< on their way to the filter
+  std::deque<WaitingPose> poses_;  ///< delayed poses that the filter will receive later
   double now_ = -std::numeric_limits<double>::infinity();
   bool finished_ = false;
 };

@@ -21,46 +21,48 @@ SweepTimes sweepTimes(const SweepData& data);
 struct ProjectionStageConfig {
   ProjectorConfig projector;
   AttitudeConfig attitude;
-  bool level = false;              ///< the vehicle is taken to be level; no attitude is needed
-  bool level_without_imu = false;  ///< the same only while the IMU fails; else scans are dropped
+  bool level = false;              ///< assume that the vehicle is level; no attitude is needed
+  bool level_without_imu = false;  ///< the same only while the IMU fails; false: drop the scans
   double max_wait_s = 0.1;         ///< longest time that a sweep waits for its attitude
 };
 
-/// What is to be done with a sweep now.
+/// What to do with a sweep now.
 struct SweepDecision {
   enum Kind { kProject, kProjectLevel, kWait, kDrop } kind = kWait;
-  std::string reason, message;  ///< of kDrop: a phrase for statistics, and a sentence
+  std::string reason, message;  ///< for kDrop: short phrase for statistics, full sentence
 };
 
-/// A projected sweep, and what it was projected with.
+/// A projected sweep and the source of its attitude.
 struct ProjectedSweep {
   Projection projection;
   bool level = false;     ///< no attitude was used
   bool filtered = false;  ///< the attitude of the pose filter was used
 };
 
-/// The scan projector together with all that it needs to know: attitude of IMU or pose filter,
-/// height, velocity. The node of the projector and the pipeline run this object.
+/// The scan projector and its inputs: attitude from the IMU or the pose filter, height, and
+/// velocity. Both the projector node and the pipeline use this class.
 class ProjectionStage {
  public:
-  /// Throws std::invalid_argument where the configuration's angles or corrections cannot be read.
+  /// Throws std::invalid_argument if the angles or corrections of the configuration cannot be
+  /// parsed.
   explicit ProjectionStage(const ProjectionStageConfig& config);
 
-  /// False where the reading is not used.
+  /// Returns false if the reading is not used.
   bool addImu(const CheckedImu& reading);
-  /// A state of the pose filter. False where it is not used.
+  /// Adds a state of the pose filter. Returns false if it is not used.
   bool addMotion(const FilteredMotion& motion);
-  /// A reading of a range finder. `is_upright`: it is the height itself, not a distance along the
-  /// base's z axis. False where it is not used.
+  /// Adds a range finder reading. `is_upright`: true if the reading is the vertical height, false
+  /// if it is a distance along the z axis of the base. Returns false if it is not used.
   bool addRange(const HeightSample& sample, bool is_upright = false);
-  /// Velocity of the vehicle in base_stabilized at `stamp` (s), m/s. The newest one is used.
+  /// Sets the velocity of the vehicle in base_stabilized at `stamp` (s), m/s. Only the newest
+  /// velocity is used.
   void addVelocity(double stamp, const Eigen::Vector2d& velocity);
 
-  /// What to do with a sweep that has waited for `waited_s`. `now`: on the clock of the IMU's
-  /// stamps, s.
+  /// Decides what to do with a sweep that has waited for `waited_s`. `now`: current time on the
+  /// clock of the IMU stamps, s.
   SweepDecision judge(const SweepTimes& times, double waited_s, double now) const;
 
-  /// Projects a sweep. `level`: without an attitude.
+  /// Projects a sweep. `level`: assume that the vehicle is level.
   ProjectedSweep project(const SweepData& data, const Eigen::Isometry3d& base_T_laser, bool level);
 
   AttitudeTracker& tracker() { return tracker_; }
@@ -81,7 +83,7 @@ class ProjectionStage {
   HeightTracker heights_;
   Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
   double velocity_stamp_ = 0.0;
-  const AttitudeBuffer* last_attitude_ = nullptr;  ///< of the last sweep that used one
+  const AttitudeBuffer* last_attitude_ = nullptr;  ///< used for the last sweep
 };
 
 }  // namespace kestrel

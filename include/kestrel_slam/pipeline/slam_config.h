@@ -7,7 +7,7 @@
 
 namespace kestrel {
 
-/// Everything that a user can set, whether offline or live.
+/// All user parameters, for offline and live operation.
 struct SlamConfig {
   ProjectorConfig projector;
   AttitudeConfig attitude;

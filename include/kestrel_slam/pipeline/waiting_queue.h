@@ -8,13 +8,13 @@
 
 namespace kestrel {
 
-/// Sweeps that wait for their attitude, in the order of arrival. For one thread.
+/// Sweeps that wait for their attitude, in the order of arrival. Not thread-safe.
 template <typename Sweep>
 class WaitingQueue {
  public:
   explicit WaitingQueue(std::size_t capacity) : capacity_(capacity) {}
 
-  /// The oldest sweep, where it was removed to make room.
+  /// Adds a sweep. If the queue was full, returns the oldest sweep, which was removed.
   std::optional<Sweep> push(Sweep sweep) {
     std::optional<Sweep> removed;
     if (sweeps_.size() >= capacity_ && !sweeps_.empty()) {
@@ -25,8 +25,8 @@ class WaitingQueue {
     return removed;
   }
 
-  /// Calls `handle` for every sweep and removes those for which it returns true. A sweep that has
-  /// to wait does not delay those behind it: they may be of another laser.
+  /// Calls `handle` for every sweep and removes those for which it returns true. A waiting sweep
+  /// does not delay later sweeps, because they may come from another laser.
   template <typename Handle>
   void process(const Handle& handle) {
     for (auto sweep = sweeps_.begin(); sweep != sweeps_.end();) {

@@ -6,7 +6,8 @@
 namespace kestrel {
 namespace {
 
-// tf arrives on the thread of the node: nothing is looked up while another thread adds frames.
+// tf messages are processed on the thread of the node, so that no lookup runs while another thread
+// adds frames.
 constexpr bool kOwnTfThread = false;
 
 }  // namespace
@@ -15,22 +16,22 @@ Mountings::Mountings(const ros::NodeHandle& nh, const std::string& base_frame)
     : base_frame_(base_frame), listener_(buffer_, nh, kOwnTfThread) {}
 
 std::optional<Eigen::Isometry3d> Mountings::lookup(const std::string& sensor_frame) const {
-  // tf2 knows no frame that nobody has published, not even its own identity.
+  // tf2 rejects frames that were never published, even for an identity transform.
   if (sensor_frame == base_frame_) return Eigen::Isometry3d::Identity();
-  const ros::Time latest;  // sensors are bolted on
+  const ros::Time latest;  // time zero means the latest transform; mountings are fixed
   if (!buffer_.canTransform(base_frame_, sensor_frame, latest)) return std::nullopt;
   return fromMessage(buffer_.lookupTransform(base_frame_, sensor_frame, latest).transform);
 }
 
 std::string Mountings::missing(const std::string& sensor, const std::string& sensor_frame) const {
   if (sensor_frame.empty()) {
-    return "the frame_id of the " + sensor + " is empty; its driver has to set it";
+    return "the frame_id of the " + sensor + " is empty; the sensor driver must set it";
   }
   return "no transform from the " + sensor + "'s frame '" + sensor_frame + "' to the base frame '" +
          base_frame_ +
-         "'. The robot's description should publish it; where the two are the same, set "
+         "'. The robot's description should publish it; if both frames are the same, set "
          "~base_frame to '" +
-         sensor_frame + "', else for example: rosrun tf2_ros static_transform_publisher " +
+         sensor_frame + "'; otherwise run for example: rosrun tf2_ros static_transform_publisher " +
          "0 0 0 0 0 0 " + base_frame_ + " " + sensor_frame;
 }
 

@@ -12,10 +12,10 @@
 namespace kestrel {
 namespace {
 
-/// A parameter of diagnostic_updater, which reads it from the same namespace.
+/// A parameter that diagnostic_updater reads from the same namespace.
 constexpr char kDiagnosticPeriod[] = "diagnostic_period";
 
-/// The shorter of the two decimal forms that give the same number when they are read.
+/// The shortest of two decimal formats that gives the same number when it is read again.
 std::string numberText(double value) {
   char text[40];
   std::snprintf(text, sizeof text, "%.15g", value);
@@ -38,7 +38,7 @@ std::string textOf(const std::string& name, XmlRpc::XmlRpcValue& value) {
   }
 }
 
-/// A list may stand where a text does that holds several items.
+/// A text parameter with several items can also be given as a list.
 std::string textOf(const Parameter& parameter, XmlRpc::XmlRpcValue& value) {
   const bool joins =
       std::holds_alternative<std::string*>(parameter.value) && parameter.choices.empty();
@@ -52,7 +52,7 @@ std::string textOf(const Parameter& parameter, XmlRpc::XmlRpcValue& value) {
   return joined;
 }
 
-/// The names in the private namespace, without it.
+/// The parameter names in the private namespace, without the namespace.
 std::vector<std::string> privateNames(const ros::NodeHandle& private_nh) {
   const std::string prefix = private_nh.getNamespace() + "/";
   std::vector<std::string> all, names;
@@ -78,7 +78,7 @@ bool isKnown(const std::string& name, const std::vector<Parameter>& parameters) 
   return name == kDiagnosticPeriod || std::any_of(parameters.begin(), parameters.end(), has_name);
 }
 
-/// One line for all parameters with the same reason.
+/// Logs one line for all parameters with the same reason.
 void reportUnneeded(const std::vector<std::string>& names, const std::string& reason) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "~" : ", ~") + name;
@@ -141,7 +141,7 @@ void requireDistinct(const std::string& parameter, const std::string& frame,
                      const std::string& other) {
   if (frame != other) return;
   throw std::invalid_argument(parameter + " = " + frame +
-                              ": another frame has this name too, one must change");
+                              ": another frame has the same name; the names must differ");
 }
 
 }  // namespace kestrel

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint32_t kQueue = 200;
 
-/// A driver that does not say how often it sends is taken for one of this rate, Hz.
+/// Assumed IMU rate while the real rate is unknown, Hz.
 constexpr double kTypicalRate = 100.0;
 
 template <typename Array>
@@ -67,7 +67,7 @@ void FilterPublisher::publish(const ros::Time& stamp, const FilterOutput& output
       !output.velocity.allFinite() || !output.covariance.allFinite()) {
     return;
   }
-  publishOdometry(stamp, output, imu_rate_hz);  // first: a controller waits for it
+  publishOdometry(stamp, output, imu_rate_hz);  // first, because a controller waits for it
   publishMotion(stamp, output);
   publishHeight(stamp, output);
   publishTransforms(stamp, output);
@@ -94,22 +94,23 @@ void FilterPublisher::publishOdometry(const ros::Time& stamp, const FilterOutput
   odometry_publisher_.publish(message);
 }
 
-/// For the scan projector.
+/// Publishes the message for the scan projector.
 void FilterPublisher::publishMotion(const ros::Time& stamp, const FilterOutput& output) {
   if (motion_publisher_.getNumSubscribers() == 0) return;
-  // As a pointer it reaches a projector in the same process at once, and is not copied.
+  // A pointer message is passed to a projector in the same process immediately and without a copy.
   motion_publisher_.publish(boost::make_shared<const kestrel_slam::FilteredMotion>(
       toMessage(motionOf(output), stamp, config_.odom_frame)));
 }
 
-/// What a range finder that always looks straight down would say, while it is known.
+/// Publishes the height like a range finder that always points straight down. Only while it is
+/// known.
 void FilterPublisher::publishHeight(const ros::Time& stamp, const FilterOutput& output) {
   if (!output.givesHeight() || height_publisher_.getNumSubscribers() == 0) return;
   height_publisher_.publish(toRangeMessage(stamp, config_.base_stabilized_frame, output.height(),
                                            config_.filter.height.range_max_m));
 }
 
-/// As hector_pose_estimation does: an Imu message without orientation.
+/// Publishes the biases as an Imu message without orientation, like hector_pose_estimation.
 void FilterPublisher::publishBias(const ros::Time& stamp, const FilterOutput& output) {
   if (bias_publisher_.getNumSubscribers() == 0) return;
   sensor_msgs::Imu message;
@@ -134,7 +135,7 @@ void FilterPublisher::publishTransforms(const ros::Time& stamp, const FilterOutp
                                      output.map_T_odom.translation().z()));
   }
   if (config_.pub_odom_base_transform) {
-    // The footprint is on the map's floor; the projector publishes what is above it.
+    // The footprint is on the floor of the map. The projector publishes the frames above it.
     transforms.push_back(transformOf(stamp, config_.odom_frame, config_.base_footprint_frame,
                                      output.odomPose(), -output.map_T_odom.translation().z()));
   }

@@ -18,14 +18,14 @@ namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
 
-constexpr std::uint32_t kImuQueue = 400;  // a second of a fast IMU
+constexpr std::uint32_t kImuQueue = 400;  // one second of a fast IMU
 constexpr std::uint32_t kQueue = 20;
 constexpr double kPeriod = 1.0;         // s
 constexpr double kComplainEvery = 5.0;  // s
-/// Poses this close to a state of our own mapper are taken to be from it, s.
+/// A pose with a stamp this close to a MapperState is treated as the same measurement, s.
 constexpr double kSameMapper = 1.0;
 
-/// What an initial pose without a covariance is worth: as that of rviz's button.
+/// Variance of an initial pose without covariance. Same values as the rviz tool "2D Pose Estimate".
 const Eigen::Vector3d kPlacedVariance(0.25, 0.25, 0.07);  // m², rad²
 
 int levelOf(FilterHealth health) {
@@ -109,25 +109,25 @@ void PoseFilterNode::onImu(const sensor_msgs::ImuConstPtr& message) {
 bool PoseFilterNode::isInMap(const std_msgs::Header& header, const char* what) {
   const std::string frame = withoutSlash(header.frame_id);
   if (frame == config_.map_frame) return true;
-  refuse(what, "in the frame '" + frame + "', must be in '" + config_.map_frame + "'");
+  refuse(what, "the frame is '" + frame + "', but must be '" + config_.map_frame + "'");
   return false;
 }
 
 void PoseFilterNode::refuse(const std::string& what, const std::string& why) {
-  ++refused_[what + " " + why];
-  ROS_WARN_THROTTLE(kComplainEvery, "Refused: %s %s.", what.c_str(), why.c_str());
+  ++refused_[what + ": " + why];
+  ROS_WARN_THROTTLE(kComplainEvery, "Refused %s: %s.", what.c_str(), why.c_str());
 }
 
-/// The mapper's own word: it also says when the pose is no measurement.
+/// MapperState also tells when the pose must not be used as a measurement.
 void PoseFilterNode::onMapperState(const kestrel_slam::MapperState& message) {
   if (!isInMap(message.header, "mapper states")) return;
   const MatchedPose pose = fromMessage(message);
   mapper_stamp_ = pose.stamp;
-  if (pose.state == MatchState::kLost) ++refused_["poses of a lost mapper"];
+  if (pose.state == MatchState::kLost) ++refused_["poses: the mapper is lost"];
   fuse(pose, filter_);
 }
 
-/// A pose of the mapper whose state came, too, must not be used twice.
+/// Ignores a pose if its MapperState was already used, so that it is not used twice.
 void PoseFilterNode::onPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
   if (!isInMap(message.header, "poses")) return;
   if (std::abs(toSeconds(message.header.stamp) - mapper_stamp_) < kSameMapper) return;
@@ -139,7 +139,8 @@ void PoseFilterNode::onPose(const geometry_msgs::PoseWithCovarianceStamped& mess
   }
 }
 
-/// A sensor on the vehicle measures along its slanted axis; a height in a level frame is upright.
+/// A range finder on the vehicle measures along its tilted axis. A height in a level frame is
+/// vertical.
 void PoseFilterNode::onRange(const sensor_msgs::Range& message) {
   const std::string frame = withoutSlash(message.header.frame_id);
   if (frame == config_.base_stabilized_frame || frame == config_.base_footprint_frame) {
@@ -161,7 +162,7 @@ void PoseFilterNode::onPressureHeight(const geometry_msgs::PointStamped& message
 void PoseFilterNode::onField(const sensor_msgs::MagneticField& message) {
   const auto base_T_sensor = mountings_.lookup(withoutSlash(message.header.frame_id));
   const std::optional<FilterOutput>& output = filter_.output();
-  if (!output) return;  // without an attitude it has no yaw
+  if (!output) return;  // yaw from the magnetometer needs an attitude
   if (!base_T_sensor) {
     refuse("magnetometer",
            mountings_.missing("magnetometer", withoutSlash(message.header.frame_id)));
@@ -170,14 +171,14 @@ void PoseFilterNode::onField(const sensor_msgs::MagneticField& message) {
   const Eigen::Quaterniond tilt = withoutYaw(Eigen::Quaterniond(output->map_T_base.linear()));
   const auto yaw = toYaw(message, tilt * Eigen::Quaterniond(base_T_sensor->linear()),
                          config_.magnetic_declination);
-  if (!yaw) return refuse("magnetometer", "has no level field");
+  if (!yaw) return refuse("magnetometer", "the field has no horizontal part");
   filter_.addYaw(*yaw);
 }
 
 void PoseFilterNode::onFix(const sensor_msgs::NavSatFix& message) {
-  if (!filter_.output()) return;  // nothing to fit the first fix to
+  if (!filter_.output()) return;  // the first fix needs a filter state as reference
   const auto position = fixes_.toPosition(message, filter_.output()->map_T_base.translation());
-  if (!position) return refuse("GPS fixes", "that are none");
+  if (!position) return refuse("GPS fixes", "the message has no valid position");
   filter_.addPosition(*position);
 }
 
@@ -187,7 +188,7 @@ void PoseFilterNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStampe
     Eigen::Matrix3d covariance = planarCovariance(message.pose);
     if (covariance.isZero()) covariance = kPlacedVariance.asDiagonal();
     if (!filter_.setPose(planarFromMessage(message.pose.pose), covariance)) {
-      refuse("initialpose", "with a covariance that is none");
+      refuse("initialpose", "the covariance is invalid");
     }
   } catch (const std::invalid_argument& error) {
     refuse("initialpose", error.what());
@@ -198,7 +199,7 @@ bool PoseFilterNode::reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Respo
   filter_.restart();
   fixes_.forget();
   response.success = true;
-  response.message = "the filter starts anew from the next IMU messages";
+  response.message = "the filter restarts with the next IMU messages";
   ROS_INFO("reset_filter: %s.", response.message.c_str());
   return true;
 }

@@ -45,7 +45,7 @@ LivePlayer::LivePlayer(ros::NodeHandle nh, const std::string& bag_path) : nh_(nh
                                   transforms->transforms.end());
     }
   }
-  if (scan_count_ == 0) throw std::runtime_error("it has no sensor_msgs/LaserScan");
+  if (scan_count_ == 0) throw std::runtime_error("the bag has no sensor_msgs/LaserScan");
   publishMountings(mountings);
 }
 

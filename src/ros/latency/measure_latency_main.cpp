@@ -19,20 +19,18 @@ namespace {
 using namespace kestrel;
 
 constexpr char kUsage[] =
-    "measure_latency BAG: plays laser, IMU and range finder of a bag as if the vehicle flew now, "
-    "to\n"
-    "nodes that already run (roslaunch kestrel_slam mav.launch), and measures how long every scan\n"
-    "takes to its pose on `poseupdate`, and every IMU message to its state on `odom/filtered`.\n"
-    "Exit code: 0, or 1 where no pose came.\n"
-    "measure_latency --echo: a node that answers every IMU message on `odom/echo`, and does "
-    "nothing\n"
-    "else: where it runs beside the others, the measurement tells how fast any node could be.\n";
+    "measure_latency BAG: plays laser, IMU and range finder of a bag in real time to the\n"
+    "running nodes (roslaunch kestrel_slam mav.launch). Measures the latency from every scan\n"
+    "to its pose on `poseupdate`, and from every IMU message to its state on `odom/filtered`.\n"
+    "Exit code: 0, or 1 if no pose arrived.\n"
+    "measure_latency --echo: a node that only answers every IMU message on `odom/echo`. Run it\n"
+    "together with the other nodes to measure the shortest possible latency of a node.\n";
 constexpr std::uint32_t kQueue = 1000;
 constexpr double kConnectWithin = 20.0;  // s
 constexpr double kWaitAtEnd = 2.0;       // s; for the last poses and diagnostics
 constexpr double kMedian = 0.5, kHigh = 0.99;
 
-/// What the diagnostics of all nodes say of scans that were dropped.
+/// Collects the dropped scans from the diagnostics of all nodes.
 class DropWatcher {
  public:
   void onDiagnostics(const diagnostic_msgs::DiagnosticArray& message) {
@@ -59,12 +57,12 @@ void waitForNodes(const LivePlayer& player, const ros::Subscriber& poses) {
   while (!player.isHeard() || poses.getNumPublishers() == 0) {
     if (!ros::ok() || ros::WallTime::now() > end) {
       throw std::runtime_error(
-          "nobody listens to its laser or IMU, or publishes poseupdate: start "
-          "roslaunch kestrel_slam mav.launch before");
+          "there is no subscriber of its laser or IMU, or no publisher of poseupdate: first start "
+          "roslaunch kestrel_slam mav.launch");
     }
     ros::WallDuration(0.1).sleep();
   }
-  ros::WallDuration(1.0).sleep();  // tf_static arrives
+  ros::WallDuration(1.0).sleep();  // wait for tf_static
 }
 
 void print(const LatencyRecord& record) {
@@ -83,14 +81,14 @@ void print(const LatencyRecord& record) {
 
 void printAnswers(const char* topic, const LatencyRecord& record) {
   const std::vector<double> from_imu = record.fromImu();
-  if (from_imu.empty()) return;  // nobody answers
+  if (from_imu.empty()) return;  // no node answers
   std::printf(
       "latency from the IMU to %s: %zu messages, median %.2f ms, p99 %.2f ms, max %.2f ms\n", topic,
       from_imu.size(), quantile(from_imu, kMedian), quantile(from_imu, kHigh),
       quantile(from_imu, 1.0));
 }
 
-/// Records when the answers on `topic` came.
+/// Records the arrival times of the answers on `topic`.
 ros::Subscriber recordAnswers(ros::NodeHandle nh, const std::string& topic, LatencyRecord& record) {
   const boost::function<void(const nav_msgs::Odometry&)> on_answer =
       [&record](const nav_msgs::Odometry& message) { record.stateReceived(message.header.stamp); };
@@ -127,7 +125,7 @@ int run(const std::string& bag) {
   LatencyRecord echoes(true);
   const ros::Subscriber states = recordAnswers(nh, "odom/filtered", record);
   const ros::Subscriber echoed = recordAnswers(nh, "odom/echo", echoes);
-  // Somebody who looks at the map: publishing it must not delay the poses.
+  // Subscribes to the map, to check that publishing it does not delay the poses.
   const boost::function<void(const nav_msgs::OccupancyGridConstPtr&)> on_map =
       [](const nav_msgs::OccupancyGridConstPtr&) {};
   const ros::Subscriber maps = nh.subscribe<nav_msgs::OccupancyGrid>("map", 1, on_map);

@@ -38,7 +38,8 @@ Diagnostics::Diagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& priva
       statistics_(statistics),
       publisher_count_(std::move(publisher_count)),
       map_size_(std::move(map_size)),
-      updater_(nh, private_nh, private_nh.getNamespace()) {  // a nodelet is not its process
+      updater_(nh, private_nh,
+               private_nh.getNamespace()) {  // a nodelet needs its own name
   updater_.setHardwareID(scan_topic);
   updater_.add("Scans", [this](Status& status) { fillScans(status); });
   updater_.add("Match", [this](Status& status) { fillMatch(status); });
@@ -57,7 +58,7 @@ void Diagnostics::update() {
   }
 }
 
-/// Why there are no scans; empty while they come.
+/// The reason why there are no scans; empty if scans arrive.
 std::string Diagnostics::silence() const {
   const double waited = (ros::WallTime::now() - started_).toSec();
   const double seconds = report_.silence_s ? *report_.silence_s : waited;
@@ -78,7 +79,7 @@ void Diagnostics::fillScans(Status& status) const {
   status.summary(DiagnosticStatus::OK, "scans are matched");
   if (report_.paused) status.summary(DiagnosticStatus::OK, "paused");
   if (report_.dropped_lately > 0 && !report_.paused) {
-    status.summaryf(DiagnosticStatus::WARN, "%zu scans dropped lately, the last one: %s",
+    status.summaryf(DiagnosticStatus::WARN, "%zu scans dropped recently, the last one: %s",
                     report_.dropped_lately, report_.last_reason.c_str());
   }
   if (!report_.waiting_for.empty()) {

@@ -17,13 +17,14 @@
 namespace kestrel {
 namespace {
 
-constexpr double kTick = 0.1;              // s; how soon a new subscriber gets the newest map
+constexpr double kTick = 0.1;              // s; longest delay until a new subscriber gets the map
 constexpr double kTrajectoryPeriod = 0.5;  // s
 constexpr double kComplainEvery = 10.0;    // s
-constexpr std::uint32_t kQueueSize = 1;    // only the newest counts
-constexpr int kNice = 10;                  // a tenth of the share of the other threads
+constexpr std::uint32_t kQueueSize = 1;    // only the newest message matters
+constexpr int kNice = 10;                  // about a tenth of the CPU time of another thread
 
-/// Where all threads have to share one core, poses go first. On Linux a nice value is the thread's.
+/// Lowers the priority of this thread, so that poses have priority if all threads share one core.
+/// On Linux a nice value applies to one thread.
 void stepBehindOtherThreads() { setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice); }
 
 }  // namespace
@@ -73,7 +74,8 @@ void MapPublisher::tick() {
   }
 }
 
-/// The first map is published at once and for everybody, later ones only where somebody listens.
+/// The first map is always published immediately. Later maps are published only if there are
+/// subscribers.
 void MapPublisher::publishMap() {
   const ros::WallTime now = ros::WallTime::now();
   const bool unchanged = mapper_.version() == published_version_;
@@ -81,7 +83,7 @@ void MapPublisher::publishMap() {
                        metadata_publisher_.getNumSubscribers() == 0;
   if (unchanged || unheard || (now < next_map_ && !new_subscriber_)) return;
   MapCopy copy = mapper_.copy();
-  if (copy.map.empty()) return;  // just reset: an empty map breaks more clients than an old one
+  if (copy.map.empty()) return;  // after a reset: many clients cannot handle an empty map
   new_subscriber_ = false;
   next_map_ = now + period_;
   published_version_ = copy.version;
@@ -116,7 +118,7 @@ bool MapPublisher::dynamicMap(nav_msgs::GetMap::Request&, nav_msgs::GetMap::Resp
       response.map = messageOf(std::move(copy));
       return true;
     }
-    ROS_WARN("dynamic_map: there is no map yet, no scan has been inserted.");
+    ROS_WARN("dynamic_map: there is no map yet because no scan has been inserted.");
   } catch (const std::exception& error) {
     ROS_ERROR("dynamic_map: %s", error.what());
   }
@@ -127,7 +129,8 @@ bool MapPublisher::saveMap(kestrel_slam::SaveMap::Request& request,
                            kestrel_slam::SaveMap::Response& response) {
   response.success = false;
   try {
-    if (request.path.empty()) throw std::runtime_error("the path is empty; give one, no ending");
+    if (request.path.empty())
+      throw std::runtime_error("the path is empty; set a path without file extension");
     const std::string stem = std::filesystem::absolute(request.path).string();
     writeMap(stem, mapper_.copy().map);
     response.success = true;
@@ -137,7 +140,7 @@ bool MapPublisher::saveMap(kestrel_slam::SaveMap::Request& request,
     response.message = error.what();
     ROS_ERROR("save_map: %s", error.what());
   }
-  return true;  // the call itself worked; the response says what came of it
+  return true;  // the service call worked; the response contains the result
 }
 
 MapSize MapPublisher::mapSize() const {

@@ -86,7 +86,7 @@ void MapperNode::handle(const ReadyScan& scan) {
   match(scan);
 }
 
-/// After a gap the motion model knows nothing, but the odometry may.
+/// After a gap the motion model is not valid, but the odometry may still be.
 void MapperNode::continueAfter(const ReadyScan& scan) {
   const bool same_epoch = scan.epoch == epoch_;
   was_paused_ = false;
@@ -111,7 +111,7 @@ void MapperNode::match(const ReadyScan& scan) {
   pose_publisher_.publish(scan.stamp, result, *planar, scan.odom_T_base);
 }
 
-/// Nothing where the scan cannot be used; that is counted and said.
+/// Empty if the scan cannot be used. The reason is counted and logged.
 std::optional<PlanarScan> MapperNode::planarOf(const ReadyScan& scan) {
   if (scan.message.planar_scan) return planarOf(*scan.message.planar_scan);
   const LaserScan laser_scan = fromMessage(*scan.message.laser_scan);
@@ -139,10 +139,10 @@ void MapperNode::drop(const std::string& reason, const std::string& sentence) {
 }
 
 void MapperNode::restart(const Pose2& map_T_base) {
-  queue_.clear();  // what was seen before the command does not belong to the new map
+  queue_.clear();  // scans from before the command do not belong to the new map
   mapper_.reset(map_T_base);
   trajectory_.clear();
-  ROS_INFO("The map is forgotten; the next scan starts a new one at %s.",
+  ROS_INFO("The map was deleted; the next scan starts a new map at %s.",
            textOf(map_T_base).c_str());
 }
 
@@ -153,14 +153,14 @@ void MapperNode::onCommand(const std_msgs::String& message) {
 void MapperNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
   const std::string& frame = message.header.frame_id;
   if (frame != config_.map_frame && frame != "/" + config_.map_frame) {
-    ROS_ERROR("initialpose is refused: it is in the frame '%s', must be in '%s'.", frame.c_str(),
+    ROS_ERROR("initialpose is refused: its frame is '%s', but must be '%s'.", frame.c_str(),
               config_.map_frame.c_str());
     return;
   }
   try {
     const Pose2 pose = planarFromMessage(message.pose.pose);
     mapper_.setPose(pose);
-    ROS_INFO("The vehicle is placed at %s.", textOf(pose).c_str());
+    ROS_INFO("The pose of the vehicle was set to %s.", textOf(pose).c_str());
   } catch (const std::invalid_argument& error) {
     ROS_ERROR("initialpose is refused: %s.", error.what());
   }
@@ -169,7 +169,7 @@ void MapperNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& m
 bool MapperNode::resetMap(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   restart(Pose2());
   response.success = true;
-  response.message = "the map is forgotten";
+  response.message = "the map was deleted";
   return true;
 }
 

@@ -31,7 +31,7 @@ UnneededParameters unneededParameters() {
   return unneeded;
 }
 
-/// tf2 knows no leading slashes, which launch files written for tf1 still have.
+/// Removes leading slashes, which tf2 does not accept but launch files for tf1 still contain.
 void tidyFrames(MapperNodeConfig& config) {
   for (std::string* frame : {&config.base_frame, &config.map_frame, &config.odom_frame,
                              &config.tf_map_scanmatch_transform_frame_name}) {

@@ -41,7 +41,7 @@ PosePublisher::PosePublisher(ros::NodeHandle nh, const MapperNodeConfig& config)
 
 void PosePublisher::publish(const ros::Time& stamp, const MapperResult& result,
                             const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {
-  // First, for a pose filter that waits for it.
+  // Published first, because the pose filter waits for it.
   state_publisher_.publish(boost::make_shared<const kestrel_slam::MapperState>(
       toMessage(matchedPoseOf(result, toSeconds(stamp)), stamp, config_.map_frame)));
   if (odom_T_base) map_T_odom_ = result.pose * odom_T_base->inverse();
@@ -63,12 +63,13 @@ std::optional<Pose2> PosePublisher::poseByOdometry(const std::optional<Pose2>& o
 }
 
 void PosePublisher::publishTransforms(const ros::Time& stamp, const Pose2& map_T_base) {
-  // Scans of several lasers may share their stamp; tf takes one transform for each.
+  // Scans of several lasers may have the same stamp, but tf accepts only one transform per stamp.
   if (stamp == transforms_stamp_) return;
   transforms_stamp_ = stamp;
   std::vector<geometry_msgs::TransformStamped> transforms;
   if (config_.pub_map_odom_transform && !config_.usesOdometry()) {
-    // Not dated into the future: between two dates tf interpolates, and would lag by the tolerance.
+    // The stamp is not moved into the future, because tf interpolates between stamps and the pose
+    // would be late by the tolerance.
     transforms.push_back(transform(stamp, config_.base_frame, map_T_base));
   } else if (config_.pub_map_odom_transform && map_T_odom_) {
     transforms.push_back(transform(stamp + ros::Duration(config_.transform_tolerance),

@@ -14,14 +14,14 @@
 namespace kestrel {
 namespace {
 
-constexpr std::uint32_t kWaitingScans = 50;  // that may wait for tf: more than a second of a laser
-constexpr double kExplainAfter = 1.0;        // s of waiting before a message
+constexpr std::uint32_t kWaitingScans = 50;  // may wait for tf; more than one second of scans
+constexpr double kExplainAfter = 1.0;        // s; waiting time before a warning
 constexpr double kComplainEvery = 5.0;       // s
-// tf arrives on the thread of the scans: tf2 is not safe where a message filter asks for frames
-// while another thread adds them.
+// tf messages are processed on the thread of the scans. tf2 is not thread-safe if a message filter
+// looks up frames while another thread adds them.
 constexpr bool kOwnTfThread = false;
-constexpr double kRemindEvery = 60.0;  // s; of what goes on and on
-// Stamps that jump back farther are those of a restarted recording, not of a late scan.
+constexpr double kRemindEvery = 60.0;  // s; for problems that persist
+// A larger jump back means that a recording was restarted, not that a scan is late.
 constexpr double kClockJump = 2.0;  // s
 
 std::string publishHint(const std::string& parent, const std::string& child) {
@@ -57,8 +57,8 @@ void ScanInput::onLaserScan(const sensor_msgs::LaserScanConstPtr& message) {
           message->ranges.size());
 }
 
-/// Its frame has the position and the yaw of the base: of tf only the odometry is needed, and
-/// that is published for the base.
+/// The frame of a planar scan has the position and yaw of the base. Only the odometry is needed
+/// from tf, and it is published for the base.
 void ScanInput::onPlanarScan(const kestrel_slam::PlanarScanConstPtr& message) {
   receive({{nullptr, message}, config_.base_frame, message->header.stamp}, message->hit.size());
 }
@@ -76,8 +76,8 @@ void ScanInput::receive(const ReceivedScan& scan, std::size_t beams) {
   }
 }
 
-/// What must not get into the queue of the transforms; the matching thread looks at the rest.
-/// Planar scans of several lasers may share their stamp.
+/// Checks what must hold before a scan waits for its transforms. The matching thread does the other
+/// checks. Planar scans of several lasers may have the same stamp.
 bool ScanInput::acceptable(const ReceivedScan& scan, std::size_t beams) {
   const std::size_t max_beams = static_cast<std::size_t>(config_.slam.projector.beams.max_beams);
   if (beams > max_beams) {
@@ -85,11 +85,11 @@ bool ScanInput::acceptable(const ReceivedScan& scan, std::size_t beams) {
                                                    " beams, ~max_beams allows " +
                                                    std::to_string(max_beams));
   } else if (scan.frame.empty()) {
-    refuse("no-frame", "its frame_id is empty; the laser's driver has to set it");
+    refuse("no-frame", "its frame_id is empty; the laser driver must set it");
   } else if (scan.stamp.isZero()) {
-    refuse(toString(ScanError::kBadStamp), "its stamp is zero; the laser's driver has to set it");
+    refuse(toString(ScanError::kBadStamp), "its stamp is zero; the laser driver must set it");
   } else if (scan.stamp == last_stamp_ && !config_.usesPlanarScans()) {
-    refuse("repeated-stamp", "its stamp is that of the scan before (two publishers?)");
+    refuse("repeated-stamp", "its stamp equals that of the previous scan (two publishers?)");
   } else {
     return true;
   }
@@ -102,19 +102,20 @@ void ScanInput::refuse(const std::string& reason, const std::string& sentence) {
                     sentence.c_str());
 }
 
-/// A recording that loops: what tf knows is of the future now and would hide all that comes.
+/// Handles a recording that starts again. The old data in tf are now in the future and would hide
+/// new data.
 void ScanInput::noticeJump(const ros::Time& stamp) {
   if (last_stamp_.isZero() || stamp + ros::Duration(kClockJump) >= last_stamp_) return;
   ROS_WARN(
-      "The stamps of %s jump back by %.3f s (a recording that starts again?): tf is cleared, "
-      "the map is kept, and the motion model starts anew.",
+      "The stamps of %s jump back by %.3f s (did a recording start again?): tf is cleared, "
+      "the map is kept, and the motion model is reset.",
       topic().c_str(), (last_stamp_ - stamp).toSec());
   filter_.clear();
   buffer_.clear();
   ++epoch_;
 }
 
-/// tf2 knows no frame that nobody has published, not even its own identity.
+/// tf2 rejects frames that were never published, even for an identity transform.
 bool ScanInput::needsTransform(const ReceivedScan& scan) const {
   return config_.usesOdometry() || scan.frame != config_.base_frame;
 }
@@ -128,7 +129,7 @@ void ScanInput::explainWaiting(const ReceivedScan& scan) {
   ROS_WARN_THROTTLE(kComplainEvery, "Scans on %s are waiting: %s", topic().c_str(), text.c_str());
 }
 
-/// Which transform is missing, and who should publish it.
+/// Describes the missing transform and who should publish it.
 std::string ScanInput::missingTransform(const ReceivedScan& scan) const {
   const std::string& laser = scan.frame;
   const std::string& base = config_.base_frame;
@@ -136,9 +137,9 @@ std::string ScanInput::missingTransform(const ReceivedScan& scan) const {
   if (laser != base && !buffer_.canTransform(base, laser, scan.stamp, &error)) {
     return "no transform from the laser's frame '" + laser + "' to the base frame '" + base +
            "' (" + error +
-           "). The robot's description should publish it; for a laser that is the "
-           "vehicle, set ~base_frame to '" +
-           laser + "', else for example: " + publishHint(base, laser);
+           "). The robot's description should publish it; if the laser frame is the vehicle frame, "
+           "set ~base_frame to '" +
+           laser + "'; otherwise run for example: " + publishHint(base, laser);
   }
   return "no transform from '" + base + "' to the odometry's frame '" + config_.odom_frame +
          "' at the time of the scan. The source of the odometry should publish it; without "
@@ -160,8 +161,8 @@ void ScanInput::handOver(const ReceivedScan& scan) {
   }
 }
 
-/// Without odometry the node publishes map -> base; where somebody else publishes a parent of the
-/// base too, tf jumps between the two.
+/// Without odometry the node publishes map -> base. If another node also publishes a parent of the
+/// base, tf jumps between both.
 void ScanInput::warnOfOtherParent(const ros::Time& stamp) const {
   std::string parent;
   if (config_.usesOdometry() || !config_.pub_map_odom_transform) return;
@@ -193,10 +194,9 @@ ReadyScan ScanInput::lookUp(const ReceivedScan& scan) const {
 
 void ScanInput::onFailure(const ReceivedScanPtr& scan, tf2_ros::FilterFailureReason reason) {
   if (reason == tf2_ros::filter_failure_reasons::OutTheBack) {
-    refuse("too-old",
-           "tf has forgotten what was at its stamp " + std::to_string(scan->stamp.toSec()));
+    refuse("too-old", "tf has no more data at its stamp " + std::to_string(scan->stamp.toSec()));
   } else {
-    statistics_.dropped("no-transform");  // explainWaiting says why
+    statistics_.dropped("no-transform");  // explainWaiting logs the reason
   }
 }
 

@@ -11,10 +11,10 @@ namespace {
 using visualization_msgs::Marker;
 
 constexpr double kSigmas = 3.0;
-/// Thinner than this nothing is seen, m.
+/// Smallest diameter that is visible in rviz, m.
 constexpr double kMinDiameter = 0.02;
 constexpr double kHeight = 0.01, kLineWidth = 0.05;  // m
-/// The line reaches this far to both sides, m.
+/// Half of the line length, m.
 constexpr double kHalfLength = 2.0;
 
 void setColor(Marker& marker, float red, float green, float blue, float alpha) {

@@ -8,7 +8,7 @@
 namespace kestrel {
 namespace {
 
-// Stamps that go back farther are those of a replay that starts again.
+// A larger jump back means that a replay was restarted.
 constexpr double kClockJump = 2.0;  // s
 
 geometry_msgs::TransformStamped transformOf(const ros::Time& stamp, const std::string& parent,
@@ -27,7 +27,7 @@ AttitudePublisher::AttitudePublisher(const ProjectorNodeConfig& config)
     : base_frame_(config.base_frame),
       stabilized_frame_(config.base_stabilized_frame),
       footprint_frame_(config.base_footprint_frame),
-      // Where tf has the attitude, the base has a parent already.
+      // If the attitude comes from tf, the base already has a parent.
       publishes_stabilized_(config.pub_stabilized_transform && !config.usesTf()),
       publishes_footprint_(config.pub_footprint_transform) {}
 

@@ -21,7 +21,8 @@ HeightInput::HeightInput(ros::NodeHandle nh, const ProjectorNodeConfig& config,
                              ros::TransportHints().tcpNoDelay());
 }
 
-/// A sensor on the vehicle measures along its slanted axis; a height in a level frame is upright.
+/// A range finder on the vehicle measures along its tilted axis. A height in a level frame is
+/// vertical.
 void HeightInput::onRange(const sensor_msgs::RangeConstPtr& message) {
   const std::string frame = withoutSlash(message->header.frame_id);
   const bool is_upright = frame == stabilized_frame_ || frame == footprint_frame_;
@@ -39,9 +40,10 @@ void HeightInput::describe(double time, ProjectorReport& report) const {
   report.height_m = heights.height(time);
   report.height_source = toString(heights.source(time));
   if (is_unusable_) {
-    report.height_error = "the last reading on " + subscriber_.getTopic() +
-                          " is not used (the counts say why); it must be a finite distance to the "
-                          "floor";
+    report.height_error =
+        "the last reading on " + subscriber_.getTopic() +
+        " is not used (see the counts for the reason); it must be a finite distance to the "
+        "floor";
   }
 }
 

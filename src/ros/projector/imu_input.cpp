@@ -10,7 +10,7 @@
 namespace kestrel {
 namespace {
 
-constexpr std::uint32_t kQueue = 200;   // half a second of a fast IMU
+constexpr std::uint32_t kQueue = 200;   // half a second of data of a fast IMU
 constexpr double kComplainEvery = 5.0;  // s
 
 }  // namespace

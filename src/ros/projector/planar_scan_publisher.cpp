@@ -29,7 +29,7 @@ PlanarScanPublisher::PlanarScanPublisher(ros::NodeHandle nh, const ProjectorNode
 }
 
 void PlanarScanPublisher::publish(const ros::Time& stamp, const PlanarScan& scan) {
-  // As a pointer to const nothing is copied on the way to a mapper in the same process.
+  // A pointer to const is passed to a mapper in the same process without a copy.
   const kestrel_slam::PlanarScanConstPtr message = toPlanarScanMessage(scan, frame_, stamp);
   scan_publisher_.publish(message);
   if (view_publisher_.getNumSubscribers() == 0) return;

@@ -27,7 +27,7 @@ ProjectorDiagnostics::ProjectorDiagnostics(const ros::NodeHandle& nh,
                                            std::function<void()> on_reported)
     : take_report_(std::move(report)),
       on_reported_(std::move(on_reported)),
-      updater_(nh, private_nh, private_nh.getNamespace()) {  // a nodelet is not its process
+      updater_(nh, private_nh, private_nh.getNamespace()) {  // a nodelet needs its own name
   updater_.setHardwareID(hardware_id);
   updater_.add("Scans", [this](Status& status) { fillScans(status); });
   updater_.add("Attitude", [this](Status& status) { fillAttitude(status); });
@@ -47,7 +47,7 @@ void ProjectorDiagnostics::update() {
   }
 }
 
-/// Why there are no scans; empty while they come.
+/// The reason why there are no scans; empty if scans arrive.
 std::string ProjectorDiagnostics::silence() const {
   const double seconds =
       std::min(report_.statistics.since_received.seconds(), since_start_.seconds());
@@ -71,7 +71,7 @@ void ProjectorDiagnostics::fillScans(Status& status) const {
   const ProjectorStatistics& statistics = report_.statistics;
   status.summary(DiagnosticStatus::OK, "scans are projected");
   if (statistics.dropped_lately > 0) {
-    status.summaryf(DiagnosticStatus::WARN, "%zu scans dropped lately, the last one: %s",
+    status.summaryf(DiagnosticStatus::WARN, "%zu scans dropped recently, the last one: %s",
                     statistics.dropped_lately, statistics.last_drop.c_str());
   }
   const std::string text = silence();

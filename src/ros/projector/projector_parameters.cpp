@@ -14,7 +14,7 @@ namespace {
 
 using namespace parameter_table;
 
-/// The node has its own parameter of this name, with the additional choices tf and none.
+/// The node has its own parameter with this name and the additional choices tf and none.
 constexpr char kAttitudeSource[] = "attitude_source";
 
 /// Parameters of laser_ortho_projector and of other nodes that have no effect here.
@@ -99,7 +99,7 @@ std::vector<Parameter> outputParametersOf(ProjectorNodeConfig& config) {
   };
 }
 
-/// tf2 knows no leading slashes, which launch files written for tf1 still have.
+/// Removes leading slashes, which tf2 does not accept but launch files for tf1 still contain.
 void tidyFrames(ProjectorNodeConfig& config) {
   for (std::string* frame : {&config.base_frame, &config.base_stabilized_frame,
                              &config.base_footprint_frame, &config.attitude_frame}) {
@@ -121,7 +121,7 @@ void validate(const ProjectorNodeConfig& config) {
   }
   if (config.usesImu()) requireName("imu_topic", config.imu_topic);
   if (splitNames(config.scan_topics).empty() && config.cloud_topic.empty()) {
-    throw std::invalid_argument("scan_topics and cloud_topic are empty: one must name a laser");
+    throw std::invalid_argument("scan_topics and cloud_topic are empty: set at least one of them");
   }
   validate(config.slam);
 }

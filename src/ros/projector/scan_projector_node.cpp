@@ -14,7 +14,7 @@
 namespace kestrel {
 namespace {
 
-constexpr double kPatrolPeriod = 0.01;  // s; how often sweeps that wait are looked at
+constexpr double kPatrolPeriod = 0.01;  // s; period of checking the waiting sweeps
 constexpr double kComplainEvery = 5.0;  // s
 
 ProjectionStageConfig projectionConfigOf(const ProjectorNodeConfig& config) {
@@ -59,7 +59,7 @@ ScanProjectorNode::ScanProjectorNode(ros::NodeHandle nh, ros::NodeHandle private
 
 void ScanProjectorNode::enqueue(Sweep sweep) {
   if (queue_.push(std::move(sweep))) {
-    statistics_.drop("overload", "more than ~queue_size scans wait for their attitude");
+    statistics_.drop("overload", "more than ~queue_size scans are waiting for their attitude");
   }
   processQueue();
 }
@@ -75,7 +75,7 @@ void ScanProjectorNode::processQueue() {
   });
 }
 
-/// True where the sweep does not have to wait any more.
+/// True if the sweep is finished (projected or dropped).
 bool ScanProjectorNode::handle(const Sweep& sweep) {
   const std::optional<Eigen::Isometry3d> base_T_laser = mountings_.lookup(sweep.frame);
   if (!base_T_laser) {
@@ -149,7 +149,7 @@ void ScanProjectorNode::onAttitude(const ros::Time& stamp) {
   processQueue();
 }
 
-/// `attitudes`: null where the vehicle is taken to be level.
+/// `attitudes`: null if the vehicle is assumed to be level.
 void ScanProjectorNode::publishAttitude(const ros::Time& stamp, const AttitudeBuffer* attitudes) {
   Attitude attitude;
   const double time = toSeconds(stamp);
@@ -177,7 +177,7 @@ void ScanProjectorNode::describeAttitude(ProjectorReport& report) const {
     report.tilt_rad = tiltOf(attitude.stabilized_R_base);
   }
   if (config_.isLevel()) {
-    report.attitude_hint = "nowhere: the laser is taken to be level";
+    report.attitude_hint = "none: the laser is assumed to be level";
   } else if (config_.usesTf()) {
     report.attitude_hint = "tf " + config_.attitude_frame + " -> " + config_.base_frame;
     report.attitude_error = tf_error_;
@@ -192,7 +192,7 @@ void ScanProjectorNode::describeAttitude(ProjectorReport& report) const {
       report.attitude_error = "no message on " + report.imu_topic + " yet" +
                               (report.imu_publishers == 0 ? " (nobody publishes it)" : "") +
                               ": scans are " +
-                              (config_.without_imu == "level" ? "taken to be level" : "dropped") +
+                              (config_.without_imu == "level" ? "assumed to be level" : "dropped") +
                               ". For a laser that is always level, set ~attitude_source to none";
     } else if (report.imu->health != ImuHealth::kOk) {
       report.attitude_error = report.imu->message;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t kQueue = 5;
 constexpr double kComplainEvery = 5.0;  // s
-constexpr double kMaxSweep = 2.0;       // s; longer ones have another unit in time_increment
+constexpr double kMaxSweep = 2.0;       // s; in longer sweeps time_increment has a wrong unit
 
 }  // namespace
 
@@ -65,13 +65,14 @@ void SweepInput::onScan(const sensor_msgs::LaserScanConstPtr& message, const std
   }
   Sweep sweep;
   LaserScan scan = fromMessage(*message);
-  scan.stamp = toSeconds(message->header.stamp);  // to the bit what the IMU's stamps are
+  scan.stamp = toSeconds(
+      message->header.stamp);  // same conversion as for IMU stamps, so that both are comparable
   sweep.times = sweepTimes(scan);
   if (!is_level_ && sweep.times.last - sweep.times.first > kMaxSweep) {
     refuse(topic, toString(ScanError::kBadGeometry),
-           "its time_increment of " + std::to_string(scan.time_increment) + " s makes a sweep of " +
+           "its time_increment of " + std::to_string(scan.time_increment) + " s gives a sweep of " +
                std::to_string(sweep.times.last - sweep.times.first) +
-               " s; the laser's driver has to set it in seconds");
+               " s; the laser driver must set it in seconds");
     return;
   }
   sweep.data = std::move(scan);
@@ -93,18 +94,18 @@ void SweepInput::onCloud(const sensor_msgs::PointCloud2ConstPtr& message,
   pass(std::move(sweep), message->header, topic);
 }
 
-/// The checks that all messages have in common; the projector looks at the rest.
+/// The checks that are common to all messages. The projector does the other checks.
 bool SweepInput::accept(const std_msgs::Header& header, const std::string& topic) {
   ++statistics_.received;
   statistics_.since_received = WaitingTime();
   ros::Time& last_stamp = last_stamps_[topic];
   if (withoutSlash(header.frame_id).empty()) {
-    refuse(topic, "no-frame", "its frame_id is empty; the laser's driver has to set it");
+    refuse(topic, "no-frame", "its frame_id is empty; the laser driver must set it");
   } else if (header.stamp.isZero()) {
     refuse(topic, toString(ScanError::kBadStamp),
-           "its stamp is zero; the laser's driver has to set it");
+           "its stamp is zero; the laser driver must set it");
   } else if (header.stamp == last_stamp) {
-    refuse(topic, "repeated-stamp", "its stamp is that of the scan before (two publishers?)");
+    refuse(topic, "repeated-stamp", "its stamp equals that of the previous scan (two publishers?)");
   } else {
     last_stamp = header.stamp;
     return true;

@@ -9,10 +9,10 @@
 namespace kestrel {
 namespace {
 
-constexpr double kStep = 0.005;      // s; tf itself interpolates between its own, slower ones
-constexpr double kMaxSteps = 400.0;  // of a sweep
-constexpr double kRounding = 1e-6;   // s; of a stamp that went through a double
-constexpr double kClockJump = 2.0;   // s; a replay that starts again
+constexpr double kStep = 0.005;      // s; tf interpolates between its slower samples
+constexpr double kMaxSteps = 400.0;  // per sweep
+constexpr double kRounding = 1e-6;   // s; rounding error of a stamp as double
+constexpr double kClockJump = 2.0;   // s; larger: a replay was restarted
 
 }  // namespace
 
@@ -21,7 +21,7 @@ TfAttitude::TfAttitude(const tf2_ros::Buffer& buffer, const std::string& world_f
     : buffer_(buffer), world_frame_(world_frame), base_frame_(base_frame), tracker_(tracker) {}
 
 std::optional<Eigen::Quaterniond> TfAttitude::lookup(double time) const {
-  if (!(time > 0.0)) return std::nullopt;  // tf takes zero for "the latest"
+  if (!(time > 0.0)) return std::nullopt;  // for tf, zero means the latest time
   for (const double shift : {0.0, -kRounding, kRounding}) {
     const ros::Time stamp(time + shift);
     if (!buffer_.canTransform(world_frame_, base_frame_, stamp)) continue;
@@ -32,7 +32,7 @@ std::optional<Eigen::Quaterniond> TfAttitude::lookup(double time) const {
 }
 
 bool TfAttitude::fetch(const SweepTimes& times) {
-  if (!lookup(times.last)) return false;  // most often it is the end that is not there yet
+  if (!lookup(times.last)) return false;  // the end is missing most often
   const std::optional<double> latest = tracker_.buffer().latest();
   if (latest && times.first < *latest - kClockJump) tracker_.restart();
   const double steps = std::clamp(std::ceil((times.last - times.first) / kStep), 1.0, kMaxSteps);
@@ -40,14 +40,14 @@ bool TfAttitude::fetch(const SweepTimes& times) {
     const double time = times.first + i / steps * (times.last - times.first);
     const std::optional<Eigen::Quaterniond> world_R_base = lookup(time);
     if (!world_R_base) return false;
-    tracker_.addAttitude(time, *world_R_base);  // false where it is known already
+    tracker_.addAttitude(time, *world_R_base);  // returns false if it is already stored
   }
   return true;
 }
 
 std::string TfAttitude::missing() const {
   return "tf has no '" + world_frame_ + "' -> '" + base_frame_ +
-         "' at the time of the sweep; whoever knows the attitude should publish it (set "
+         "' at the time of the sweep; the source of the attitude should publish it (set "
          "~attitude_frame to its frame, or ~attitude_source to auto for an IMU)";
 }
 

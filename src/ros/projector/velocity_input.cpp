@@ -11,7 +11,7 @@ namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 20;
-constexpr double kMaxSpeed = 100.0;     // m/s; faster ones are nonsense
+constexpr double kMaxSpeed = 100.0;     // m/s; higher speeds are invalid
 constexpr double kComplainEvery = 5.0;  // s
 
 }  // namespace

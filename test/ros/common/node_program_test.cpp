@@ -16,7 +16,7 @@ namespace {
 const std::vector<std::string> kPrograms = {"mapper_node", "scan_projector_node",
                                             "pose_filter_node"};
 
-/// Runs a program of a node where no ROS master answers.
+/// Runs the program of a node without a ROS master.
 Outcome run(const std::string& program, const std::string& argument) {
   return runCommand("env ROS_MASTER_URI=http://127.0.0.1:1 timeout 20 " KESTREL_TOOL_DIR "/" +
                     program + " " + argument);
@@ -35,13 +35,13 @@ std::string documented(const std::string& program) {
   return text.substr(first, text.find_last_not_of('\n', end - 1) + 2 - first);
 }
 
-TEST(NodeProgram, ParametersAreThoseOfTheDocument) {
+TEST(NodeProgram, ParametersEqualTheDocument) {
   for (const std::string& program : kPrograms) {
     const Outcome outcome = run(program, "--parameters-markdown");
     EXPECT_EQ(outcome.code, 0);
     EXPECT_NE(outcome.output.find("| `base_frame` | `base_link` |"), std::string::npos);
     EXPECT_TRUE(documented(program) == outcome.output)
-        << "The parameters of " << program << " in doc/ros_api.md are not those of the code.\n"
+        << "The parameters of " << program << " in doc/ros_api.md differ from the code.\n"
         << "Run scripts/update_api_doc, which updates them.";
   }
 }
@@ -55,7 +55,7 @@ TEST(NodeProgram, HelpNeedsNoMaster) {
   }
 }
 
-TEST(NodeProgram, AnswersOnlyWhatItIsAsked) {
+TEST(NodeProgram, AnswersOnlyItsOwnOptions) {
   const NodeProgram program = {"mapper", "mapper_node", "builds a map.", "roslaunch x y"};
   SlamConfig defaults;
   const std::vector<Parameter> table = parametersOf(defaults);

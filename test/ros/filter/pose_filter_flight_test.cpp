@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The whole vehicle, live: projector, mapper and pose filter on a simulated flight.
+// Projector, mapper and pose filter as live nodes on a simulated flight.
 
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
@@ -27,7 +27,7 @@ constexpr double kFlown = 20.0;  // s of the flight
 constexpr double kImuRate = 100.0;
 constexpr std::uint32_t kQueue = 10000;
 
-/// A hop through the laboratory, and everything that the nodes say of it.
+/// A short flight through the laboratory and the output of the nodes.
 class PoseFilterFlight : public ::testing::Test {
  protected:
   PoseFilterFlight() : place_(place("laboratory")) {
@@ -46,7 +46,7 @@ class PoseFilterFlight : public ::testing::Test {
     LivePlayer player(nh_, folder_.file("flight.bag"));
     ASSERT_TRUE(
         watcher_.waitFor([&] { return player.isHeard() && states.getNumPublishers() > 0; }, 20.0));
-    watcher_.wait(1.0);  // the mountings arrive
+    watcher_.wait(1.0);  // wait for the mountings
     std::thread playing([&] {
       player.play([&](const LiveMessage& message) {
         const auto* imu = std::get_if<sensor_msgs::ImuPtr>(&message);
@@ -60,12 +60,12 @@ class PoseFilterFlight : public ::testing::Test {
     watcher_.wait(1.0);
   }
 
-  /// The truth at a stamp of the flight as it was played.
+  /// The true state at a stamp of the replay.
   TrueState truth(const ros::Time& stamp) const {
     return motion_->at(stamp.toSec() - moved_ - kFlightStart);
   }
 
-  /// map_T_base by the newest map -> odom at the time of a state.
+  /// map_T_base of a state, computed with the newest map -> odom.
   Eigen::Isometry3d inMap(const nav_msgs::Odometry& state) {
     Eigen::Isometry3d odom_T_base = Eigen::Isometry3d::Identity();
     const auto& p = state.pose.pose.position;
@@ -88,18 +88,18 @@ class PoseFilterFlight : public ::testing::Test {
   NodeWatcher projector_{"projector"};
   std::vector<nav_msgs::Odometry> states_;
   std::size_t sent_ = 0;
-  double moved_ = 0.0;  ///< from the times of the bag to those of the replay, s
+  double moved_ = 0.0;  ///< time offset from the bag to the replay, s
   std::atomic<bool> done_{false};
 };
 
-TEST_F(PoseFilterFlight, TheStateIsThatOfTheVehicle) {
+TEST_F(PoseFilterFlight, TheStateMatchesTheTruth) {
   fly();
   ASSERT_GT(states_.size(), 100U);
   const double first_second = states_.front().header.stamp.toSec() + 1.0;
   EXPECT_NEAR(static_cast<double>(states_.size()), static_cast<double>(sent_),
               0.15 * static_cast<double>(sent_));
 
-  // Where the filter began is the map's origin: the truth is compared from there on.
+  // The map origin is the start of the filter. The truth is compared relative to it.
   const TrueState start = truth(states_.front().header.stamp);
   Eigen::Isometry3d start_T_world = Eigen::Isometry3d::Identity();
   start_T_world.rotate(Eigen::AngleAxisd(-yawOf(Eigen::Quaterniond(start.world_T_base.linear())),
@@ -137,7 +137,7 @@ TEST_F(PoseFilterFlight, TheStateIsThatOfTheVehicle) {
   EXPECT_LT(worst_speed, 0.3);
   EXPECT_LT(worst_step, 0.005);
 
-  // The whole chain, each edge once.
+  // The whole tf chain, with each transform once.
   using Names = std::set<std::string>;
   EXPECT_EQ(watcher_.parents["odom"], Names{"map"});
   EXPECT_EQ(watcher_.parents["base_footprint"], Names{"odom"});

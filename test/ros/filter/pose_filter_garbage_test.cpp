@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a pose filter gets to hear on a bad day: nothing of it may crash it, or come out as NaN.
+// Invalid input for the pose filter. It must not crash the filter or cause NaN in the output.
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPeriod = 0.01;  // s, of the IMU
 constexpr double kGravity = 9.81;
 
-/// A vehicle that stands, its sensors, and a filter that listens to it.
+/// A stationary vehicle with its sensors, and a pose filter node.
 class PoseFilterGarbage : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -48,7 +48,7 @@ class PoseFilterGarbage : public ::testing::Test {
         20.0));
     ros::ServiceClient reset = nh_.serviceClient<std_srvs::Trigger>("reset_filter");
     ASSERT_TRUE(reset.waitForExistence(ros::Duration(10.0)));
-    // Every test begins with a filter that is sure, on a clock that goes on.
+    // Every test starts with a converged filter. The clock continues between tests.
     now_ = ros::Time::now().toSec();
     std_srvs::Trigger trigger;
     ASSERT_TRUE(reset.call(trigger));
@@ -76,7 +76,7 @@ class PoseFilterGarbage : public ::testing::Test {
     message.header.stamp = ros::Time(now_);
     message.header.frame_id = "imu_link";
     message.orientation_covariance[0] = -1.0;
-    const double noise = 1e-3 * std::sin(1e3 * now_);  // no real sensor repeats itself
+    const double noise = 1e-3 * std::sin(1e3 * now_);  // real sensors never repeat a value
     message.angular_velocity.x = noise;
     message.linear_acceleration.x = noise;
     message.linear_acceleration.z = kGravity + noise;
@@ -97,7 +97,8 @@ class PoseFilterGarbage : public ::testing::Test {
     return message;
   }
 
-  /// Flies on, publishing `send` now and then, until a line of the diagnostics says `text`.
+  /// Continues to publish IMU data and calls `send` repeatedly until the diagnostics contain
+  /// `text`.
   template <typename Send>
   void expectDiagnosis(const std::string& text, Send send) {
     std::string all;
@@ -112,7 +113,7 @@ class PoseFilterGarbage : public ::testing::Test {
           return all.find(text) != std::string::npos;
         },
         20.0))
-        << text << " is not in\n"
+        << text << " is missing in the diagnostics:\n"
         << all;
   }
 
@@ -136,10 +137,10 @@ TEST_F(PoseFilterGarbage, ReadingsThatAreNotFinite) {
   });
 }
 
-TEST_F(PoseFilterGarbage, PosesThatAreNone) {
-  expectDiagnosis("refused: poses in the frame 'odom', must be in 'map'",
+TEST_F(PoseFilterGarbage, InvalidPoses) {
+  expectDiagnosis("refused: poses: the frame is 'odom', but must be 'map'",
                   [&] { pose_.publish(poseAt(now_, "odom")); });
-  expectDiagnosis("refused: poses the pose has a number that is not finite", [&] {
+  expectDiagnosis("refused: poses: the pose has a value that is not finite", [&] {
     auto pose = poseAt(now_);
     pose.pose.pose.position.x = kNan;
     pose_.publish(pose);
@@ -152,7 +153,7 @@ TEST_F(PoseFilterGarbage, PosesThatAreNone) {
   expectDiagnosis("pose: too old", [&] { pose_.publish(poseAt(now_ - 3600.0)); });
 }
 
-TEST_F(PoseFilterGarbage, HeightsThatAreNone) {
+TEST_F(PoseFilterGarbage, InvalidHeights) {
   sensor_msgs::Range range;
   range.header.frame_id = "range_link";
   range.min_range = 0.1F;
@@ -170,7 +171,7 @@ TEST_F(PoseFilterGarbage, HeightsThatAreNone) {
   });
 }
 
-TEST_F(PoseFilterGarbage, AnImuThatTfDoesNotKnow) {
+TEST_F(PoseFilterGarbage, ImuWithoutTransform) {
   expectDiagnosis("nowhere_link", [&] {
     sensor_msgs::Imu strange = reading();
     strange.header.frame_id = "nowhere_link";
@@ -178,7 +179,7 @@ TEST_F(PoseFilterGarbage, AnImuThatTfDoesNotKnow) {
   });
 }
 
-TEST_F(PoseFilterGarbage, AFrozenImuIsSaid) {
+TEST_F(PoseFilterGarbage, AFrozenImuIsReported) {
   sensor_msgs::Imu frozen = reading();
   ASSERT_TRUE(watcher_.waitFor(
       [&] {
@@ -192,7 +193,7 @@ TEST_F(PoseFilterGarbage, AFrozenImuIsSaid) {
       20.0));
 }
 
-TEST_F(PoseFilterGarbage, ASilentImuIsSaidAndComesBack) {
+TEST_F(PoseFilterGarbage, ASilentImuIsReportedAndRecovers) {
   ASSERT_TRUE(
       watcher_.waitFor([&] { return watcher_.diagnosis("Pose filter", "level") == "2"; }, 20.0));
   const std::size_t before = states_.size();

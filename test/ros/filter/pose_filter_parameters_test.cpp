@@ -21,13 +21,13 @@ class PoseFilterParameters : public testing::Test {
   ros::NodeHandle private_nh_;
 };
 
-TEST_F(PoseFilterParameters, DefaultsNeedNothing) {
+TEST_F(PoseFilterParameters, DefaultsNeedNoParameters) {
   const PoseFilterNodeConfig config = loadPoseFilterParameters(private_nh_);
   EXPECT_EQ(config.odom_frame, "odom");
   EXPECT_EQ(config.filter.gate.max_reinitializations, 3);
 }
 
-TEST_F(PoseFilterParameters, TheShippedFileHoldsTheDefaults) {
+TEST_F(PoseFilterParameters, TheInstalledFileContainsTheDefaults) {
   ASSERT_TRUE(ros::param::has("/shipped/gyro_bias_walk"));
   const PoseFilterNodeConfig config = loadPoseFilterParameters(ros::NodeHandle("/shipped"));
   EXPECT_EQ(config.filter.noise.gyro_bias_walk, ImuNoiseConfig().gyro_bias_walk);
@@ -43,7 +43,7 @@ TEST_F(PoseFilterParameters, OldNamesAreAccepted) {
   EXPECT_EQ(config.filter.gate.max_reinitializations, 7);
 }
 
-TEST_F(PoseFilterParameters, TheNewNameWins) {
+TEST_F(PoseFilterParameters, TheNewNameHasPriority) {
   private_nh_.setParam("heading_sigma", 0.2);
   private_nh_.setParam("yaw_sigma", 0.3);
   EXPECT_EQ(loadPoseFilterParameters(private_nh_).filter.yaw_sigma_rad, 0.3);

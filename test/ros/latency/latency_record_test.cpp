@@ -28,7 +28,7 @@ LiveMessage imuAt(double stamp) {
 
 void pause() { ros::WallDuration(kPause).sleep(); }
 
-TEST(LatencyRecord, CountsFromTheScanAndFromTheImuThatCoversIt) {
+TEST(LatencyRecord, MeasuresFromTheScanAndFromItsLastImuMessage) {
   LatencyRecord record(true);
   record.sent(imuAt(10.0));
   record.sent(scanAt(10.0));  // its last beam is at 10.01
@@ -39,7 +39,7 @@ TEST(LatencyRecord, CountsFromTheScanAndFromTheImuThatCoversIt) {
   pause();
   record.poseReceived(ros::Time(10.0));
   pause();
-  record.poseReceived(ros::Time(10.0));  // the first one counts
+  record.poseReceived(ros::Time(10.0));  // only the first pose is used
   ASSERT_EQ(record.poses(), 1U);
   const double pause_ms = 1000.0 * kPause;
   EXPECT_GE(record.fromScan().front(), 3.0 * pause_ms);
@@ -47,14 +47,14 @@ TEST(LatencyRecord, CountsFromTheScanAndFromTheImuThatCoversIt) {
   EXPECT_LT(record.fromLastInput().front(), record.fromScan().front() - 1.9 * pause_ms);
 }
 
-TEST(LatencyRecord, ADroppedScanHadAllItNeeds) {
+TEST(LatencyRecord, ADroppedScanHadAllItsInputs) {
   LatencyRecord record(true);
   record.sent(imuAt(10.2));
   record.sent(scanAt(10.0));
   record.sent(scanAt(10.1));
   record.sent(scanAt(10.2));  // the IMU ends before its last beam
   record.poseReceived(ros::Time(10.1));
-  record.poseReceived(ros::Time(99.0));  // of nobody's scan
+  record.poseReceived(ros::Time(99.0));  // belongs to no scan
   EXPECT_EQ(record.sentScans(), 3U);
   EXPECT_EQ(record.poses(), 1U);
   EXPECT_EQ(record.dropped(), 1U);
@@ -68,19 +68,19 @@ TEST(LatencyRecord, WithoutAnImuEveryScanIsComplete) {
   EXPECT_EQ(record.incomplete(), 0U);
 }
 
-TEST(LatencyRecord, CountsFromTheImuToTheStateOfItsStamp) {
+TEST(LatencyRecord, MeasuresFromTheImuToTheStateWithTheSameStamp) {
   LatencyRecord record(true);
   record.sent(imuAt(10.0));
   record.sent(imuAt(10.1));
   pause();
   record.stateReceived(ros::Time(10.1));
-  record.stateReceived(ros::Time(10.1));  // the first one counts
-  record.stateReceived(ros::Time(99.0));  // of nobody's message
+  record.stateReceived(ros::Time(10.1));  // only the first state is used
+  record.stateReceived(ros::Time(99.0));  // belongs to no message
   ASSERT_EQ(record.fromImu().size(), 1U);
   EXPECT_GE(record.fromImu().front(), 1000.0 * kPause);
 }
 
-TEST(Quantile, IsTheSmallestValueThatEnoughLieBelow) {
+TEST(Quantile, UsesTheNearestRank) {
   std::vector<double> values;
   for (int i = 1; i <= 200; ++i) values.push_back(i);
   EXPECT_EQ(quantile(values, 0.5), 100.0);

@@ -14,13 +14,14 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr double kLimit_m = 0.05;
 
-/// Bad scans to a node that runs on; after each the good ones still find their poses.
+/// Sends invalid scans to a running node. After each of them, valid scans must still give correct
+/// poses.
 class LiveGarbage : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     client_ = new MapperClient;
     flight_ = new TestFlight(laboratoryFlight(400));
-    ASSERT_TRUE(client_->connect()) << "the mapper does not listen to scan";
+    ASSERT_TRUE(client_->connect()) << "the mapper does not subscribe to scan";
     for (int i = 0; i < 20; ++i) flyOn();
   }
   static void TearDownTestSuite() {
@@ -39,7 +40,7 @@ class LiveGarbage : public testing::Test {
     EXPECT_LT((flight_->truth(i).inverse() * *pose).distance(), kLimit_m) << "scan " << i;
   }
 
-  /// Publishes a bad scan, and expects that it is counted under its reason and harms nothing.
+  /// Publishes an invalid scan. Expects that it is counted with its reason and has no other effect.
   static void expectDropped(const sensor_msgs::LaserScan& scan, const std::string& reason) {
     const std::string key = "dropped: " + reason;
     const std::string before = client_->diagnosis("Scans", key);
@@ -124,7 +125,7 @@ TEST_F(LiveGarbage, RandomScansGiveFinitePoses) {
     client_->publish(scan);
   }
   client_->waitFor([] { return false; }, 0.5);
-  const Pose2 pose = poseOf(client_->pose.pose);  // throws where it is not finite
+  const Pose2 pose = poseOf(client_->pose.pose);  // throws if it is not finite
   EXPECT_TRUE(pose.isFinite());
   flyOn();
 }
@@ -142,7 +143,7 @@ TEST_F(LiveGarbage, StampsJumpAnHour) {
   flyOn();
 }
 
-// The last one: the recording starts again at once, where the vehicle is.
+// The last test: the recording starts again immediately, at the current pose of the vehicle.
 TEST_F(LiveGarbage, StampsStartAgain) {
   shift_s_ -= 5000.0;
   flyOn();

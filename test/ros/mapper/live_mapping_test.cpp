@@ -15,14 +15,15 @@ namespace {
 
 constexpr std::size_t kScans = 400;  // 40 s, most of the loop
 
-/// One flight, mapped by the node that the .test file starts; every test looks at what came of it.
+/// One flight, mapped by the node that the .test file starts. Every test checks one part of the
+/// result.
 class LiveMapping : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     client_ = new MapperClient;
     flight_ = new TestFlight(laboratoryFlight(kScans));
-    ASSERT_TRUE(client_->connect()) << "the mapper does not listen to scan";
-    const Pose2 base_T_laser;  // the simulated laser sits in the base
+    ASSERT_TRUE(client_->connect()) << "the mapper does not subscribe to scan";
+    const Pose2 base_T_laser;  // the simulated laser is at the origin of the base
     client_->static_broadcaster.sendTransform(
         transformOf("base_link", "laser", base_T_laser, ros::Time::now()));
     for (const SimulatedScan& step : flight_->scans) {
@@ -51,7 +52,7 @@ class LiveMapping : public testing::Test {
   inline static std::vector<Pose2> poses_;
 };
 
-TEST_F(LiveMapping, PosesAreTrue) {
+TEST_F(LiveMapping, PosesMatchTheTruth) {
   double worst_m = 0.0, worst_rad = 0.0;
   for (std::size_t i = 0; i < poses_.size(); ++i) {
     const Pose2 error = flight_->truth(i).inverse() * poses_[i];
@@ -60,10 +61,10 @@ TEST_F(LiveMapping, PosesAreTrue) {
   }
   EXPECT_LT(worst_m, 0.05);
   EXPECT_LT(worst_rad, 0.01);
-  EXPECT_GT(flight_->truth(kScans - 1).distance(), 1.0) << "the flight should go somewhere";
+  EXPECT_GT(flight_->truth(kScans - 1).distance(), 1.0) << "the vehicle must move";
 }
 
-TEST_F(LiveMapping, StampsAndFramesAreThoseOfTheData) {
+TEST_F(LiveMapping, StampsAndFramesMatchTheScans) {
   const ros::Time stamp(lastScan().scan.stamp);
   EXPECT_EQ(client_->pose.header.stamp, stamp);
   EXPECT_EQ(client_->pose.header.frame_id, "map");
@@ -162,7 +163,7 @@ TEST_F(LiveMapping, TrajectoryFollowsThePath) {
            (poseOf(client_->trajectory.poses.back().pose).inverse() * poses_.back()).distance() <
                0.1;
   }));
-  EXPECT_LT(client_->trajectory.poses.size(), kScans) << "it should be thinned";
+  EXPECT_LT(client_->trajectory.poses.size(), kScans) << "the trajectory must be thinned out";
   EXPECT_GT(client_->trajectory.poses.size(), 50U);
   EXPECT_EQ(client_->trajectory.header.frame_id, "map");
 }
@@ -179,7 +180,7 @@ TEST_F(LiveMapping, DiagnosticsCountTheScans) {
   EXPECT_GT(std::stod(map["memory (MB)"]), 0.01);
 }
 
-TEST_F(LiveMapping, DiagnosticsWarnOfASilentLaser) {
+TEST_F(LiveMapping, DiagnosticsWarnAboutASilentLaser) {
   ASSERT_TRUE(client_->waitFor([] { return client_->diagnosis("Scans", "level") == "1"; }, 8.0));
   EXPECT_NE(client_->diagnosis("Scans", "message").find("no scan on /scan"), std::string::npos);
 }

@@ -13,7 +13,7 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr double kLimit_m = 0.05;
 constexpr std::uint32_t kQueue = 100;
-constexpr char kFrame[] = "base_stabilized";  // no transform of it is ever published
+constexpr char kFrame[] = "base_stabilized";  // its transform is never published
 
 PlanarScan planarOf(const LaserScan& scan) {
   PlanarScan planar;
@@ -27,7 +27,8 @@ PlanarScan planarOf(const LaserScan& scan) {
   return planar;
 }
 
-/// Planar scans to a mapper that listens to `topic`; nobody says anything about their frame.
+/// Sends planar scans to a mapper that subscribes to `topic`. No transform of their frame is
+/// published.
 class PlanarClient {
  public:
   PlanarClient(const std::string& ns, const std::string& topic)
@@ -62,7 +63,7 @@ class LivePlanarScan : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     planar_ = new PlanarClient("", "planar_scan");
-    ASSERT_TRUE(planar_->connect()) << "the mapper does not listen to planar_scan";
+    ASSERT_TRUE(planar_->connect()) << "the mapper does not subscribe to planar_scan";
     for (int i = 0; i < 100; ++i) flyOn();
   }
   static void TearDownTestSuite() { delete planar_; }
@@ -74,7 +75,8 @@ class LivePlanarScan : public testing::Test {
     EXPECT_LT((planar_->flight.truth(i).inverse() * *pose).distance(), kLimit_m) << "scan " << i;
   }
 
-  /// Publishes a bad message, and expects that it is counted under its reason and harms nothing.
+  /// Publishes an invalid message. Expects that it is counted with its reason and has no other
+  /// effect.
   static void expectDropped(const kestrel_slam::PlanarScan& message, const std::string& reason) {
     const std::string key = "dropped: " + reason;
     MapperClient& client = planar_->client;
@@ -96,7 +98,7 @@ TEST_F(LivePlanarScan, NeedsNoTransformOfTheLaser) {
   MapperClient& client = planar_->client;
   EXPECT_EQ(client.diagnosis("Scans", "topic"), "/planar_scan");
   EXPECT_EQ(client.diagnosis("Scans", "received"), client.diagnosis("Scans", "used"));
-  EXPECT_GT(planar_->flight.truth(next_ - 1).distance(), 1.0) << "the flight should go somewhere";
+  EXPECT_GT(planar_->flight.truth(next_ - 1).distance(), 1.0) << "the vehicle must move";
   EXPECT_EQ(client.parents["base_footprint"], std::set<std::string>{"map"});
   EXPECT_TRUE(poseOf(client.transforms["base_footprint"].transform) == poseOf(client.pose.pose));
 }
@@ -135,7 +137,7 @@ TEST_F(LivePlanarScan, NoStampIsCounted) {
   expectDropped(*message, "bad-stamp");
 }
 
-TEST_F(LivePlanarScan, SeveralLasersMayShareTheirStamps) {
+TEST_F(LivePlanarScan, SeveralLasersMayHaveTheSameStamps) {
   const auto message = planar_->messageOf(next_);
   flyOn();
   const std::size_t poses = planar_->client.poses_received;
@@ -144,11 +146,11 @@ TEST_F(LivePlanarScan, SeveralLasersMayShareTheirStamps) {
   flyOn();
 }
 
-/// Of tf only what the odometry publishes for the base is there, and it comes late.
+/// The only transform is odom -> base from the odometry, and it arrives late.
 TEST(LivePlanarScanWithOdometry, WaitsForTheOdometryOfTheBase) {
   PlanarClient planar("odometry", "slice");
   MapperClient& client = planar.client;
-  ASSERT_TRUE(planar.connect()) << "the mapper does not listen to slice";
+  ASSERT_TRUE(planar.connect()) << "the mapper does not subscribe to slice";
   const Pose2 odom_T_start(3.0, -1.0, 0.5);
   for (std::size_t i = 0; i < 50; ++i) {
     const auto message = planar.messageOf(i);

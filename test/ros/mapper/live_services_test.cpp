@@ -25,13 +25,13 @@ constexpr double kLimit_rad = 0.01;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 void expectNear(const std::optional<Pose2>& actual, const Pose2& expected) {
-  ASSERT_TRUE(actual) << "no pose came";
+  ASSERT_TRUE(actual) << "no pose was received";
   const Pose2 error = expected.inverse() * *actual;
   EXPECT_LT(error.distance(), kLimit_m);
   EXPECT_LT(std::abs(error.yaw), kLimit_rad);
 }
 
-/// Commands to a node without a mounting to look up: the scans are in the base frame.
+/// Sends commands to a node. The scans are in the base frame, so that no mounting is needed.
 class LiveServices : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -40,7 +40,7 @@ class LiveServices : public testing::Test {
     initial_pose_ =
         client_->nh.advertise<geometry_msgs::PoseWithCovarianceStamped>("initialpose", 1);
     command_ = client_->nh.advertise<std_msgs::String>("syscommand", 1);
-    ASSERT_TRUE(client_->connect()) << "the mapper does not listen to scan";
+    ASSERT_TRUE(client_->connect()) << "the mapper does not subscribe to scan";
     ASSERT_TRUE(client_->waitFor(
         [] { return initial_pose_.getNumSubscribers() > 0 && command_.getNumSubscribers() > 0; }));
   }
@@ -58,7 +58,7 @@ class LiveServices : public testing::Test {
     EXPECT_TRUE(reset.response.success);
   }
 
-  /// Maps scans [from, to) and returns the last pose. Every test has stamps of its own.
+  /// Maps scans [from, to) and returns the last pose. Every test uses different stamps.
   static std::optional<Pose2> fly(std::size_t from, std::size_t to) {
     std::optional<Pose2> pose;
     for (std::size_t i = from; i < to; ++i) {
@@ -87,7 +87,8 @@ class LiveServices : public testing::Test {
     message.pose.pose = toMessage(pose);
     message.pose.pose.position.x = pose.x;
     initial_pose_.publish(message);
-    client_->waitFor([] { return false; }, 0.2);  // another connection than that of the scans
+    client_->waitFor([] { return false; },
+                     0.2);  // wait, because it uses another connection than the scans
   }
 
   static bool hasMap() {
@@ -101,7 +102,7 @@ class LiveServices : public testing::Test {
   inline static ros::Publisher initial_pose_, command_;
 };
 
-TEST_F(LiveServices, ResetForgetsTheMap) {
+TEST_F(LiveServices, ResetDeletesTheMap) {
   expectNear(fly(0, 100), flight_->truth(99));
   ASSERT_TRUE(hasMap());
   std_srvs::Trigger reset;
@@ -115,7 +116,7 @@ TEST_F(LiveServices, ResetForgetsTheMap) {
 TEST_F(LiveServices, SysCommandResets) {
   fly(0, 100);
   std_msgs::String text;
-  text.data = "savegeotiff";  // of another node; nothing happens here
+  text.data = "savegeotiff";  // a command for another node; it is ignored here
   command_.publish(text);
   text.data = "reset";
   command_.publish(text);
@@ -123,7 +124,7 @@ TEST_F(LiveServices, SysCommandResets) {
   expectNear(fly(100, 101), Pose2());
 }
 
-TEST_F(LiveServices, RestartBeginsAtThePose) {
+TEST_F(LiveServices, RestartStartsAtTheGivenPose) {
   fly(0, 50);
   const Pose2 start(3.0, -2.0, 1.5);
   kestrel_slam::ResetMapping service;
@@ -141,9 +142,9 @@ TEST_F(LiveServices, RestartRefusesNan) {
   service.request.initial_pose.position.x = kNan;
   EXPECT_FALSE(ros::service::call("restart_mapping_with_new_pose", service));
   service.request.initial_pose.position.x = 0.0;
-  service.request.initial_pose.orientation.w = 0.0;  // no rotation at all
+  service.request.initial_pose.orientation.w = 0.0;  // not a valid rotation
   EXPECT_FALSE(ros::service::call("restart_mapping_with_new_pose", service));
-  EXPECT_TRUE(hasMap()) << "a refused restart must not forget the map";
+  EXPECT_TRUE(hasMap()) << "a refused restart must not delete the map";
 }
 
 TEST_F(LiveServices, PauseStopsAndContinues) {
@@ -160,7 +161,7 @@ TEST_F(LiveServices, PauseStopsAndContinues) {
 
 TEST_F(LiveServices, InitialPoseMovesTheVehicleWithinTheMap) {
   fly(0, 200);
-  for (int i = 0; i < 3; ++i) {  // any number of times
+  for (int i = 0; i < 3; ++i) {  // also if it is repeated
     place("map", flight_->truth(20) * Pose2(0.1, -0.1, 0.05));
     expectNear(fly(20, 21), flight_->truth(20));
     place("/map", flight_->truth(150) * Pose2(-0.1, 0.1, -0.05));
@@ -168,7 +169,7 @@ TEST_F(LiveServices, InitialPoseMovesTheVehicleWithinTheMap) {
   }
 }
 
-TEST_F(LiveServices, InitialPoseRefusesNonsense) {
+TEST_F(LiveServices, InvalidInitialPosesAreRefused) {
   fly(0, 50);
   place("odom", Pose2(5.0, 5.0, 1.0));
   place("", Pose2(5.0, 5.0, 1.0));

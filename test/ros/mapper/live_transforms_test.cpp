@@ -14,7 +14,7 @@ constexpr double kLimit_m = 0.05;
 constexpr double kLimit_rad = 0.01;
 
 void expectNear(const std::optional<Pose2>& actual, const Pose2& expected) {
-  ASSERT_TRUE(actual) << "no pose came";
+  ASSERT_TRUE(actual) << "no pose was received";
   const Pose2 error = expected.inverse() * *actual;
   EXPECT_LT(error.distance(), kLimit_m);
   EXPECT_LT(std::abs(error.yaw), kLimit_rad);
@@ -46,11 +46,11 @@ TEST(LiveTransforms, WaitsForALateMounting) {
   report = client.report("Scans");
   EXPECT_EQ(report["received"], "80");
   const int used = std::stoi(report["used"]);
-  EXPECT_GE(used, 30) << "all that came after the transform";
-  // Fifty waited, more than the queue holds: the oldest were dropped, and counted.
+  EXPECT_GE(used, 30) << "all scans after the transform";
+  // Fifty scans waited, more than the queue can hold. The oldest scans were dropped and counted.
   const std::string overload = report["dropped: overload"];
   EXPECT_EQ(used + (overload.empty() ? 0 : std::stoi(overload)), 80);
-  EXPECT_NE(report["level"], "2") << "nothing is missing any more";
+  EXPECT_NE(report["level"], "2") << "no transform is missing now";
   EXPECT_EQ(client.parents["late_base"], std::set<std::string>{"map"});
 }
 
@@ -74,13 +74,13 @@ TEST(LiveTransforms, LaserUpsideDownGivesTheSamePoses) {
   expectNear(pose, flight.truth(flight.scans.size() - 1));
 }
 
-/// Odometry that drifts by a known amount: map -> odom has to take it back.
+/// Odometry that drifts by a known amount. map -> odom must correct the drift.
 class DriftingOdometry {
  public:
   explicit DriftingOdometry(const TestFlight& flight) : flight_(flight) {}
 
   Pose2 odom_T_base(std::size_t i) const {
-    const double drift = 1e-3 * static_cast<double>(i);  // m and rad a scan
+    const double drift = 1e-3 * static_cast<double>(i);  // m and rad per scan
     return Pose2(2.0, 1.0, 0.5) * flight_.truth(i) * Pose2(drift, 0.0, drift);
   }
   geometry_msgs::TransformStamped message(std::size_t i) const {
@@ -99,7 +99,7 @@ TEST(LiveTransforms, OdometryGetsTheCorrection) {
   client.static_broadcaster.sendTransform(
       transformOf("odom_base", "odom_laser", Pose2(), ros::Time::now()));
 
-  // Without the odometry there is no pose and no transform, in particular no identity.
+  // Without odometry there must be no pose and no transform, not even an identity transform.
   client.publish(messageOf(flight.scans[0].scan, "odom_laser"));
   EXPECT_FALSE(client.waitFor([&] { return client.parents.count("odom") > 0; }, 1.5));
   EXPECT_EQ(client.poses_received, 0U);
@@ -123,7 +123,7 @@ TEST(LiveTransforms, OdometryGetsTheCorrection) {
   EXPECT_LT(std::abs(difference.yaw), 1e-9);
 }
 
-TEST(LiveTransforms, OdometryFrameEqualToTheBaseMeansNone) {
+TEST(LiveTransforms, OdometryFrameEqualToTheBaseMeansNoOdometry) {
   MapperClient client("same");
   const TestFlight flight = laboratoryFlight(5);
   ASSERT_TRUE(client.connect());

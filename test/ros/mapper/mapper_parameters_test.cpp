@@ -53,7 +53,7 @@ Outcome runNode(const std::string& argument, int seconds) {
   return outcome;
 }
 
-TEST_F(MapperParameters, DefaultsNeedNothing) {
+TEST_F(MapperParameters, DefaultsNeedNoParameters) {
   const MapperNodeConfig config = loadParameters(private_nh_);
   EXPECT_EQ(config.base_frame, "base_link");
   EXPECT_EQ(config.map_frame, "map");
@@ -65,7 +65,7 @@ TEST_F(MapperParameters, DefaultsNeedNothing) {
 
 TEST_F(MapperParameters, AreReadWithTheirTypes) {
   private_nh_.setParam("map_resolution", 0.025);
-  private_nh_.setParam("laser_max_dist", 12);  // a whole number for a real one
+  private_nh_.setParam("laser_max_dist", 12);  // an integer for a real parameter
   private_nh_.setParam("scan_subscriber_queue_size", 7.0);
   private_nh_.setParam("pub_odometry", true);
   private_nh_.setParam("odom_frame", "/odom");  // as tf1 wrote it
@@ -78,7 +78,7 @@ TEST_F(MapperParameters, AreReadWithTheirTypes) {
   EXPECT_TRUE(config.usesOdometry());
 }
 
-TEST_F(MapperParameters, OfHectorMappingAreAllAccepted) {
+TEST_F(MapperParameters, AllOfHectorMappingAreAccepted) {
   const char* names[] = {"map_size",
                          "map_start_x",
                          "map_start_y",
@@ -114,7 +114,7 @@ TEST_F(MapperParameters, OutOfRangeNamesValueAndRange) {
   EXPECT_NE(error.find("between 0.1 and 3600 s"), std::string::npos) << error;
 }
 
-TEST_F(MapperParameters, OfTheWrongTypeAreRefused) {
+TEST_F(MapperParameters, WrongTypesAreRefused) {
   private_nh_.setParam("map_resolution", "fine");
   EXPECT_NE(errorOfLoading().find("map_resolution = fine"), std::string::npos);
   private_nh_.setParam("map_resolution", std::vector<double>{0.1, 0.2});
@@ -131,7 +131,7 @@ TEST_F(MapperParameters, FramesMustDiffer) {
   EXPECT_EQ(errorOfLoading(), "");
 }
 
-TEST_F(MapperParameters, TheShippedFileHoldsTheDefaults) {
+TEST_F(MapperParameters, TheInstalledFileContainsTheDefaults) {
   ASSERT_TRUE(ros::param::has("/shipped/map_resolution"));
   const MapperNodeConfig config = loadParameters(ros::NodeHandle("/shipped"));
   EXPECT_EQ(config.slam.mapper.grid.resolution_m, OccupancyGridConfig().resolution_m);
@@ -148,7 +148,7 @@ TEST(MapperProgram, EndsWithOneLineOnABadParameter) {
   ros::param::del("/parameters");
 }
 
-TEST(MapperProgram, NamesTheNearestOfAMisspeltParameter) {
+TEST(MapperProgram, SuggestsTheNearestNameOfAMisspelledParameter) {
   const Outcome outcome = runNode("_map_resolutoin:=0.1", 4);
   EXPECT_NE(outcome.output.find("Unknown parameter ~map_resolutoin; did you mean ~map_resolution?"),
             std::string::npos)
@@ -156,7 +156,7 @@ TEST(MapperProgram, NamesTheNearestOfAMisspeltParameter) {
   ros::param::del("/parameters");
 }
 
-TEST(MapperProgram, SaysOnceWhyParametersOfTheProjectorAreNotNeeded) {
+TEST(MapperProgram, LogsOnceWhyParametersOfTheProjectorAreNotNeeded) {
   const Outcome outcome = runNode("_gravity_time:=4 _gravity_gate:=0.1", 4);
   EXPECT_NE(outcome.output.find("~gravity_gate, ~gravity_time have no effect: only "
                                 "scan_projector_node uses the attitude"),
@@ -165,7 +165,7 @@ TEST(MapperProgram, SaysOnceWhyParametersOfTheProjectorAreNotNeeded) {
   ros::param::del("/parameters");
 }
 
-TEST(MapperProgram, SaysWhyAParameterIsNotNeeded) {
+TEST(MapperProgram, LogsWhyAParameterIsNotNeeded) {
   const Outcome outcome = runNode("_map_size:=2048", 4);
   EXPECT_NE(outcome.output.find("~map_size has no effect: the map has no fixed size"),
             std::string::npos)

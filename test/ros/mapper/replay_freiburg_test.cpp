@@ -13,12 +13,12 @@
 namespace kestrel {
 namespace {
 
-/// How much of the recording is played, and how quickly.
+/// Duration and rate of the replay.
 constexpr double kDuration = 150.0;  // s
 constexpr char kRate[] = "8";
 
-/// Freiburg building 79 as a bag, from `rosbag play` through the live node, with its odometry
-/// frame: the poses of the topic against the reference relations, and tf against the poses.
+/// Plays the recording of Freiburg building 79 with `rosbag play` through the live node, with
+/// odometry. Compares the published poses with the reference relations, and tf with the poses.
 TEST(ReplayFreiburg, Building79) {
   const std::string data = dataFolder();
   SKIP_WITHOUT_DATA(data);
@@ -38,7 +38,7 @@ TEST(ReplayFreiburg, Building79) {
   FILE* player = popen(command.c_str(), "r");
   ASSERT_NE(player, nullptr);
   std::size_t before = 0;
-  const auto silent = [&] {  // the replay has ended when no pose comes for a while
+  const auto silent = [&] {  // the replay has ended if no pose arrives for some time
     client.waitFor([&] { return trajectory.size() > before; }, 3.0);
     const bool none = trajectory.size() == before && before > 0;
     before = trajectory.size();

@@ -23,7 +23,7 @@ std::string recordingPath() {
   return folder + "/" + kRecording;
 }
 
-/// A laser carried by hand, from `rosbag play` through the node: with its clock, laser only.
+/// Plays the recording of a handheld laser with `rosbag play --clock` through the node. Laser only.
 TEST(Replay, HandheldLaser) {
   if (!std::filesystem::exists(recordingPath())) {
     GTEST_SKIP() << recordingPath() << " is absent; set KESTREL_DATA to the folder of the data";

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kScanPeriod = 0.025;  // s
 
-/// The points of a scan, each with its time after the stamp, in the frame of the laser.
+/// The points of a scan in the laser frame, each with its time relative to the stamp.
 sensor_msgs::PointCloud2 cloudOf(const sensor_msgs::LaserScan& scan) {
   sensor_msgs::PointCloud2 cloud;
   cloud.header = scan.header;
@@ -42,7 +42,7 @@ Eigen::Quaterniond rotationOf(const geometry_msgs::TransformStamped& transform) 
   return Eigen::Quaterniond(q.w, q.x, q.y, q.z);
 }
 
-TEST(ProjectorFlight, TiltedLaserSeesTheWallsWhereTheyAre) {
+TEST(ProjectorFlight, TiltedLaserGivesTheTrueWalls) {
   ProjectorClient client("tilted");
   client.mount("laser", client.base_T_laser);
   client.mount("imu", Eigen::Isometry3d::Identity());
@@ -171,7 +171,7 @@ TEST(ProjectorFlight, CloudsWithTheTimesOfTheirPoints) {
     for (const Eigen::Vector2f& end : expected) nearest = std::min(nearest, (end - ray.end).norm());
     EXPECT_LT(nearest, 1e-3F);
   }
-  EXPECT_GT(scan.hitCount(), 400U);  // of 810 bins of a third of a degree
+  EXPECT_GT(scan.hitCount(), 400U);  // of 810 bins of 1/3 degree
 }
 
 TEST(ProjectorFlight, AttitudeFromTf) {
@@ -186,7 +186,7 @@ TEST(ProjectorFlight, AttitudeFromTf) {
       broadcaster.sendTransform(transformMessage("tf_world", "tf_base", world_T_base, time));
     }
   };
-  const auto reachesTheNode = [&] {  // a publisher's first messages are lost
+  const auto reachesTheNode = [&] {  // the first messages of a publisher can be lost
     publishAttitude(client.time - 0.01, client.time + kScanPeriod);
     return client.project(client.nextScan(), 0.2).has_value();
   };
@@ -202,9 +202,9 @@ TEST(ProjectorFlight, AttitudeFromTf) {
                        client.base_T_laser);
   }
   EXPECT_EQ(client.parents["tf_base"], std::set<std::string>{"tf_world"})
-      << "the base has a parent already";
+      << "the base already has a parent";
 
-  client.scan_publisher.publish(client.nextScan());  // of a time that tf does not reach
+  client.scan_publisher.publish(client.nextScan());  // tf has no data at its time
   ASSERT_TRUE(client.waitFor(
       [&] { return client.diagnosis("Scans", "dropped: no-attitude-in-tf") > before; }));
   auto report = client.report("Attitude");
@@ -228,7 +228,7 @@ TEST(ProjectorFlight, LevelLaserNeedsNoImu) {
   EXPECT_EQ(client.report("Attitude")["level"], "0");
 }
 
-TEST(ProjectorFlight, WithoutImuScansCanBeTakenToBeLevel) {
+TEST(ProjectorFlight, WithoutImuScansCanBeAssumedLevel) {
   ProjectorClient client("fallback");
   client.flight = {0.0, 0.0, 0.0};
   client.base_T_laser = mounting(0.0, 0.0, 0.1, 0.0, 0.0, 0.0);
@@ -239,13 +239,13 @@ TEST(ProjectorFlight, WithoutImuScansCanBeTakenToBeLevel) {
   client.expectRight(client.project(client.nextScan()), time, client.base_T_laser);
   EXPECT_EQ(client.diagnosis("Scans", "projected without attitude"), "1");
   client.flight = TiltingFlight();
-  client.flyImu(client.time);  // the IMU is known from now on: scans wait for it
+  client.flyImu(client.time);  // the IMU sends data from now on, so scans wait for it
   ASSERT_TRUE(client.waitFor([&] { return client.transforms["fallback_base"].size() > 1; }));
   for (int i = 0; i < 3; ++i) client.flyOn();
   EXPECT_EQ(client.diagnosis("Scans", "projected without attitude"), "1");
 }
 
-TEST(ProjectorFlight, VelocityOfTheOdometryUndoesTheMotion) {
+TEST(ProjectorFlight, VelocityOfTheOdometryCorrectsTheMotion) {
   ProjectorClient client("moving");
   client.mount("laser", Eigen::Isometry3d::Identity());
   ros::Publisher odometry = client.nh.advertise<nav_msgs::Odometry>("odom/slam", 10);
@@ -319,7 +319,7 @@ TEST(ProjectorFlight, ViewForOtherPackages) {
   EXPECT_EQ(view.header.stamp, scan.header.stamp);
   const auto bins = static_cast<double>(view.ranges.size());
   EXPECT_NEAR(view.ranges[static_cast<std::size_t>(0.5 * bins)], 2.0F, 1e-4F);
-  EXPECT_TRUE(std::isnan(view.ranges[0])) << "behind the vehicle the laser sees nothing";
+  EXPECT_TRUE(std::isnan(view.ranges[0])) << "the laser has no beams behind the vehicle";
 }
 
 }  // namespace

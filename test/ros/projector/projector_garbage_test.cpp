@@ -15,8 +15,9 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kImuPeriod = 0.005;  // s
 constexpr double kDegree = 3.14159265358979 / 180.0;
 
-/// Bad input of every kind, one after the other, to a node that runs on: each has its reason in the
-/// diagnostics, and good input after it is projected at once. The tests build on one another.
+/// Sends all kinds of invalid input to one running node. The diagnostics must contain the reason
+/// for each input, and valid input after it must be projected immediately. The tests depend on each
+/// other.
 class ProjectorGarbage : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -64,14 +65,14 @@ class ProjectorGarbage : public testing::Test {
     EXPECT_NE(report["message"].find(text), std::string::npos) << report["message"];
   }
 
-  /// The IMU and a few scans, good ones; after that nothing is wrong any more.
+  /// Publishes valid IMU data and a few valid scans. After that, no error may remain.
   static void recover() {
     client_->skip(0.1);
     for (int i = 0; i < 5; ++i) client_->flyOn();
     expectAttitude("ok", "ok");
   }
 
-  /// Publishes IMU messages for a second, each changed by `spoil`; the flight's time goes on.
+  /// Publishes IMU messages for one second, each changed by `spoil`. The flight time advances.
   template <typename Spoil>
   static void flyBadImu(const Spoil& spoil) {
     for (int i = 0; i < 200; ++i) {
@@ -111,7 +112,7 @@ class ProjectorGarbage : public testing::Test {
 };
 std::unique_ptr<ProjectorClient> ProjectorGarbage::client_;
 
-// The first ones build up what a projector needs, piece by piece.
+// The first tests add the inputs that a projector needs, one after the other.
 TEST_F(ProjectorGarbage, A0_NoTransformOfTheLaser) {
   expectDropped("no-transform", client_->nextScan());
   auto report = client_->report("Scans");
@@ -185,7 +186,7 @@ TEST_F(ProjectorGarbage, ImuQuaternionIsNoRotation) {
 
 TEST_F(ProjectorGarbage, ImuUpsideDown) {
   flyBadImu([](sensor_msgs::Imu& message) {
-    const auto& q = message.orientation;  // half a turn about x on top
+    const auto& q = message.orientation;  // additional rotation by 180 degrees about x
     const Eigen::Quaterniond turned =
         Eigen::Quaterniond(q.w, q.x, q.y, q.z) * Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
     message.orientation.w = turned.w();
@@ -202,7 +203,7 @@ TEST_F(ProjectorGarbage, ImuUpsideDown) {
 
 TEST_F(ProjectorGarbage, ImuStampsGoBack) {
   client_->imu_publisher.publish(client_->flight.imu(client_->imu_time - 0.0125, "garbage_imu"));
-  for (int i = 0; i < 3; ++i) client_->flyOn();  // a late one harms nothing
+  for (int i = 0; i < 3; ++i) client_->flyOn();  // a late message has no effect
   client_->time -= 60.0;                         // the clock is set back
   client_->imu_time = client_->time - 0.2;
   client_->flyImu(client_->time);

@@ -60,7 +60,7 @@ void expectIn(const std::string& text, const std::string& whole) {
   EXPECT_NE(whole.find(text), std::string::npos) << whole;
 }
 
-TEST_F(ProjectorParameters, DefaultsNeedNothing) {
+TEST_F(ProjectorParameters, DefaultsNeedNoParameters) {
   const ProjectorNodeConfig config = loadProjectorParameters(private_nh_);
   EXPECT_EQ(config.base_frame, "base_link");
   EXPECT_EQ(config.base_stabilized_frame, "base_stabilized");
@@ -91,7 +91,7 @@ TEST_F(ProjectorParameters, TopicsWithCommas) {
   EXPECT_TRUE(splitNames(" , ").empty());
 }
 
-TEST_F(ProjectorParameters, NameTheirChoices) {
+TEST_F(ProjectorParameters, ErrorsListTheChoices) {
   private_nh_.setParam("attitude_source", "gps");
   const std::string error = errorOfLoading();
   expectIn("attitude_source = gps", error);
@@ -103,7 +103,7 @@ TEST_F(ProjectorParameters, FramesMustDiffer) {
   expectIn("base_stabilized_frame = base_link", errorOfLoading());
 }
 
-TEST_F(ProjectorParameters, SomeLaserMustBeThere) {
+TEST_F(ProjectorParameters, OneLaserTopicIsRequired) {
   private_nh_.setParam("scan_topics", "");
   EXPECT_EQ(errorOfLoading(), "");
   private_nh_.setParam("cloud_topic", "");
@@ -123,12 +123,12 @@ TEST(ProjectorProgram, EndsWithOneLineOnABadParameter) {
            outcome.output);
 }
 
-TEST(ProjectorProgram, NamesTheNearestOfAMisspeltParameter) {
+TEST(ProjectorProgram, SuggestsTheNearestNameOfAMisspelledParameter) {
   expectIn("Unknown parameter ~max_tillt; did you mean ~max_tilt?",
            runNode("_max_tillt:=0.4", 4).output);
 }
 
-TEST(ProjectorProgram, SaysWhatDoesTheJobOfAnOldParameter) {
+TEST(ProjectorProgram, LogsTheReplacementOfAnOldParameter) {
   expectIn("~use_imu has no effect: ~attitude_source says", runNode("_use_imu:=true", 4).output);
 }
 

@@ -10,13 +10,14 @@
 
 namespace kestrel {
 
-/// Hands items from one thread to another. Where the reader is too slow, the oldest are dropped.
+/// Passes items from one thread to another. If the reader is too slow, the oldest items are
+/// dropped.
 template <typename T>
 class BoundedQueue {
  public:
   explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
 
-  /// False where the oldest item had to make room.
+  /// Returns false if the queue was full and the oldest item was removed.
   bool push(T item) {
     bool had_room = true;
     {
@@ -29,7 +30,7 @@ class BoundedQueue {
     return had_room;
   }
 
-  /// Waits for an item; nothing once the queue is closed.
+  /// Waits for an item. Empty after the queue was closed.
   std::optional<T> pop() {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait(lock, [this] { return closed_ || !items_.empty(); });
@@ -39,7 +40,7 @@ class BoundedQueue {
     return item;
   }
 
-  /// Forgets what waits; returns how many items that were.
+  /// Removes all items and returns their number.
   std::size_t clear() {
     const std::lock_guard<std::mutex> lock(mutex_);
     const std::size_t count = items_.size();
@@ -47,7 +48,7 @@ class BoundedQueue {
     return count;
   }
 
-  /// Ends the waiting of the reader for good.
+  /// Closes the queue permanently and wakes the reader.
   void close() {
     {
       const std::lock_guard<std::mutex> lock(mutex_);

@@ -7,8 +7,8 @@
 
 namespace kestrel {
 
-/// A mutex that is taken in the order of arrival. A thread that locks it again and again, such as
-/// one that matches scans without a pause, cannot starve the others. For std::lock_guard.
+/// A mutex that threads get in the order in which they ask for it. So a thread that locks it all
+/// the time, for example the matching thread, cannot block the others. Works with std::lock_guard.
 class FairMutex {
  public:
   void lock() {

@@ -11,15 +11,16 @@
 
 namespace kestrel {
 
-/// Where the sensors sit on the vehicle, by tf. Never waits. `nh` must be served by one thread.
+/// Looks up the mounting of the sensors on the vehicle in tf. Never blocks. `nh` must be served by
+/// one thread.
 class Mountings {
  public:
   Mountings(const ros::NodeHandle& nh, const std::string& base_frame);
 
-  /// base_T_sensor; nothing as long as tf does not know it.
+  /// base_T_sensor. Empty while tf does not have it.
   std::optional<Eigen::Isometry3d> lookup(const std::string& sensor_frame) const;
 
-  /// A sentence about a mounting that tf lacks. `sensor`: "laser", "IMU".
+  /// A message about a mounting that is missing in tf. `sensor`: "laser", "IMU".
   std::string missing(const std::string& sensor, const std::string& sensor_frame) const;
 
   const tf2_ros::Buffer& buffer() const { return buffer_; }

@@ -13,8 +13,8 @@
 
 namespace kestrel {
 
-/// Runs the node to its end and returns the exit code. The last node handle takes the logging with
-/// it, so that a message has to be written while one is left.
+/// Runs the node and returns the exit code. ROS logging stops when the last node handle is
+/// destroyed. Therefore `nh` must exist until the error is logged.
 template <typename Node>
 int spinNode(const char* program) {
   const ros::NodeHandle nh;
@@ -28,8 +28,8 @@ int spinNode(const char* program) {
   }
 }
 
-/// The whole program of a node with the parameters of `Config`. Exit code: 0, or 1 with one line
-/// that says why the node cannot run.
+/// The main function of a node with the parameters of `Config`. Exit code: 0, or 1 with a one-line
+/// error message.
 template <typename Node, typename Config>
 int runNode(int argc, char** argv, const NodeProgram& program) {
   Config defaults;
@@ -41,7 +41,7 @@ int runNode(int argc, char** argv, const NodeProgram& program) {
   try {
     ros::init(argc, argv, program.node);
     return spinNode<Node>(program.program);
-  } catch (const std::exception& error) {  // before there was any logging
+  } catch (const std::exception& error) {  // error before ROS logging is available
     std::fprintf(stderr, "%s cannot start: %s\n", program.program, error.what());
     return 1;
   }

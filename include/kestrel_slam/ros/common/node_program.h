@@ -9,16 +9,16 @@
 
 namespace kestrel {
 
-/// What the help of a node says beside its parameters.
+/// Texts for the help of a node, in addition to its parameters.
 struct NodeProgram {
   const char* node;     ///< its name in ROS
-  const char* program;  ///< the file that is run
-  const char* purpose;  ///< one sentence or two, as lines of at most 100 characters
-  const char* launch;   ///< how it is usually started
+  const char* program;  ///< the file name of the executable
+  const char* purpose;  ///< one or two sentences, in lines of at most 100 characters
+  const char* launch;   ///< the usual start command
 };
 
-/// The answer to `--help` or `--parameters-markdown`, where an argument asks for it. It needs no
-/// ROS master. The places of the table must hold the defaults.
+/// Returns the output for `--help` or `--parameters-markdown` if one of the arguments is given.
+/// Needs no ROS master. The variables of the table must contain the defaults.
 std::optional<std::string> answerTo(const std::vector<std::string>& arguments,
                                     const NodeProgram& program,
                                     const std::vector<Parameter>& table);

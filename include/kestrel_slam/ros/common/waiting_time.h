@@ -7,8 +7,8 @@
 
 namespace kestrel {
 
-/// How long something waits. Counts by the clock of ROS or by that of the computer, whichever says
-/// less: neither a replay that is paused or slow nor one that is fast uses up anybody's patience.
+/// Measures a waiting time. Uses the smaller value of ROS time and wall time. So a paused, slow or
+/// fast replay does not cause a timeout.
 class WaitingTime {
  public:
   double seconds() const {

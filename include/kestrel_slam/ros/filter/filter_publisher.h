@@ -14,7 +14,7 @@ class FilterPublisher {
  public:
   FilterPublisher(ros::NodeHandle nh, const PoseFilterNodeConfig& config);
 
-  /// `stamp`: that of the IMU message. States that are not finite are not published.
+  /// `stamp`: the stamp of the IMU message. States that are not finite are not published.
   void publish(const ros::Time& stamp, const FilterOutput& output, double imu_rate_hz);
 
  private:

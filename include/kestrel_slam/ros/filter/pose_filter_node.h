@@ -28,8 +28,9 @@
 
 namespace kestrel {
 
-/// The pose filter, live: IMU, poses of the mapper, heights and more in; the full state of the
-/// vehicle at the rate of the IMU out. All work is done on the thread that serves `nh`.
+/// ROS node of the pose filter. Inputs: IMU, poses of the mapper, heights and other sensors.
+/// Output: the full state of the vehicle at the IMU rate. All work is done on the thread that
+/// serves `nh`.
 class PoseFilterNode {
  public:
   /// `nh` must be served by one thread. Throws std::invalid_argument on a bad parameter.
@@ -59,7 +60,7 @@ class PoseFilterNode {
   Mountings mountings_;
   FilterPublisher publisher_;
   LocalFixes fixes_;
-  std::string waiting_for_;                     ///< a mounting that tf lacks
+  std::string waiting_for_;                     ///< message about a mounting that is missing in tf
   std::map<std::string, std::size_t> refused_;  ///< messages by reason
   double mapper_stamp_ = 0.0;                   ///< of the last MapperState, s
   double last_stamp_ = 0.0;                     ///< of the IMU, s

@@ -23,11 +23,11 @@ struct PoseFilterNodeConfig {
   std::string pose_topic = "poseupdate";      ///< of another mapper
   std::string height_topic = "height";
   std::string floor_height_topic = "floor_height";        ///< of the projector
-  std::string pressure_topic = "imu/pressure";            ///< of a barometer: its pressure,
-  std::string pressure_height_topic = "pressure_height";  ///< or the height that follows from it
-  std::string magnetometer_topic;     ///< empty: none; indoors steel bends the field
+  std::string pressure_topic = "imu/pressure";            ///< pressure of a barometer
+  std::string pressure_height_topic = "pressure_height";  ///< height of a barometer
+  std::string magnetometer_topic;     ///< empty: none; indoors, steel disturbs the field
   std::string fix_topic;              ///< empty: none
-  double magnetic_declination = 0.0;  ///< of the place, rad, positive to the east
+  double magnetic_declination = 0.0;  ///< at the location, rad, positive to the east
   bool pub_map_odom_transform = true;
   bool pub_odom_base_transform = true;
   PoseFilterConfig filter;

@@ -13,11 +13,11 @@
 
 namespace kestrel {
 
-/// When scans were sent, when their last missing input was, and when their poses came. Every method
-/// may be called from any thread.
+/// Records when each scan was sent, when its last needed input was sent, and when its pose arrived.
+/// Thread-safe.
 class LatencyRecord {
  public:
-  /// `needs_imu`: the recording has one.
+  /// `needs_imu`: true if the recording has an IMU.
   explicit LatencyRecord(bool needs_imu) : needs_imu_(needs_imu) {}
 
   void sent(const LiveMessage& message);
@@ -26,23 +26,24 @@ class LatencyRecord {
 
   std::size_t sentScans() const;
   std::size_t poses() const;
-  /// Scans that got no pose although everything that it needs was sent.
+  /// Scans without a pose although all needed inputs were sent.
   std::size_t dropped() const;
   /// Scans at the end of the recording, with beams newer than its last IMU message.
   std::size_t incomplete() const;
-  /// From the publication of a scan to its pose, ms, ascending.
+  /// Latencies from the publication of a scan to its pose, ms, ascending.
   std::vector<double> fromScan() const;
-  /// From the publication of all that a pose needs, which is the scan and an IMU message that is
-  /// not older than its last beam, to the pose, ms, ascending.
+  /// Latencies from the last needed input of a pose to the pose, ms, ascending. The needed inputs
+  /// are the scan and an IMU message that is not older than its last beam.
   std::vector<double> fromLastInput() const;
-  /// From the publication of an IMU message to the pose filter's state, ms, ascending.
+  /// Latencies from the publication of an IMU message to the state of the pose filter, ms,
+  /// ascending.
   std::vector<double> fromImu() const;
 
  private:
   struct Scan {
     ros::Time end;  ///< of the sweep
     ros::WallTime sent;
-    ros::WallTime complete;  ///< zero: the IMU has not come so far yet
+    ros::WallTime complete;  ///< zero: the needed IMU message was not sent yet
     ros::WallTime posed;     ///< zero: no pose yet
   };
 
@@ -56,7 +57,7 @@ class LatencyRecord {
   ros::Time imu_until_;
 };
 
-/// The value below which `share` of the ascending values lie; NaN where there are none.
+/// The quantile `share` of ascending values; NaN if there are no values.
 double quantile(const std::vector<double>& values, double share);
 
 }  // namespace kestrel

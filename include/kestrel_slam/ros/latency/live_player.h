@@ -19,22 +19,22 @@ namespace kestrel {
 using LiveMessage =
     std::variant<sensor_msgs::LaserScanPtr, sensor_msgs::ImuPtr, sensor_msgs::RangePtr>;
 
-/// Plays the sensors of a recording as if the vehicle flew now: every message at its time of
-/// arrival, with its stamp moved to the present. `rosbag play` moves the clock instead, which it
-/// can only do in steps.
+/// Plays the sensors of a recording in real time. Every message is published at its time of
+/// arrival, with its stamp shifted to the current time. `rosbag play` sets the clock instead, which
+/// is only possible in steps.
 class LivePlayer {
  public:
-  /// Reads lasers, IMU, range finder and tf_static of a bag. Throws std::exception that says what
-  /// is wrong with it.
+  /// Reads lasers, IMU, range finder and tf_static of a bag. Throws std::exception with the reason
+  /// if the bag cannot be used.
   LivePlayer(ros::NodeHandle nh, const std::string& bag);
 
   bool hasImu() const { return imu_count_ > 0; }
 
-  /// Whether somebody listens to every laser and every IMU.
+  /// True if every laser and every IMU has a subscriber.
   bool isHeard() const;
 
-  /// Plays everything once, or until ROS ends. `before` sees every message just before it is
-  /// published, with its new stamp.
+  /// Plays everything once, or until ROS ends. `before` is called for every message just before it
+  /// is published, with its new stamp.
   void play(const std::function<void(const LiveMessage&)>& before);
 
  private:

@@ -11,7 +11,7 @@
 
 namespace kestrel {
 
-/// Size of the map, for the diagnostics.
+/// Map size for the diagnostics.
 struct MapSize {
   int width = 0;  ///< cells
   int height = 0;
@@ -21,10 +21,11 @@ struct MapSize {
 
 /// Publishes /diagnostics: three items for the scans, the match and the map.
 ///
-/// Driven by wall time, so that a paused or finished replay is still reported.
+/// Uses a wall timer, so that a paused or finished replay is still reported.
 class Diagnostics {
  public:
-  /// `nh`: the timer runs on its queue. `publisher_count`: how many publish `scan_topic`.
+  /// `nh`: the timer runs on its queue. `publisher_count`: returns the number of publishers of
+  /// `scan_topic`.
   Diagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
               const std::string& scan_topic, ScanStatistics& statistics,
               std::function<unsigned()> publisher_count, std::function<MapSize()> map_size);

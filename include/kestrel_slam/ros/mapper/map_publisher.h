@@ -19,21 +19,21 @@
 
 namespace kestrel {
 
-/// Publishes map and trajectory, and answers the services that read the map.
+/// Publishes the map and the trajectory, and serves the services that read the map.
 ///
-/// All of it runs on a queue and a thread of its own: the only thing it shares with the matching is
-/// the short lock while the map is copied. Driven by wall time, so that the last map of a replay
-/// is published after the clock has stopped.
+/// It has its own callback queue and thread. It blocks the matching only for the short time in
+/// which the map is copied. Uses a wall timer, so that the last map of a replay is published even
+/// after the clock has stopped.
 class MapPublisher {
  public:
   MapPublisher(const ros::NodeHandle& nh, const MapperNodeConfig& config, SharedMapper& mapper,
                TrajectoryLog& trajectory);
   ~MapPublisher();
 
-  /// A handle whose timers run on this thread.
+  /// A node handle whose timers run on the thread of this class.
   const ros::NodeHandle& nodeHandle() const { return nh_; }
 
-  /// Of the last map that was published. To be called on this thread.
+  /// Size of the last published map. Call it only on the thread of this class.
   MapSize mapSize() const;
 
  private:
@@ -58,7 +58,7 @@ class MapPublisher {
   ros::WallTimer timer_;
 
   std::atomic<bool> new_subscriber_{false};
-  bool stands_behind_ = false;           ///< the thread has its low priority
+  bool stands_behind_ = false;           ///< true: the thread already has low priority
   std::uint64_t published_version_ = 0;  ///< 0: none yet
   std::uint64_t published_trajectory_ = 0;
   ros::WallTime next_map_, next_trajectory_;

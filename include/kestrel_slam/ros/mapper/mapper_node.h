@@ -25,10 +25,11 @@
 
 namespace kestrel {
 
-/// The live mapper: scans of a level laser, or planar scans of the projector, in; map, pose and tf
-/// out. The interface is that of hector_mapping.
+/// ROS node of the mapper. Inputs: scans of a level laser, or planar scans of the projector.
+/// Outputs: map, pose and tf. The interface is compatible with hector_mapping.
 ///
-/// Three threads: that of `nh` receives scans and commands, one matches, and one publishes the map.
+/// Uses three threads: the thread of `nh` receives scans and commands, the second matches scans,
+/// and the third publishes the map.
 class MapperNode {
  public:
   /// `nh` must be served by one thread. Throws std::invalid_argument on a bad parameter.

@@ -22,7 +22,7 @@ struct MapperNodeConfig {
   std::string pose_update_topic = "poseupdate";
   int scan_subscriber_queue_size = 5;
   double map_pub_period = 2.0;       ///< s
-  double transform_tolerance = 0.1;  ///< s; how far map -> odom is dated into the future
+  double transform_tolerance = 0.1;  ///< s; time that is added to the stamp of map -> odom
   bool pub_map_odom_transform = true;
   bool pub_map_scanmatch_transform = true;
   std::string tf_map_scanmatch_transform_frame_name = "scanmatcher_frame";

@@ -11,20 +11,21 @@
 
 namespace kestrel {
 
-/// Publishes what the matching found: pose topics, tf, the matched scan and markers
-/// of what is uncertain.
+/// Publishes the match result: pose topics, tf, the matched scan and markers of the uncertainty.
 class PosePublisher {
  public:
   PosePublisher(ros::NodeHandle nh, const MapperNodeConfig& config);
 
-  /// `odom_T_base`: the odometry at the scan's stamp; needed where the node uses odometry.
+  /// `odom_T_base`: the odometry at the scan's stamp; needed if the node uses odometry.
   void publish(const ros::Time& stamp, const MapperResult& result, const PlanarScan& scan,
                const std::optional<Pose2>& odom_T_base);
 
-  /// Mapping pauses: the last map -> odom goes on. Publishes nothing where there is none.
+  /// Publishes the last map -> odom again while mapping is paused. Does nothing before the first
+  /// match.
   void repeatCorrection(const ros::Time& stamp);
 
-  /// Where the odometry alone has brought the vehicle since the last match.
+  /// Pose in map: the last match plus the motion of the odometry since then. Empty without
+  /// odometry.
   std::optional<Pose2> poseByOdometry(const std::optional<Pose2>& odom_T_base) const;
 
  private:

@@ -21,8 +21,8 @@
 
 namespace kestrel {
 
-/// A scan as it came, never copied: of a laser, or a planar scan of the projector. One of the two
-/// is null.
+/// A received message, never copied: a laser scan or a planar scan of the projector. One of the
+/// pointers is null.
 struct ScanMessage {
   sensor_msgs::LaserScanConstPtr laser_scan;
   kestrel_slam::PlanarScanConstPtr planar_scan;
@@ -31,24 +31,24 @@ struct ScanMessage {
 /// A scan that may have to wait for its transforms.
 struct ReceivedScan {
   ScanMessage message;
-  std::string frame;  ///< whose transforms are needed, without a leading slash
+  std::string frame;  ///< the frame to transform, without a leading slash
   ros::Time stamp;
 };
 
-/// A scan with everything that tf says about it.
+/// A scan with its transforms from tf.
 struct ReadyScan {
   ScanMessage message;
   ros::Time stamp;
-  Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();  ///< not of a planar scan
-  std::optional<Pose2> odom_T_base;  ///< at the scan's stamp, where the node uses odometry
-  std::size_t epoch = 0;             ///< grows where the stamps jump back far
+  Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();  ///< not used for planar scans
+  std::optional<Pose2> odom_T_base;  ///< at the scan's stamp, if the node uses odometry
+  std::size_t epoch = 0;             ///< increases when the stamps jump back far
 };
 
 }  // namespace kestrel
 
 namespace ros::message_traits {
 
-// What tf2's message filter asks a message for.
+// Required by the message filter of tf2.
 template <>
 struct FrameId<kestrel::ReceivedScan> {
   static std::string value(const kestrel::ReceivedScan& scan) { return scan.frame; }
@@ -62,9 +62,8 @@ struct TimeStamp<kestrel::ReceivedScan> {
 
 namespace kestrel {
 
-/// Receives the scans of a laser, or planar scans, and waits for their transforms without ever
-/// blocking. Scans that cannot be used are counted, and the reason is said. `nh` must be served by
-/// one thread.
+/// Receives laser scans or planar scans and waits for their transforms without blocking. Unusable
+/// scans are counted, and the reason is logged. `nh` must be served by one thread.
 class ScanInput {
  public:
   using Callback = std::function<void(ReadyScan)>;
@@ -98,7 +97,7 @@ class ScanInput {
   Callback on_ready_;
   ros::Time last_stamp_;
   std::size_t epoch_ = 0;
-  ros::WallTime waiting_since_;  ///< when scans began to lack a transform; zero: they do not
+  ros::WallTime waiting_since_;  ///< start of waiting for a transform; zero: not waiting
 
   tf2_ros::Buffer buffer_;
   tf2_ros::TransformListener listener_;

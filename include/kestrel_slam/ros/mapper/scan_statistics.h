@@ -12,7 +12,7 @@
 
 namespace kestrel {
 
-/// What happened to the scans so far, and since the last report.
+/// Counts of scans since the start, and some values since the last report.
 struct ScanReport {
   std::size_t received = 0;
   std::size_t used = 0;
@@ -22,8 +22,8 @@ struct ScanReport {
   double mean_ms = 0.0;  ///< per scan since the last report: projection, match and insertion
   double max_ms = 0.0;
   bool paused = false;
-  std::string waiting_for;          ///< what tf lacks, or empty
-  std::optional<double> silence_s;  ///< since the last scan came; nothing before the first
+  std::string waiting_for;          ///< missing transform, or empty
+  std::optional<double> silence_s;  ///< since the last scan; empty before the first
   std::optional<MatchState> state;  ///< of the last used scan
   double score = 0.0;
   bool degenerate = false;
@@ -38,10 +38,10 @@ class ScanStatistics {
   void used(const MapperResult& result, double ms);
   void setPaused(bool paused);
   bool paused() const;
-  /// Scans come, and cannot be used for want of a transform; empty: they can again.
+  /// Call this when scans wait for a missing transform. Empty text: no transform is missing.
   void setWaitingFor(const std::string& what);
 
-  /// The report, after which the times and `dropped_lately` start anew.
+  /// Returns the report, and resets the times and `dropped_lately`.
   ScanReport take();
 
  private:

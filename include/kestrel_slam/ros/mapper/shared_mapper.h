@@ -13,14 +13,15 @@
 
 namespace kestrel {
 
-/// A copy of the map, to be published at leisure.
+/// A copy of the map that can be published without a lock.
 struct MapCopy {
   MapSnapshot map;
-  std::uint64_t version = 0;  ///< of the map; another map has another version
+  std::uint64_t version = 0;  ///< of the map; changes with the map
   ros::Time stamp;            ///< of the last scan that the mapper saw
 };
 
-/// The mapper behind a lock that no caller holds for longer than one match or one copy of the map.
+/// The mapper with a lock. No caller holds the lock for longer than one match or one copy of the
+/// map.
 class SharedMapper {
  public:
   explicit SharedMapper(const MapperConfig& config) : mapping_(config) {}
@@ -28,21 +29,21 @@ class SharedMapper {
   MapperResult process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                        const ros::Time& stamp);
 
-  /// Forgets the map; the next scan starts a new one at `map_T_base`.
+  /// Deletes the map. The next scan starts a new map at `map_T_base`.
   void reset(const Pose2& map_T_base);
 
-  /// Keeps the map and places the vehicle.
+  /// Keeps the map and sets the pose of the vehicle.
   void setPose(const Pose2& map_T_base);
 
-  /// Keeps map and pose, and forgets the motion: for a gap or a jump of the time.
+  /// Keeps map and pose but resets the motion model. Used after a gap or a jump in time.
   void restartMotion();
 
   MapCopy copy() const;
 
-  /// Changes whenever the map does. Never waits.
+  /// Changes when the map changes. Never blocks.
   std::uint64_t version() const { return version_; }
 
-  /// Memory of the map, as of the last scan. Never waits.
+  /// Memory of the map after the last scan. Never blocks.
   std::size_t memoryBytes() const { return memory_bytes_; }
 
  private:

@@ -13,21 +13,21 @@
 
 namespace kestrel {
 
-/// Where the vehicle was, thinned, and of bounded size. Every method may be called from any thread.
+/// The path of the vehicle, thinned out and with limited size. Thread-safe.
 class TrajectoryLog {
  public:
-  /// Remembers the pose where the vehicle moved or turned enough since the last one.
+  /// Stores the pose if the vehicle moved or turned enough since the last stored pose.
   void add(const ros::Time& stamp, const Pose2& map_T_base);
   void clear();
 
-  /// Changes with every pose that is remembered, and with clear().
+  /// Changes with every stored pose and with clear().
   std::uint64_t version() const;
 
   nav_msgs::Path path(const std::string& frame) const;
 
   static constexpr double kMinDistance = 0.05;     ///< m
   static constexpr double kMinAngle = 0.1;         ///< rad
-  static constexpr std::size_t kMaxPoses = 20000;  ///< then every other pose is forgotten
+  static constexpr std::size_t kMaxPoses = 20000;  ///< if exceeded, every second pose is removed
 
  private:
   struct Entry {

@@ -7,9 +7,10 @@
 
 namespace kestrel {
 
-/// What rviz shows of the uncertainty of a pose, in the map frame; without header. The first marker
-/// is the ellipse of three standard deviations of the position. The second is the direction that
-/// the scan does not constrain, as a line through the vehicle; deleted where there is none.
+/// Markers for rviz that show the uncertainty of a pose, in the map frame. The caller sets the
+/// header. The first marker is the position ellipse of three standard deviations. The second shows
+/// the unobservable direction as a line through the vehicle. It is deleted if there is no such
+/// direction.
 visualization_msgs::MarkerArray uncertaintyMarkers(const MapperResult& result);
 
 }  // namespace kestrel

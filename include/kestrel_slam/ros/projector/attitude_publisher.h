@@ -17,7 +17,7 @@ class AttitudePublisher {
  public:
   explicit AttitudePublisher(const ProjectorNodeConfig& config);
 
-  /// At most one of each stamp is published. `height_m`: of the base over the floor, where known.
+  /// Publishes at most once per stamp. `height_m`: height of the base above the floor, if known.
   void publish(const ros::Time& stamp, const Eigen::Quaterniond& stabilized_R_base,
                const std::optional<double>& height_m);
 

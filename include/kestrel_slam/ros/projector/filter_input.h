@@ -11,10 +11,10 @@
 
 namespace kestrel {
 
-/// Receives the states of a pose filter and gives them to the projection.
+/// Receives the states of a pose filter and passes them to the projection.
 class FilterInput {
  public:
-  /// `on_state` is called with the stamp of every state that was used.
+  /// `on_state` is called with the stamp of every used state.
   FilterInput(ros::NodeHandle nh, const ProjectorNodeConfig& config, ProjectionStage& projection,
               std::function<void(const ros::Time&)> on_state);
 

@@ -14,13 +14,13 @@
 
 namespace kestrel {
 
-/// Receives a range finder that looks down and gives its readings to the projection.
+/// Receives the readings of a range finder that points down and passes them to the projection.
 class HeightInput {
  public:
   HeightInput(ros::NodeHandle nh, const ProjectorNodeConfig& config, const Mountings& mountings,
               ProjectionStage& projection);
 
-  /// Fills in the height's part of a report. `time` (s): of the height that is reported.
+  /// Fills in the height part of a report. `time` (s): time of the reported height.
   void describe(double time, ProjectorReport& report) const;
 
  private:
@@ -29,7 +29,7 @@ class HeightInput {
   std::string stabilized_frame_, footprint_frame_;
   const Mountings& mountings_;
   ProjectionStage& projection_;
-  bool is_unusable_ = false;  ///< what the range finder gave last
+  bool is_unusable_ = false;  ///< the last reading of the range finder was not used
   ros::Subscriber subscriber_;
 };
 

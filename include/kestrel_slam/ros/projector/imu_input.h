@@ -14,20 +14,22 @@
 
 namespace kestrel {
 
-/// Receives the IMU and gives its readings, with the mounting by tf, to the projection.
+/// Receives IMU messages and passes them to the projection, with the mounting from tf.
 class ImuInput {
  public:
-  /// `on_attitude` is called with the stamp of every reading that was used.
+  /// `on_attitude` is called with the stamp of every used reading.
   ImuInput(ros::NodeHandle nh, const std::string& topic, const Mountings& mountings,
            ProjectionStage& projection, std::function<void(const ros::Time&)> on_attitude);
 
-  /// Health of the IMU now. Time is that of its stamps, carried on since its last message, so that
-  /// neither a paused replay nor stamps of another clock make it silent.
+  /// Current health of the IMU. The current time is the last IMU stamp plus the time since its
+  /// arrival. So a paused replay or stamps of another clock do not cause the state "silent".
   ImuStatus status() const;
 
-  double now() const { return last_stamp_ + since_last_.seconds(); }  ///< by the IMU's stamps, s
+  double now() const {
+    return last_stamp_ + since_last_.seconds();
+  }  ///< on the clock of the IMU stamps, s
 
-  /// A sentence about the transform that its readings wait for; empty where they do not.
+  /// Message about the missing transform of the IMU; empty if none is missing.
   const std::string& waitingFor() const { return waiting_for_; }
 
   std::string topic() const { return subscriber_.getTopic(); }

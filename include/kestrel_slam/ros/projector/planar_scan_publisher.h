@@ -12,14 +12,14 @@
 
 namespace kestrel {
 
-/// Publishes what the projector makes of a sweep: planar_scan, its view as a LaserScan where
-/// somebody listens to it, and the heights that a mirror and beams on the floor measure.
+/// Publishes the projected sweep: planar_scan, its view as a LaserScan if there are subscribers,
+/// and the heights measured by mirror beams and by beams on the floor.
 class PlanarScanPublisher {
  public:
   PlanarScanPublisher(ros::NodeHandle nh, const ProjectorNodeConfig& config);
 
   void publish(const ros::Time& stamp, const PlanarScan& scan);
-  /// Also of a sweep that gave no planar scan.
+  /// Call it also for a sweep without a planar scan.
   void publishHeights(const ros::Time& stamp, const Projection& projection);
 
  private:

@@ -21,23 +21,23 @@ struct ProjectorReport {
   ProjectorStatistics statistics;
   std::string topics;          ///< of the lasers
   unsigned publishers = 0;     ///< of these topics
-  std::string waiting_for;     ///< what the newest sweep lacks in tf, or empty
+  std::string waiting_for;     ///< missing transform of the newest sweep, or empty
   std::string attitude_hint;   ///< where the attitude comes from
-  std::string attitude_error;  ///< what is wrong with it, or empty
+  std::string attitude_error;  ///< error of the attitude, or empty
   std::optional<ImuStatus> imu;
   std::string imu_topic;
   unsigned imu_publishers = 0;
   std::optional<double> tilt_rad;  ///< newest
   std::optional<double> height_m;  ///< newest, of the base over the floor
   std::string height_source;
-  std::string height_error;  ///< what is wrong with it, or empty
+  std::string height_error;  ///< error of the height, or empty
   std::map<std::string, std::size_t> height_counts;
 };
 
 /// Publishes /diagnostics of the scan projector: items for the scans, the attitude and the height.
 class ProjectorDiagnostics {
  public:
-  /// `report` is called once a second on the queue of `nh`; `on_reported` after that.
+  /// `report` is called once per second on the queue of `nh`, then `on_reported`.
   ProjectorDiagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
                        const std::string& hardware_id, std::function<ProjectorReport()> report,
                        std::function<void()> on_reported);

@@ -15,13 +15,13 @@ struct ProjectorNodeConfig {
   std::string base_frame = "base_link";
   std::string base_stabilized_frame = "base_stabilized";
   std::string base_footprint_frame = "base_footprint";
-  std::string scan_topics = "scan";  ///< names with commas between them
+  std::string scan_topics = "scan";  ///< names separated by commas
   std::string cloud_topic = "points";
   std::string imu_topic = "imu/data";
   std::string height_topic = "height";
   std::string odom_topic = "odom/slam";
-  std::string filter_topic;              ///< of a pose filter; empty: none
-  std::string attitude_source = "auto";  ///< auto, orientation, raw: of the IMU; tf; none: level
+  std::string filter_topic;              ///< topic of a pose filter; empty: none
+  std::string attitude_source = "auto";  ///< auto, orientation, raw: IMU; tf; none: level
   std::string attitude_frame;            ///< tf: a frame with z up; empty: base_stabilized_frame
   std::string without_imu = "drop";      ///< or level
   double max_wait_s = 0.1;
@@ -40,7 +40,7 @@ struct ProjectorNodeConfig {
 /// The table of the node's parameters and those of the projector, bound to `config`.
 std::vector<Parameter> parametersOf(ProjectorNodeConfig& config);
 
-/// The single names in a text with commas between them.
+/// Splits a text with comma-separated names.
 std::vector<std::string> splitNames(const std::string& text);
 
 /// Reads the private parameters; see readPrivateParameters. Throws std::invalid_argument.

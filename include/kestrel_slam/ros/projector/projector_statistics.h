@@ -10,12 +10,12 @@
 
 namespace kestrel {
 
-/// What became of the sweeps of all lasers. For one thread.
+/// Counts of used and dropped sweeps of all lasers. Not thread-safe.
 struct ProjectorStatistics {
   std::size_t received = 0;
   std::size_t projected = 0;
   std::size_t projected_filtered = 0;          ///< with the attitude of a pose filter
-  std::size_t projected_level = 0;             ///< of them, without an attitude
+  std::size_t projected_level = 0;             ///< of these, assumed to be level
   std::map<std::string, std::size_t> dropped;  ///< by reason
   std::size_t dropped_lately = 0;              ///< since the last report
   std::string last_drop;                       ///< reason and sentence of the newest one

@@ -25,10 +25,11 @@
 
 namespace kestrel {
 
-/// The scan projector, live: sweeps of lasers, IMU and height in; planar scans and tf out.
+/// ROS node of the scan projector. Inputs: laser sweeps, IMU and height. Outputs: planar scans and
+/// tf.
 ///
-/// Every sweep waits in a queue until the attitude is known up to its last beam, but not for longer
-/// than max_wait. All work is done on the thread that serves `nh`.
+/// Every sweep waits in a queue until the attitude at its last beam is known, but at most for
+/// max_wait. All work is done on the thread that serves `nh`.
 class ScanProjectorNode {
  public:
   /// `nh` must be served by one thread. Throws std::invalid_argument on a bad parameter.
@@ -54,8 +55,8 @@ class ScanProjectorNode {
   ProjectorStatistics statistics_;
   WaitingQueue<Sweep> queue_;
   Mountings mountings_;
-  std::string waiting_for_;  ///< a mounting that tf lacks
-  std::string tf_error_;     ///< an attitude that tf lacks
+  std::string waiting_for_;  ///< message about a mounting that is missing in tf
+  std::string tf_error_;     ///< message about an attitude that is missing in tf
   double newest_ = 0.0;      ///< stamp of the newest sweep, s
 
   TfAttitude tf_attitude_;
@@ -64,7 +65,7 @@ class ScanProjectorNode {
   VelocityInput velocity_;
   PlanarScanPublisher scan_publisher_;
   AttitudePublisher attitude_publisher_;
-  std::unique_ptr<ImuInput> imu_;  ///< null where the attitude is not that of an IMU
+  std::unique_ptr<ImuInput> imu_;  ///< null if the attitude does not come from an IMU
   std::unique_ptr<SweepInput> input_;
   std::unique_ptr<ProjectorDiagnostics> diagnostics_;
   ros::SteadyTimer timer_;

@@ -10,13 +10,13 @@
 
 namespace kestrel {
 
-/// One sweep of a laser, on its way through the projector's node.
+/// One sweep of a laser inside the projector node.
 struct Sweep {
   std::string topic;
   std::string frame;  ///< of the laser, without a leading slash
   ros::Time stamp;
   SweepData data;
-  SweepTimes times;  ///< what the attitude has to cover
+  SweepTimes times;  ///< times that the attitude must cover
   WaitingTime waiting;
 };
 

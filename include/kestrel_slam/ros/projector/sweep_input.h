@@ -17,8 +17,7 @@
 
 namespace kestrel {
 
-/// Receives the sweeps of all lasers. Those that cannot be used are counted, and the reason is
-/// said.
+/// Receives the sweeps of all lasers. Unusable sweeps are counted, and the reason is logged.
 class SweepInput {
  public:
   using Callback = std::function<void(Sweep)>;

@@ -12,17 +12,18 @@
 
 namespace kestrel {
 
-/// Takes the attitude of the vehicle from tf, where somebody else publishes it.
+/// Takes the attitude of the vehicle from tf, where another node publishes it.
 class TfAttitude {
  public:
   /// `world_frame`: a frame whose z axis points up.
   TfAttitude(const tf2_ros::Buffer& buffer, const std::string& world_frame,
              const std::string& base_frame, AttitudeTracker& tracker);
 
-  /// Brings what tf says about a sweep's time into the tracker; false where tf does not know it.
+  /// Copies the attitudes during a sweep from tf to the tracker. Returns false if tf does not have
+  /// them.
   bool fetch(const SweepTimes& times);
 
-  /// A sentence about what tf lacks.
+  /// A message about the data that is missing in tf.
   std::string missing() const;
 
  private:

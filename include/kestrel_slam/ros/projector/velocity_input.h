@@ -12,7 +12,7 @@
 
 namespace kestrel {
 
-/// Receives an odometry and gives its velocity to the projection, which undoes the motion during a
+/// Receives odometry and passes its velocity to the projection, which corrects the motion during a
 /// sweep.
 class VelocityInput {
  public:
