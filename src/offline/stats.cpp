@@ -76,7 +76,7 @@ Json timingOf(const OfflineRun& run) {
           {"peak_memory_mb", rounded(run.peak_memory_mb, kCoarse)}};
 }
 
-/// Numbers stay numbers, as far as JSON can say it.
+/// Converts a parameter value to JSON and keeps its type if JSON supports it.
 Json valueOf(const Parameter& parameter) {
   return std::visit([](const auto* value) { return Json(*value); }, parameter.value);
 }

@@ -45,7 +45,7 @@ struct PipelineScan {
   SweepData data;
   Eigen::Isometry3d base_T_laser = Eigen::Isometry3d::Identity();
   std::optional<Pose2> odom_T_base;  ///< odometry at the scan's stamp
-  std::optional<double> time;        ///< on a monotone time base, where it was repaired already, s
+  std::optional<double> time;        ///< on a monotone time base, if already repaired, s
   std::size_t number = 0;            ///< chosen by the caller to identify the scan in events
 };
 

@@ -19,14 +19,14 @@ constexpr char kAttitudeSource[] = "attitude_source";
 
 /// Parameters of laser_ortho_projector and of other nodes that have no effect here.
 UnneededParameters unneededParameters() {
-  static const std::string kSource = "~attitude_source says where the attitude comes from";
+  static const std::string kSource = "~attitude_source sets the source of the attitude";
   UnneededParameters unneeded = {
       {"ortho_frame", "the scans are published in ~base_stabilized_frame"},
       {"fixed_frame", "~attitude_frame is the frame whose attitude is taken from tf"},
       {"use_imu", kSource},
       {"use_pose", kSource},
-      {"filter_height_topic", "the height of the pose filter comes with ~filter_topic"},
-      {"publish_tf", "~pub_stabilized_transform and ~pub_footprint_transform switch tf"},
+      {"filter_height_topic", "the height of the pose filter is received on ~filter_topic"},
+      {"publish_tf", "~pub_stabilized_transform and ~pub_footprint_transform turn tf on or off"},
   };
   SlamConfig slam;
   addUnneeded(mappingParametersOf(slam), "only mapper_node builds a map", unneeded);

@@ -10,7 +10,7 @@
 namespace kestrel {
 namespace {
 
-/// Each test has a private namespace of its own.
+/// Each test uses its own private namespace.
 class PoseFilterParameters : public testing::Test {
  protected:
   PoseFilterParameters()

@@ -14,7 +14,7 @@
 namespace kestrel {
 namespace {
 
-/// Each test has a private namespace of its own.
+/// Each test uses its own private namespace.
 class MapperParameters : public testing::Test {
  protected:
   MapperParameters()

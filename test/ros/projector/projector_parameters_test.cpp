@@ -15,7 +15,7 @@
 namespace kestrel {
 namespace {
 
-/// Each test has a private namespace of its own.
+/// Each test uses its own private namespace.
 class ProjectorParameters : public testing::Test {
  protected:
   ProjectorParameters()
@@ -129,7 +129,7 @@ TEST(ProjectorProgram, SuggestsTheNearestNameOfAMisspelledParameter) {
 }
 
 TEST(ProjectorProgram, LogsTheReplacementOfAnOldParameter) {
-  expectIn("~use_imu has no effect: ~attitude_source says", runNode("_use_imu:=true", 4).output);
+  expectIn("~use_imu has no effect: ~attitude_source sets", runNode("_use_imu:=true", 4).output);
 }
 
 }  // namespace

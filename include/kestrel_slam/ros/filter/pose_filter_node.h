@@ -33,7 +33,7 @@ namespace kestrel {
 /// serves `nh`.
 class PoseFilterNode {
  public:
-  /// `nh` must be served by one thread. Throws std::invalid_argument on a bad parameter.
+  /// `nh` must be served by one thread. Throws std::invalid_argument if a parameter is invalid.
   PoseFilterNode(ros::NodeHandle nh, ros::NodeHandle private_nh);
   PoseFilterNode(const PoseFilterNode&) = delete;
   PoseFilterNode& operator=(const PoseFilterNode&) = delete;

@@ -32,7 +32,7 @@ namespace kestrel {
 /// and the third publishes the map.
 class MapperNode {
  public:
-  /// `nh` must be served by one thread. Throws std::invalid_argument on a bad parameter.
+  /// `nh` must be served by one thread. Throws std::invalid_argument if a parameter is invalid.
   MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh);
   ~MapperNode();
   MapperNode(const MapperNode&) = delete;

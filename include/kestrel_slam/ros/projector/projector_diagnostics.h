@@ -22,13 +22,13 @@ struct ProjectorReport {
   std::string topics;          ///< of the lasers
   unsigned publishers = 0;     ///< of these topics
   std::string waiting_for;     ///< missing transform of the newest sweep, or empty
-  std::string attitude_hint;   ///< where the attitude comes from
+  std::string attitude_hint;   ///< the source of the attitude
   std::string attitude_error;  ///< error of the attitude, or empty
   std::optional<ImuStatus> imu;
   std::string imu_topic;
   unsigned imu_publishers = 0;
   std::optional<double> tilt_rad;  ///< newest
-  std::optional<double> height_m;  ///< newest, of the base over the floor
+  std::optional<double> height_m;  ///< newest height of the base above the floor
   std::string height_source;
   std::string height_error;  ///< error of the height, or empty
   std::map<std::string, std::size_t> height_counts;

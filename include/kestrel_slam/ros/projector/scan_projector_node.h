@@ -32,7 +32,7 @@ namespace kestrel {
 /// max_wait. All work is done on the thread that serves `nh`.
 class ScanProjectorNode {
  public:
-  /// `nh` must be served by one thread. Throws std::invalid_argument on a bad parameter.
+  /// `nh` must be served by one thread. Throws std::invalid_argument if a parameter is invalid.
   ScanProjectorNode(ros::NodeHandle nh, ros::NodeHandle private_nh);
   ScanProjectorNode(const ScanProjectorNode&) = delete;
   ScanProjectorNode& operator=(const ScanProjectorNode&) = delete;
