@@ -2,13 +2,12 @@
 // Maps scans of a simulated laser that moves through a room, without ROS.
 #include <cstdio>
 
-#include "kestrel_slam/mapping/mapper.h"
-#include "kestrel_slam/sensor/scan_projector.h"
+#include "kestrel_slam/pipeline/pipeline.h"
 #include "kestrel_slam/simulation/motion.h"
 #include "kestrel_slam/simulation/sensor_models.h"
 #include "kestrel_slam/simulation/world.h"
 
-using namespace kestrel_slam;
+using namespace kestrel;
 
 namespace {
 
@@ -43,19 +42,24 @@ int main() {
   const StraightLine motion;
   Random random(1);
 
-  ScanProjector projector{ProjectorConfig()};
-  Mapper mapper{MapperConfig()};
+  PipelineConfig config;
+  config.level = true;  // there is no IMU
+  Pipeline pipeline(config);
+  pipeline.on_scan = [](const MappedSweep& sweep) {
+    const Pose2& pose = sweep.result.pose;
+    std::printf("%.1f s: %s, x %.3f m, y %.3f m, yaw %.3f rad\n", sweep.scan.stamp,
+                toString(sweep.result.state), pose.x, pose.y, pose.yaw);
+  };
   for (int i = 0; i <= 40; ++i) {
     const double time = 0.1 * i;
-    const LaserScan scan = sweep(laser, world, motion, base_T_laser, time, random);
-    const Projection projection = projector.project(scan, base_T_laser);
-    if (projection.error != ScanError::kNone) continue;
-    const MapperResult result = mapper.process(projection.scan);
-    std::printf("%.1f s: %s, x %.3f m, y %.3f m, yaw %.3f rad\n", time, toString(result.state),
-                result.pose.x, result.pose.y, result.pose.yaw);
+    PipelineScan scan;
+    scan.data = sweep(laser, world, motion, base_T_laser, time, random);
+    scan.base_T_laser = base_T_laser;
+    pipeline.addScan(scan, time);
   }
+  pipeline.finish();
   const Pose2 end(motion.at(motion.duration()).world_T_base.translation().x(), 0.0, 0.0);
-  const double error_m = (end.inverse() * mapper.pose()).distance();
+  const double error_m = (end.inverse() * pipeline.mapper().pose()).distance();
   std::printf("error at the end: %.3f m\n", error_m);
   return error_m < 0.05 ? 0 : 1;
 }

@@ -71,8 +71,8 @@ RelationEvaluation evaluateRelations(const Trajectory& trajectory,
 ///
 /// Each pose is compared with the reference at its stamp, interpolated between two poses that are
 /// at most kMaxReferenceGap apart. ATE (absolute trajectory error): the error after the best rigid
-/// alignment (Umeyama, without scale). RPE (relative pose error): the difference of the motions
-/// over a fixed distance or time.
+/// alignment ([Umeyama 1991], without scale). RPE (relative pose error): the difference of the
+/// motions over a fixed distance or time.
 struct ReferenceEvaluation {
   std::size_t unmatched = 0;   ///< poses without a reference at their time
   Pose2 reference_T_map;       ///< the best alignment
