@@ -139,6 +139,18 @@ Results evaluate(const Options& options) {
   return results;
 }
 
+/// A comparison of a few poses says nothing about the trajectory.
+void requireOverlap(const Results& results) {
+  constexpr double kMinShare = 0.1;
+  if (!results.reference) return;
+  const auto all = static_cast<double>(results.trajectory.size());
+  const double share = 1.0 - static_cast<double>(results.reference->unmatched) / all;
+  if (share >= kMinShare) return;
+  throw std::runtime_error("only " + std::to_string(static_cast<int>(100.0 * share)) +
+                           " % of the poses have a reference near their stamp; check that both "
+                           "files belong to the same recording and use the same clock");
+}
+
 void run(const Options& options) {
   const Results results = evaluate(options);
   printTable(results);
@@ -147,6 +159,13 @@ void run(const Options& options) {
   if (!options.json.empty()) writeJson(options.json, results);
   if (!options.plot.empty()) {
     plotEvaluation(options.plot, results.trajectory, results.relations, results.reference);
+  }
+  requireOverlap(results);
+}
+
+void check(const Options& options) {
+  if (options.relations.empty() && options.reference.empty()) {
+    throw CLI::RequiredError("--relations or --reference");
   }
 }
 
@@ -171,5 +190,6 @@ int main(int argc, char** argv) {
                  "topic in a rosbag: PoseStamped, PoseWithCovarianceStamped or Odometry");
   app.add_option("--json", options.json, "write all statistics to this file");
   app.add_option("--plot", options.plot, "write a plot (PNG) of trajectory and errors");
-  return runTool("evaluate_trajectory", app, argc, argv, [&] { run(options); });
+  return runTool(
+      "evaluate_trajectory", app, argc, argv, [&] { run(options); }, [&] { check(options); });
 }

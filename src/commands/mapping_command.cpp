@@ -90,7 +90,8 @@ void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
       ->check(CLI::IsMember({"none", "use"}));
   app.add_option("--set", arguments.settings, "name=value: sets a parameter; overrides --config")
       ->expected(1)
-      ->take_all();
+      ->take_all()
+      ->allow_extra_args(false);
   addLaserPoseOption(app, arguments.laser_pose);
   addTopicOptions(app, arguments.topics);
   addRunOptions(app, arguments.run);

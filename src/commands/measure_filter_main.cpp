@@ -317,11 +317,13 @@ int main(int argc, char** argv) {
   app.add_option("--set", options.settings,
                  "with --recording: name=value, sets a parameter, see map_recording")
       ->expected(1)
-      ->take_all();
+      ->take_all()
+      ->allow_extra_args(false);
   app.add_option("--filter", options.filter_settings,
                  "name=value: sets a filter parameter, see --list-parameters")
       ->expected(1)
-      ->take_all();
+      ->take_all()
+      ->allow_extra_args(false);
   app.add_flag("--list-parameters", options.list_parameters,
                "print all parameters of the filter as YAML and exit");
   addLaserPoseOption(app, options.laser_pose);

@@ -39,7 +39,8 @@ void declareOptions(CLI::App& app, Options& options) {
                  "floor, m), "
                  "laser_z_min_value and laser_z_max_value (limits of the slice, m)")
       ->expected(1)
-      ->take_all();
+      ->take_all()
+      ->allow_extra_args(false);
   app.add_option("--pictures", options.pictures, "N: plot the first N frames of each file")
       ->capture_default_str();
   app.add_option("--scan-topic", options.topics.scan_topic, "bags: topic of the clouds");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/recording/recording.h"
 
+#include <filesystem>
 #include <stdexcept>
 
 #include "kestrel_slam/recording/breezy_log.h"
@@ -28,6 +29,9 @@ std::unique_ptr<Recording> openBag(const std::string& path,
 }  // namespace
 
 std::unique_ptr<Recording> openRecording(const std::string& path, const RecordingOptions& options) {
+  if (std::filesystem::is_regular_file(path) && std::filesystem::file_size(path) == 0) {
+    throw std::runtime_error(path + ": the file is empty (0 bytes); record or copy it again");
+  }
   if (isBag(path)) return openBag(path, options);
   if (looksLikeCarmenLog(path)) return std::make_unique<CarmenLog>(path);
   if (looksLikeBreezyLog(path)) return std::make_unique<BreezyLog>(path);

@@ -80,6 +80,12 @@ TEST_F(MapRecordingTest, CommandLineOverridesParameterFile) {
   EXPECT_EQ(parameters["clear_range"], 5.0);
 }
 
+TEST_F(MapRecordingTest, SettingsMayStandBeforeTheRecording) {
+  const Outcome outcome = runCommand(kTool + "--set map_resolution=0.1 " + log_ + outputs("out"));
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_EQ(nlohmann::json::parse(read("out/stats.json"))["parameters"]["map_resolution"], 0.1);
+}
+
 TEST_F(MapRecordingTest, OutputFolderIsNamedAfterTheRecording) {
   const Outcome outcome = runCommand("cd " + folder_.file("") + " && " + kTool + "flight.clf");
   ASSERT_EQ(outcome.code, 0) << outcome.output;
@@ -149,6 +155,7 @@ TEST_F(MapRecordingTest, BadInputIsOneLineAndExitCodeOne) {
   } cases[] = {
       {folder_.file("missing.bag"), "missing.bag"},
       {folder_.file(""), "folder"},
+      {file, "the file is empty (0 bytes)"},
       {garbage, "unknown format; use a rosbag, a CARMEN log"},
       {log_ + " --set map_resolutoin=0.1", "did you mean 'map_resolution'?"},
       {log_ + " --set map_resolution=-1", "map_resolution = -1: must be between"},

@@ -19,6 +19,13 @@ namespace {
 constexpr std::uint32_t kCommandQueue = 10;
 constexpr double kComplainEvery = 5.0;  // s
 
+ProjectionStageConfig levelProjection(const MapperNodeConfig& config) {
+  ProjectionStageConfig result;
+  result.projector = config.slam.projector;
+  result.level = true;
+  return result;
+}
+
 std::string textOf(const Pose2& pose) {
   char text[100];
   std::snprintf(text, sizeof text, "x %.2f m, y %.2f m, yaw %.3f rad", pose.x, pose.y, pose.yaw);
@@ -31,7 +38,7 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
     : config_(loadParameters(private_nh)),
       mapper_(config_.slam.mapper),
       queue_(static_cast<std::size_t>(config_.scan_subscriber_queue_size)),
-      projector_(config_.slam.projector),
+      projection_(levelProjection(config_)),
       pose_publisher_(nh, config_) {
   command_subscriber_ =
       nh.subscribe(config_.sys_msg_topic, kCommandQueue, &MapperNode::onCommand, this);
@@ -76,6 +83,8 @@ void MapperNode::matchLoop() {
 }
 
 void MapperNode::handle(const ReadyScan& scan) {
+  // What a user says during a pause must survive it: it replaces the old correction.
+  if (placed_.exchange(false)) pose_publisher_.place(mapper_.pose(), scan.odom_T_base);
   if (statistics_.paused()) {
     was_paused_ = true;
     statistics_.dropped("paused");
@@ -115,7 +124,8 @@ void MapperNode::match(const ReadyScan& scan) {
 std::optional<PlanarScan> MapperNode::planarOf(const ReadyScan& scan) {
   if (scan.message.planar_scan) return planarOf(*scan.message.planar_scan);
   const LaserScan laser_scan = fromMessage(*scan.message.laser_scan);
-  Projection projection = projector_.project(laser_scan, scan.base_T_laser);
+  constexpr bool kLevel = true;
+  Projection projection = projection_.project(laser_scan, scan.base_T_laser, kLevel).projection;
   if (projection.error == ScanError::kNone) return std::move(projection.scan);
   drop(toString(projection.error), projection.message);
   return std::nullopt;
@@ -141,6 +151,7 @@ void MapperNode::drop(const std::string& reason, const std::string& sentence) {
 void MapperNode::restart(const Pose2& map_T_base) {
   queue_.clear();  // scans from before the command do not belong to the new map
   mapper_.reset(map_T_base);
+  placed_ = true;
   trajectory_.clear();
   ROS_INFO("The map was deleted; the next scan starts a new map at %s.",
            textOf(map_T_base).c_str());
@@ -160,6 +171,7 @@ void MapperNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& m
   try {
     const Pose2 pose = planarFromMessage(message.pose.pose);
     mapper_.setPose(pose);
+    placed_ = true;
     ROS_INFO("The pose of the vehicle was set to %s.", textOf(pose).c_str());
   } catch (const std::invalid_argument& error) {
     ROS_ERROR("initialpose is refused: %s.", error.what());

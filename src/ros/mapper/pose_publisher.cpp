@@ -57,6 +57,10 @@ void PosePublisher::repeatCorrection(const ros::Time& stamp) {
                                        config_.odom_frame, *map_T_odom_));
 }
 
+void PosePublisher::place(const Pose2& map_T_base, const std::optional<Pose2>& odom_T_base) {
+  if (odom_T_base) map_T_odom_ = map_T_base * odom_T_base->inverse();
+}
+
 std::optional<Pose2> PosePublisher::poseByOdometry(const std::optional<Pose2>& odom_T_base) const {
   if (!map_T_odom_ || !odom_T_base) return std::nullopt;
   return *map_T_odom_ * *odom_T_base;

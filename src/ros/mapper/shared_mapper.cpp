@@ -34,6 +34,11 @@ void SharedMapper::restartMotion() {
   mapping_.restartMotion();
 }
 
+Pose2 SharedMapper::pose() const {
+  const Lock lock(mutex_);
+  return mapping_.mapper().pose();
+}
+
 MapCopy SharedMapper::copy() const {
   const Lock lock(mutex_);
   return {mapping_.mapper().snapshot(), version_, stamp_};

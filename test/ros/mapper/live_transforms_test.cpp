@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <ros/service.h>
+#include <std_srvs/SetBool.h>
 #include <tf2_ros/transform_listener.h>
 
 #include <cmath>
 
+#include "kestrel_slam/ResetMapping.h"
 #include "kestrel_slam/messages/conversions.h"
 #include "mapper_client.h"
 
@@ -77,18 +80,21 @@ TEST(LiveTransforms, LaserUpsideDownGivesTheSamePoses) {
 /// Odometry that drifts by a known amount. map -> odom must correct the drift.
 class DriftingOdometry {
  public:
-  explicit DriftingOdometry(const TestFlight& flight) : flight_(flight) {}
+  explicit DriftingOdometry(const TestFlight& flight, const std::string& odom = "odom",
+                            const std::string& base = "odom_base")
+      : flight_(flight), odom_(odom), base_(base) {}
 
   Pose2 odom_T_base(std::size_t i) const {
     const double drift = 1e-3 * static_cast<double>(i);  // m and rad per scan
     return Pose2(2.0, 1.0, 0.5) * flight_.truth(i) * Pose2(drift, 0.0, drift);
   }
   geometry_msgs::TransformStamped message(std::size_t i) const {
-    return transformOf("odom", "odom_base", odom_T_base(i), ros::Time(flight_.scans[i].scan.stamp));
+    return transformOf(odom_, base_, odom_T_base(i), ros::Time(flight_.scans[i].scan.stamp));
   }
 
  private:
   const TestFlight& flight_;
+  std::string odom_, base_;
 };
 
 TEST(LiveTransforms, OdometryGetsTheCorrection) {
@@ -121,6 +127,37 @@ TEST(LiveTransforms, OdometryGetsTheCorrection) {
   const Pose2 difference = (map_T_odom * odometry.odom_T_base(last)).inverse() * *pose;
   EXPECT_LT(difference.distance(), 1e-9);
   EXPECT_LT(std::abs(difference.yaw), 1e-9);
+}
+
+/// What a user says during a pause holds: the old map -> odom must not come back on resume.
+TEST(LiveTransforms, APoseSetDuringAPauseSurvivesTheResume) {
+  MapperClient client("paused");
+  const TestFlight flight = laboratoryFlight(60);
+  const DriftingOdometry odometry(flight, "paused_odom", "paused_base");
+  ASSERT_TRUE(client.connect());
+  client.static_broadcaster.sendTransform(
+      transformOf("paused_base", "paused_laser", Pose2(), ros::Time::now()));
+  const auto send = [&](std::size_t i) {
+    client.broadcaster.sendTransform(odometry.message(i));
+    return client.match(messageOf(flight.scans[i].scan, "paused_laser"), 0.5);
+  };
+  for (std::size_t i = 0; i < 40; ++i) send(i);
+
+  std_srvs::SetBool pause;
+  pause.request.data = true;
+  ASSERT_TRUE(ros::service::call("paused/pause_mapping", pause));
+  EXPECT_FALSE(send(40));
+  kestrel_slam::ResetMapping restart;
+  const Pose2 start(10.0, 5.0, 1.0);
+  restart.request.initial_pose = toMessage(start);
+  ASSERT_TRUE(ros::service::call("paused/restart_mapping_with_new_pose", restart));
+  for (std::size_t i = 41; i < 45; ++i) EXPECT_FALSE(send(i));
+  pause.request.data = false;
+  ASSERT_TRUE(ros::service::call("paused/pause_mapping", pause));
+
+  std::optional<Pose2> pose;
+  for (std::size_t i = 45; i < 50; ++i) pose = send(i);
+  expectNear(pose, start * (flight.truth(41).inverse() * flight.truth(49)));
 }
 
 TEST(LiveTransforms, OdometryFrameEqualToTheBaseMeansNoOdometry) {

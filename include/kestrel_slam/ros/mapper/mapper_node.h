@@ -7,12 +7,14 @@
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
 #include <thread>
 
 #include "kestrel_slam/ResetMapping.h"
+#include "kestrel_slam/pipeline/projection_stage.h"
 #include "kestrel_slam/ros/common/bounded_queue.h"
 #include "kestrel_slam/ros/mapper/diagnostics.h"
 #include "kestrel_slam/ros/mapper/map_publisher.h"
@@ -21,7 +23,6 @@
 #include "kestrel_slam/ros/mapper/scan_input.h"
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
 #include "kestrel_slam/ros/mapper/trajectory_log.h"
-#include "kestrel_slam/sensor/scan_projector.h"
 
 namespace kestrel {
 
@@ -63,10 +64,11 @@ class MapperNode {
   BoundedQueue<ReadyScan> queue_;
 
   // Only the matching thread uses these.
-  ScanProjector projector_;
+  ProjectionStage projection_;  ///< of a level laser
   PosePublisher pose_publisher_;
   std::size_t epoch_ = 0;
   bool was_paused_ = false;
+  std::atomic<bool> placed_{false};  ///< by a user, since the last scan
   std::thread match_thread_;
 
   ros::Subscriber command_subscriber_, initial_pose_subscriber_;

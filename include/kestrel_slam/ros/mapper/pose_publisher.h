@@ -24,6 +24,9 @@ class PosePublisher {
   /// match.
   void repeatCorrection(const ros::Time& stamp);
 
+  /// A user has placed the vehicle: `map_T_base` at the time of `odom_T_base`.
+  void place(const Pose2& map_T_base, const std::optional<Pose2>& odom_T_base);
+
   /// Pose in map: the last match plus the motion of the odometry since then. Empty without
   /// odometry.
   std::optional<Pose2> poseByOdometry(const std::optional<Pose2>& odom_T_base) const;

@@ -38,6 +38,8 @@ class SharedMapper {
   /// Keeps map and pose but resets the motion model. Used after a gap or a jump in time.
   void restartMotion();
 
+  Pose2 pose() const;
+
   MapCopy copy() const;
 
   /// Changes when the map changes. Never blocks.
