@@ -220,8 +220,9 @@ TEST(OpenRecording, ErrorsDescribeTheProblem) {
   };
   EXPECT_CONTAINS(problem(folder.file("none.clf")), "none.clf: the file does not exist");
   EXPECT_CONTAINS(problem(folder.file("")), "is a folder");
-  EXPECT_CONTAINS(problem(folder.write("a", "")), "unknown format; use a rosbag");
-  EXPECT_CONTAINS(problem(folder.write("b", "Dear all,\nno laser here\n")), "unknown format");
+  EXPECT_CONTAINS(problem(folder.write("a", "")), "a: the file is empty (0 bytes)");
+  EXPECT_CONTAINS(problem(folder.write("b", "Dear all,\nno laser here\n")),
+                  "unknown format; use a rosbag");
   EXPECT_CONTAINS(problem(folder.write("c", std::string(5000, '\0'))), "unknown format");
   EXPECT_CONTAINS(problem(folder.write("d", "BZh91AY&SYgarbage")), "unknown format");
   EXPECT_CONTAINS(problem(folder.write("e", "ODOM 0 0 0 0 0 0 1 h 1\n")), "has no laser");

@@ -130,7 +130,7 @@ TEST(RangeTable, KeepsNanAndInfAndReadsCarriageReturns) {
 TEST(RangeTable, OtherTextIsNotATable) {
   const TemporaryFolder folder;
   for (const char* text : {"a,b,c,d,e,f,g,h,i\n", "1,2,3\n", "1 2 3 4 5 6 7 8 9\n",
-                           "1,2,3,4,5,6,,8\n", "", "1,2,3,4,5,6,7,8,\n"}) {
+                           "1,2,3,4,5,6,,8\n", "\n", "1,2,3,4,5,6,7,8,\n"}) {
     EXPECT_FALSE(looksLikeRangeTable(folder.write("a.csv", text))) << text;
     EXPECT_CONTAINS(
         messageOf([&] { openRecording(folder.file("a.csv")); }),
