@@ -25,10 +25,14 @@ def count_cases(path, reasons):
         if tags & {"failure", "error"}:
             counts[1] += 1
         elif "skipped" in tags or case.get("status") == "notrun":
-            counts[2] += 1
             skipped = case.find("skipped")
             text = "" if skipped is None else skipped.get("message") or skipped.text or ""
-            reasons.add((text.strip().splitlines() or ["no reason given"])[-1])
+            lines = text.strip().splitlines() or ["no reason given"]
+            # GoogleTest gives no reason, only the place, where the set-up of the suite has failed.
+            failed = len(lines) == 1 and re.fullmatch(r"\S+:\d+", lines[0]) is not None
+            counts[1 if failed else 2] += 1
+            if not failed:
+                reasons.add(lines[-1])
         else:
             counts[0] += 1
     return counts

@@ -70,6 +70,8 @@ class MapperClient {
 
   /// Waits until the mapper subscribes to the scans.
   bool connect();
+  /// Whether the poses of the mapper arrive here.
+  bool hearsPoses() const { return subscribers_[0].getNumPublishers() > 0; }
 
   void publish(const sensor_msgs::LaserScan& scan) { scan_publisher_.publish(scan); }
 

@@ -35,7 +35,8 @@ class PlanarClient {
       : client(ns), publisher_(client.nh.advertise<kestrel_slam::PlanarScan>(topic, kQueue)) {}
 
   bool connect() {
-    return client.waitFor([this] { return publisher_.getNumSubscribers() > 0; }, 10.0);
+    return client.waitFor(
+        [this] { return publisher_.getNumSubscribers() > 0 && client.hearsPoses(); }, 10.0);
   }
 
   kestrel_slam::PlanarScanPtr messageOf(std::size_t i) const {
