@@ -69,7 +69,6 @@ class ProjectionStage {
   const AttitudeTracker& tracker() const { return tracker_; }
   const FilteredMotionBuffer& motions() const { return motions_; }
   const HeightTracker& heights() const { return heights_; }
-  const ProjectionStageConfig& config() const { return config_; }
 
  private:
   bool waitsForFilter(const SweepTimes& times, double waited_s) const;

@@ -3,8 +3,6 @@
 
 #include <ros/console.h>
 
-#include <cmath>
-#include <cstdio>
 #include <exception>
 #include <utility>
 
