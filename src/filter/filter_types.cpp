@@ -70,7 +70,9 @@ bool FilterOutput::givesAttitude() const { return areKnown(covariance, kOrientat
 
 bool FilterOutput::givesHeight() const { return height_sigma_m < kUsefulHeight; }
 
-bool FilterOutput::givesPrediction() const { return areKnown(covariance, kVelocity, kUsefulSpeed); }
+bool FilterOutput::givesPrediction() const {
+  return !contradicted && areKnown(covariance, kVelocity, kUsefulSpeed);
+}
 
 Eigen::Matrix<double, 6, 6> poseCovariance(const FilterOutput& output) {
   const FilterCovariance& p = output.covariance;

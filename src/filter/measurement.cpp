@@ -139,6 +139,9 @@ Verdict applyPose(const Measurement& m, const PoseFilterConfig& config, FilterSt
     if (state.rejected_since < 0.0) state.rejected_since = m.stamp;
     if (m.stamp - state.rejected_since < config.gate.reinitialize_after_s) return {kGated};
     reinitialize(m, state);
+    // The velocity was probably wrong, too: in a uniform motion that looked like a standstill.
+    const double speed = square(config.motion.start_speed_sigma);
+    state.covariance.block<2, 2>(kVelocity, kVelocity).diagonal().array() += speed;
     verdict.reinitialized = true;
   }
   state.rejected_since = -1.0;

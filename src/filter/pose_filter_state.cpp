@@ -237,6 +237,7 @@ FilterOutput PoseFilter::State::outputOf(const FilterState& state, const ImuInpu
   out.covariance(1, 1) += square(config.noise.mounting_sigma_rad);
   out.ground_m = state.ground;
   out.height_sigma_m = heightSigma(state);
+  out.contradicted = state.rejected_since >= 0.0;
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/mapping/motion_model.h"
 #include "kestrel_slam/mapping/pose_uncertainty.h"
+#include "kestrel_slam/matching/ambiguity.h"
 
 namespace kestrel {
 namespace {
@@ -17,23 +18,29 @@ namespace {
 constexpr double kFoundKnownShare = 0.5;
 /// Larger coordinates of a ray, m, and coordinates that are not finite are invalid.
 constexpr float kMaxRayM = 1e4F;
+/// Larger times, and times that are not finite, are invalid, s.
+constexpr double kMaxTime = 1e12;
 
 bool isUsable(const PlanarRay& ray) {
   // The comparisons are false for NaN.
   return ray.origin.cwiseAbs().sum() < kMaxRayM && ray.end.cwiseAbs().sum() < kMaxRayM;
 }
 
+bool isUsableTime(double time) { return std::abs(time) < kMaxTime; }
+
 bool isUsable(const PlanarScan& scan) {
-  return std::all_of(scan.rays.begin(), scan.rays.end(),
+  return isUsableTime(scan.time) &&
+         std::all_of(scan.rays.begin(), scan.rays.end(),
                      [](const PlanarRay& ray) { return isUsable(ray); }) &&
          (!scan.integrated_yaw || std::isfinite(*scan.integrated_yaw)) &&
          (!scan.integrated_acceleration || scan.integrated_acceleration->allFinite()) &&
          (!scan.predicted || isUsable(*scan.predicted));
 }
 
-/// The scan without invalid rays and readings.
-PlanarScan repaired(const PlanarScan& scan) {
+/// The scan without invalid rays and readings. `last_time` replaces an invalid time, s.
+PlanarScan repaired(const PlanarScan& scan, double last_time) {
   PlanarScan result = scan;
+  if (!isUsableTime(result.time)) result.time = last_time;
   const auto broken = [](const PlanarRay& ray) { return !isUsable(ray); };
   result.rays.erase(std::remove_if(result.rays.begin(), result.rays.end(), broken),
                     result.rays.end());
@@ -93,7 +100,9 @@ struct Mapper::State {
 
   void begin(MapperResult& result);
   void match(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
-             MapperResult& result);
+             const PredictionError& error, MapperResult& result);
+  void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
+             const PredictionError& error, MapperResult& result);
   MatchState judge(const MatchResult& match, bool was_lost) const;
   void insert(const PlanarScan& scan, MapperResult& result);
   bool movedEnough() const;
@@ -110,7 +119,8 @@ void Mapper::State::begin(MapperResult& result) {
 }
 
 void Mapper::State::match(const Points& points, const PlanarScan& scan,
-                          const std::optional<Pose2>& odom_T_base, MapperResult& result) {
+                          const std::optional<Pose2>& odom_T_base, const PredictionError& error,
+                          MapperResult& result) {
   const MatchRequest request = motion.request(points, scan, odom_T_base);
   const PredictionSource prediction_source = motion.predictionSourceOf(scan, odom_T_base);
   const std::optional<Pose2> motion_prediction =
@@ -120,15 +130,31 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
     keepPredictionAlong(*motion_prediction, result.match);
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request.lost);
+  if (request.lost && result.state != MatchState::kLost &&
+      secondExplanation(map, request, result.match, config.matcher)) {
+    result.match.ambiguous = true;
+    result.state = MatchState::kLost;
+  }
   const bool lost = result.state == MatchState::kLost;
   const double moved = (motion.pose().inverse() * result.match.pose).distance();
   motion.move(result.match.pose, request.initial_guesses.front(), lost, scan);
   if (lost) {
-    uncertainty.lose(motion.pose());
+    uncertainty.lose(motion.pose(), error);
   } else {
     uncertainty.update(map.surface(), points, result.match, motion.secondsSince(scan), moved,
                        prediction_source);
   }
+}
+
+/// A scan without hits shows nothing to match: the motion goes on as predicted. As long as the
+/// search around the prediction will find the vehicle again, it is not lost.
+void Mapper::State::carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
+                          const PredictionError& error, MapperResult& result) {
+  motion.carry(scan, odom_T_base);
+  uncertainty.carry(motion.pose(), error);
+  result.match.pose = motion.pose();
+  result.carried = true;
+  result.state = motion.isWide(error) ? MatchState::kLost : MatchState::kDegraded;
 }
 
 MatchState Mapper::State::judge(const MatchResult& match, bool was_lost) const {
@@ -145,7 +171,8 @@ void Mapper::State::insert(const PlanarScan& scan, MapperResult& result) {
   const bool first = map.scans() == 0;
   const bool accepted =
       !config.evaluation.enabled || first || result.evaluation < config.evaluation.threshold;
-  if (result.state == MatchState::kLost || !accepted || !(first || movedEnough())) return;
+  if (result.carried || result.state == MatchState::kLost || !accepted || !(first || movedEnough()))
+    return;
   // Without an IMU the laser is level and always sees the same slice: a new object is moving or was
   // moved, and is not a new view.
   const bool new_view =
@@ -168,20 +195,23 @@ Mapper::Mapper(Mapper&&) noexcept = default;
 Mapper& Mapper::operator=(Mapper&&) noexcept = default;
 
 MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {
-  if (!isUsable(scan)) return process(repaired(scan), odom_T_base);
+  if (!isUsable(scan)) return process(repaired(scan, state_->motion.time()), odom_T_base);
   if (odom_T_base && !isUsable(*odom_T_base)) return process(scan);
   State& s = *state_;
   MapperResult result;
   const Points points = hitsOf(scan);
-  if (!points.empty()) {
-    if (s.map.scans() == 0) {
-      s.begin(result);
+  const PredictionError error = s.motion.errorAt(scan, odom_T_base);
+  if (s.map.scans() > 0) {
+    if (points.empty()) {
+      s.carry(scan, odom_T_base, error, result);
     } else {
-      s.match(points, scan, odom_T_base, result);
+      s.match(points, scan, odom_T_base, error, result);
     }
+  } else if (!points.empty()) {
+    s.begin(result);
   }
   s.insert(scan, result);
-  s.motion.remember(scan, odom_T_base, result.state == MatchState::kLost);
+  s.motion.remember(scan, odom_T_base, result.isMatched() ? std::nullopt : std::optional(error));
   result.pose = s.motion.pose();
   result.velocity = Eigen::Rotation2Dd(-result.pose.yaw) * s.motion.velocity();
   result.uncertain = s.uncertainty.last();

@@ -22,13 +22,23 @@ constexpr double kMinPlausibleM = 0.05;
 /// Maximum turn rate of a vehicle, and noise of the yaw.
 constexpr double kMaxTurnRate = 12.0;  // rad/s
 constexpr double kTurnNoise = 0.1;     // rad
-/// After this many consecutive lost scans the yaw is unknown: the vehicle may have been rotated by
-/// hand.
+
+/// After this many consecutive lost scans the yaw is unknown: the gyro may be wrong.
 constexpr int kTrustedLostScans = 40;
 
-/// The prediction of a pose filter is not used over a longer time or for a faster motion.
-constexpr double kMaxPredicted_s = 5.0;
+/// A motion is not predicted over a longer time, s. That of a pose filter or of the odometry is not
+/// used if it is faster.
+constexpr double kMaxPredicted_s = 10.0;
 constexpr double kMaxPredictedSpeed = 10.0;  // m/s
+/// The error of a prediction does not grow longer, s: nothing is known then.
+constexpr double kMaxErrorTime = 600.0;
+/// Scans are missing if an interval is this many times the typical one.
+constexpr double kLongInterval = 5.0;
+constexpr double kIntervalGain = 0.1;
+/// A prediction with a smaller error is accurate: the local match converges from it.
+constexpr double kAccurateM = 0.05;
+/// The windows of the search cover this many standard deviations.
+constexpr double kSigmas = 3.0;
 
 /// Time constant of the velocity, s.
 constexpr double kVelocityTime = 0.15;
@@ -46,48 +56,58 @@ bool isUsable(const Pose2& pose) {
 
 MotionModel::MotionModel(const MapperConfig& config, const Pose2& map_T_base)
     : gap_s_(config.gap_s),
+      near_window_(config.matcher.near_window),
       wide_window_m_(config.matcher.wide_window.linear_m),
       pose_(map_T_base) {}
 
 /// The initial guesses, best first ([Xie 2010, eq. 5-6]: constant velocity). Odometry is not the
 /// first one: its bias would pull every scan in a corridor slightly in the same direction.
-MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
-                                  const std::optional<Pose2>& odom_T_base) const {
-  MatchRequest result{points, pose_, {}, false, 1.0};
-  const Pose2 continued = pose_ * motion_;
-  result.initial_guesses = {continued, pose_, halfway(pose_, continued)};
-  const std::optional<double> turn = yawChangeSince(scan);
-  const bool has_turn = turn.has_value();
-  if (has_turn) {
+std::vector<Pose2> MotionModel::initialGuesses(const PlanarScan& scan,
+                                               const std::optional<Pose2>& odom_T_base) const {
+  const Pose2 continued = pose_ * continuedMotion(scan);
+  std::vector<Pose2> result = {continued, pose_, halfway(pose_, continued)};
+  if (const std::optional<double> turn = yawChangeSince(scan)) {
     // The gyro measures the rotation better than a motion model. At typical scan rates the smoothed
     // velocity is more accurate than the difference of two noisy poses. The guess without both is
     // the last one.
-    const double yaw = pose_.yaw + *turn;
-    const double seconds = std::clamp(scan.time - time_, 0.0, gap_s_);
-    const Eigen::Vector2d moved =
-        pose_.translation() + seconds * (velocity_ + 0.5 * velocityChangeSince(scan));
-    const Pose2 predicted(moved.x(), moved.y(), yaw), turned(pose_.x, pose_.y, yaw);
-    result.initial_guesses = {predicted, turned, halfway(turned, predicted), continued};
-    result.trusted =
-        integrated_acceleration_ && scan.integrated_acceleration && lost_scans_ == 0 && !placed_;
+    const Pose2 predicted = movedWithVelocity(scan);
+    const Pose2 turned(pose_.x, pose_.y, pose_.yaw + *turn);
+    result = {predicted, turned, halfway(turned, predicted), continued};
   }
-  if (odom_ && odom_T_base) {
-    const auto place =
-        lost_scans_ > 0 ? result.initial_guesses.begin() : result.initial_guesses.end();
-    result.initial_guesses.insert(place, pose_ * (odom_->inverse() * *odom_T_base));
+  if (const std::optional<Pose2> moved = odometryMotion(odom_T_base)) {
+    result.insert(lost_scans_ > 0 ? result.begin() : result.end(), pose_ * *moved);
   }
-  const std::optional<Pose2> moved = filterMotionSince(scan);
-  if (moved) {
+  if (const std::optional<Pose2> moved = filterMotionSince(scan)) {
     // If this guess fits poorly, the reason is rarely the guess. Two other guesses are enough.
-    result.initial_guesses.resize(2);
-    result.initial_guesses.insert(result.initial_guesses.begin(), pose_ * *moved);
-    result.trusted = lost_scans_ == 0 && !placed_ && scan.time - time_ <= gap_s_;
+    result.resize(2);
+    result.insert(result.begin(), pose_ * *moved);
+  } else if (isLongAgo(scan)) {
+    result.insert(result.begin(), predict(scan, odom_T_base));
   }
-  result.yaw_known = (has_turn || moved) && lost_scans_ < kTrustedLostScans;
-  result.lost = lost_scans_ > 0 || scan.time - time_ > gap_s_;
+  return result;
+}
+
+MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
+                                  const std::optional<Pose2>& odom_T_base) const {
+  const double seconds = scan.time - time_;
+  const bool has_turn = yawChangeSince(scan).has_value();
+  const bool is_filtered = filterMotionSince(scan).has_value();
+  const bool is_gap = carried_ || isGap(seconds);
+  const PredictionError error = errorAt(scan, odom_T_base);
+  MatchRequest result{points, pose_, initialGuesses(scan, odom_T_base), false, 1.0};
+  result.trusted = is_filtered || (has_turn && integrated_acceleration_ &&
+                                   scan.integrated_acceleration && seconds <= gap_s_);
+  result.trusted &= lost_scans_ == 0 && !placed_ && error.position_m() < kAccurateM;
+  const bool by_odometry = is_gap && odometryMotion(odom_T_base);
+  result.yaw_error_rad = kSigmas * error.yaw_rad();
+  result.yaw_known = (has_turn || is_filtered || by_odometry) && lost_scans_ < kTrustedLostScans &&
+                     result.yaw_error_rad < near_window_.angular_rad;
+  result.lost = lost_scans_ > 0 || (is_gap && isWide(error));
   result.search_all_yaws = result.lost && !result.yaw_known;
+  if (is_gap) result.last = result.initial_guesses.front();
   if (result.lost) {
-    const double distance = kMaxSpeed * (scan.time - found_time_);
+    const double distance =
+        lost_scans_ > 0 ? kMaxSpeed * (scan.time - found_time_) : kSigmas * error.position_m();
     result.search_scale = std::clamp(1.0 + distance / wide_window_m_, 1.0, kMaxSearchScale);
   }
   result.plausible_m = std::max(kMinPlausibleM, kMaxSpeed * (scan.time - found_time_));
@@ -95,11 +115,72 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
   return result;
 }
 
-/// Yaw change by the gyro since the last scan, rad. Nothing after a gap, or if the integrated yaw
-/// was restarted.
+bool MotionModel::isGap(double seconds) const {
+  return seconds > gap_s_ || (typical_s_ > 0.0 && seconds > kLongInterval * typical_s_);
+}
+
+bool MotionModel::isWide(const PredictionError& error) const {
+  return kSigmas * error.position_m() > near_window_.linear_m ||
+         kSigmas * error.yaw_rad() > near_window_.angular_rad;
+}
+
+/// True if the last scan that was matched is much longer ago than usual.
+bool MotionModel::isLongAgo(const PlanarScan& scan) const {
+  return lost_scans_ == 0 && !placed_ && (carried_ || isGap(scan.time - time_));
+}
+
+/// The motion between the last two scans. Only a part of it, if they were much farther apart.
+Pose2 MotionModel::continuedMotion(const PlanarScan& scan) const {
+  const double seconds = std::max(0.0, scan.time - time_);
+  if (interval_s_ <= gap_s_ || seconds >= interval_s_) return motion_;
+  return interpolate(Pose2(), motion_, seconds / interval_s_);
+}
+
+std::optional<Pose2> MotionModel::odometryMotion(const std::optional<Pose2>& odom_T_base) const {
+  return odom_ && odom_T_base ? std::optional(odom_->inverse() * *odom_T_base) : std::nullopt;
+}
+
+/// The pose if the velocity stays constant. The gyro and the accelerometer measure its changes.
+Pose2 MotionModel::movedWithVelocity(const PlanarScan& scan) const {
+  const double seconds = std::clamp(scan.time - time_, 0.0, kMaxPredicted_s);
+  const std::optional<double> turn = yawChangeSince(scan);
+  const Eigen::Vector2d velocity = velocity_ + 0.5 * velocityChangeSince(scan);
+  if (turn) {
+    const Eigen::Vector2d place = pose_.translation() + seconds * velocity;
+    return {place.x(), place.y(), pose_.yaw + *turn};
+  }
+  const double yaw = seconds * yaw_rate_;
+  const Eigen::Vector2d place =
+      pose_.translation() + seconds * (Eigen::Rotation2Dd(0.5 * yaw) * velocity);
+  return {place.x(), place.y(), pose_.yaw + yaw};
+}
+
+Pose2 MotionModel::predict(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const {
+  if (placed_) return pose_;
+  if (const std::optional<Pose2> moved = filterMotionSince(scan)) return pose_ * *moved;
+  if (const std::optional<Pose2> moved = odometryMotion(odom_T_base)) return pose_ * *moved;
+  return movedWithVelocity(scan);
+}
+
+PredictionError MotionModel::errorAt(const PlanarScan& scan,
+                                     const std::optional<Pose2>& odom_T_base) const {
+  PredictedStep step;
+  step.seconds = std::clamp(scan.time - time_, 0.0, kMaxErrorTime);
+  step.motion = pose_.inverse() * predict(scan, odom_T_base);
+  step.source = predictionSourceOf(scan, odom_T_base);
+  step.yaw_measured =
+      step.source == PredictionSource::kOdometry || filterMotionSince(scan) || yawChangeSince(scan);
+  PredictionError result = error_;
+  result.grow(step);
+  return result;
+}
+
+/// Yaw change by the gyro since the last scan, rad. Nothing after a long time, or if the integrated
+/// yaw was restarted.
 std::optional<double> MotionModel::yawChangeSince(const PlanarScan& scan) const {
   const double seconds = scan.time - time_;
-  if (!integrated_yaw_ || !scan.integrated_yaw || !(seconds <= gap_s_)) return std::nullopt;
+  if (!integrated_yaw_ || !scan.integrated_yaw || !(seconds <= kMaxPredicted_s))
+    return std::nullopt;
   const double turn = *scan.integrated_yaw - *integrated_yaw_;
   return std::abs(turn) <= kMaxTurnRate * seconds + kTurnNoise ? std::optional(turn) : std::nullopt;
 }
@@ -147,42 +228,62 @@ double MotionModel::secondsSince(const PlanarScan& scan) const {
 void MotionModel::move(const Pose2& found, const Pose2& predicted, bool lost,
                        const PlanarScan& scan) {
   const Pose2 next = !lost ? found : isUsable(predicted) ? predicted : pose_;
+  updateVelocity(next, scan, lost);
   motion_ = lost || placed_ ? Pose2() : pose_.inverse() * next;
-  if (motion_.distance() > kMaxStepM) motion_ = Pose2();
-  updateVelocity(next, scan, lost || placed_);
+  // The last step was a correction of the prediction, too.
+  if (carried_ || lost_scans_ > 0 || motion_.distance() > kMaxStepM) motion_ = Pose2();
   pose_ = next;
   lost_scans_ = lost ? lost_scans_ + 1 : 0;
-  placed_ = false;
+  placed_ = carried_ = false;
 }
 
 /// The velocity is smoothed, because over one period of a 40 Hz laser the noise of the poses is as
 /// large as the motion. The accelerometer gives changes without delay. While lost, the velocity is
 /// kept.
-void MotionModel::updateVelocity(const Pose2& next, const PlanarScan& scan, bool unknown) {
-  const double seconds = scan.time - time_;
-  const Eigen::Vector2d gained = velocityChangeSince(scan);
-  if (placed_ || !(seconds > 0.0) || seconds > gap_s_) {
+void MotionModel::updateVelocity(const Pose2& next, const PlanarScan& scan, bool lost) {
+  const double seconds = scan.time - time_, since_found = scan.time - found_time_;
+  if (placed_ || !(seconds > 0.0) || seconds > kMaxPredicted_s) {
     velocity_.setZero();
+    yaw_rate_ = 0.0;
     return;
   }
-  if (unknown) {
+  const Eigen::Vector2d gained = velocityChangeSince(scan);
+  if (lost) {
     velocity_ = scan.integrated_acceleration ? Eigen::Vector2d(velocity_ + gained)
                                              : Eigen::Vector2d::Zero();
+    yaw_rate_ = 0.0;
     return;
   }
-  const Eigen::Vector2d measured = (next.translation() - pose_.translation()) / seconds;
-  const Eigen::Vector2d correction = measured - (velocity_ + 0.5 * gained);
-  velocity_ += gained + seconds / (seconds + kVelocityTime) * correction;
+  const Pose2 expected = movedWithVelocity(scan);
+  const double gain = 1.0 / (since_found + kVelocityTime);
+  velocity_ += gained + gain * (next.translation() - expected.translation());
+  yaw_rate_ += gain * normalizeAngle(next.yaw - pose_.yaw - seconds * yaw_rate_);
+}
+
+void MotionModel::carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {
+  const Pose2 next = predict(scan, odom_T_base);
+  if (!isUsable(next)) return;
+  velocity_ += velocityChangeSince(scan);
+  if (!yawChangeSince(scan)) velocity_ = Eigen::Rotation2Dd(next.yaw - pose_.yaw) * velocity_;
+  pose_ = next;
+  motion_ = Pose2();
+  carried_ = true;
 }
 
 void MotionModel::remember(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
-                           bool lost) {
+                           const std::optional<PredictionError>& error) {
   odom_ = odom_T_base;
   filter_pose_ = scan.predicted;
   integrated_yaw_ = scan.integrated_yaw;
   integrated_acceleration_ = scan.integrated_acceleration;
+  error_ = error.value_or(PredictionError());
+  if (!error) {
+    interval_s_ = scan.time - found_time_;
+    typical_s_ = typical_s_ > 0.0 ? typical_s_ + kIntervalGain * (interval_s_ - typical_s_)
+                                  : std::min(interval_s_, gap_s_);
+    found_time_ = scan.time;
+  }
   time_ = scan.time;
-  if (!lost) found_time_ = scan.time;
 }
 
 void MotionModel::setPose(const Pose2& map_T_base) {
@@ -192,6 +293,8 @@ void MotionModel::setPose(const Pose2& map_T_base) {
   filter_pose_.reset();
   integrated_yaw_.reset();
   velocity_.setZero();
+  yaw_rate_ = 0.0;
+  error_ = PredictionError();
   placed_ = true;
 }
 

@@ -11,7 +11,7 @@
 namespace kestrel {
 namespace {
 
-/// Standard deviations of a pose that is only predicted.
+/// Smallest standard deviations of the pose of a lost vehicle.
 constexpr double kLostM = 1.0, kLostRad = 0.5;
 
 /// Uncertainty of the map at the first scan: discretization errors of the cells and errors of the
@@ -56,6 +56,7 @@ void PoseUncertainty::begin(const Pose2& pose) {
   last_.pose = pose;
   last_.map_covariance.diagonal() << square(kFirstM), square(kFirstM), square(kFirstRad);
   found_ = last_.covariance();
+  found_pose_ = pose;
 }
 
 void PoseUncertainty::insert() {
@@ -71,9 +72,9 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
   if (is_drifting) {
     const Eigen::Vector2d& along = unobservable_direction_;
     if (!drifting_) {
-      entry_variance_ = along.dot(found_.topLeftCorner<2, 2>() * along);
+      entry_variance_ = along.dot(last_.covariance().topLeftCorner<2, 2>() * along);
       drift_m_ = 0.0;
-      drift_speed_m_s_ = kFirstSpeed;
+      drift_speed_m_s_ = std::max(kFirstSpeed, carried_speed_m_s_);
     }
     drift(seconds, moved_m, prediction_source);
     next.map_covariance = stretched(next.map_covariance, along, 0.0);
@@ -85,6 +86,8 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
   motion_ = relativeCovariance(last_, next);
   last_ = next;
   found_ = next.covariance();
+  found_pose_ = next.pose;
+  carried_speed_m_s_ = 0.0;
 }
 
 /// Extends the drift by one scan. The errors of a drift have the same sign, so standard deviations
@@ -101,9 +104,21 @@ void PoseUncertainty::drift(double seconds, double moved_m, PredictionSource pre
   drift_m_ += seconds * 0.5 * (before + drift_speed_m_s_);
 }
 
-void PoseUncertainty::lose(const Pose2& predicted) {
-  const Eigen::Vector3d sigmas(kLostM, kLostM, kLostRad);
-  UncertainPose next{predicted, found_, Eigen::Matrix3d(sigmas.cwiseAbs2().asDiagonal())};
+void PoseUncertainty::carry(const Pose2& predicted, const PredictionError& error) {
+  carried_speed_m_s_ = error.speed_m_s();
+  predict(predicted, {error.position_m(), error.position_m(), error.yaw_rad()});
+}
+
+void PoseUncertainty::lose(const Pose2& predicted, const PredictionError& error) {
+  const double linear = std::max(kLostM, error.position_m());
+  predict(predicted, {linear, linear, std::max(kLostRad, error.yaw_rad())});
+}
+
+/// `sigmas`: of (x, y, yaw), of the motion since the last match.
+void PoseUncertainty::predict(const Pose2& predicted, const Eigen::Vector3d& sigmas) {
+  const UncertainPose next{predicted,
+                           transported(found_, predicted.translation() - found_pose_.translation()),
+                           Eigen::Matrix3d(sigmas.cwiseAbs2().asDiagonal())};
   motion_ = relativeCovariance(last_, next);
   last_ = next;
   drifting_ = false;

@@ -19,8 +19,6 @@ constexpr std::array<float, kMatchStages> kStageScales = {0.3F, 0.12F, 0.05F};
 constexpr double kCoarseStepM = 0.01, kCoarseStepRad = 0.005;
 /// Angular size of the search window if the gyro gives the yaw, rad.
 constexpr double kKnownYawWindow = 0.1;
-/// Number of points for the search of a lost vehicle in a wide window.
-constexpr std::size_t kLostPoints = 200;
 constexpr std::size_t kLastStage = kMatchStages - 1;
 /// Information of the prior at the initial guess, relative to that of the points across a wall. It
 /// only has an effect in unobservable directions.
@@ -97,6 +95,12 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
   }
   if (best.fit.score < config_.search_score && (request.lost || !isWellConstrained(best.fit)))
     search(map, request, result, best);
+  if (request.lost) {
+    // The last descent began far away and may have ended before it converged.
+    const Candidate closer = refine(map, request, best.descent.pose, kLastStage);
+    result.iterations += closer.descent.iterations;
+    if (closer.penalized_score > best.penalized_score) best = closer;
+  }
   result.pose = best.descent.pose;
   result.converged = best.descent.converged;
   fillUncertainty(map, request.points, {kStageScales.back(), best.descent.at_pose, best.fit},
@@ -115,8 +119,8 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
     if (best.fit.score >= config_.search_score) break;
     Pose2 center = request.last;
     if (request.yaw_known) center = Pose2(center.x, center.y, request.initial_guesses.front().yaw);
-    const SearchResult found =
-        searchWindow(map.surface(), points, center, window, config_.correlative);
+    const SearchResult found = searchWindow(map.surface(), points, center, window,
+                                            preferencesFor(request, config_.correlative));
     Candidate other = refine(map, request, found.pose);
     result.iterations += other.descent.iterations;
     if (other.penalized_score >
@@ -160,7 +164,9 @@ std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const Match
   if (request.search_all_yaws) windows.push_back({config.wide_window.linear_m, kPi});
   for (SearchWindow& window : windows) {
     window.linear_m *= request.search_scale;
-    if (request.yaw_known) window.angular_rad = std::min(window.angular_rad, kKnownYawWindow);
+    if (!request.yaw_known) continue;
+    window.angular_rad =
+        std::min(window.angular_rad, std::max(kKnownYawWindow, request.yaw_error_rad));
   }
   return windows;
 }
@@ -170,8 +176,16 @@ double jumpMargin(const MatcherConfig& config, const MatchRequest& request, cons
   return config.jump_margin * std::max(1.0, jump.distance() / request.plausible_m);
 }
 
+CorrelativeConfig preferencesFor(const MatchRequest& request, const CorrelativeConfig& config) {
+  CorrelativeConfig result = config;
+  result.linear_preference /= request.search_scale;
+  result.angular_preference /= request.search_scale;
+  return result;
+}
+
 double penalizedScore(const MatchRequest& request, const Fit& fit, const Pose2& pose,
-                      const CorrelativeConfig& config) {
+                      const CorrelativeConfig& preferences) {
+  const CorrelativeConfig config = preferencesFor(request, preferences);
   const Pose2 motion = request.last.inverse() * pose;
   return fit.score - config.linear_preference * motion.distance() -
          config.angular_preference * std::abs(motion.yaw);

@@ -39,6 +39,12 @@ double jumpMargin(const MatcherConfig& config, const MatchRequest& request, cons
 
 /// Number of points for the coarse stages.
 constexpr std::size_t kCoarsePoints = 150;
+/// Number of points for the search of a lost vehicle in a wide window.
+constexpr std::size_t kLostPoints = 200;
+
+/// The penalty of a motion for this request: the larger the window, the less is known of the
+/// motion.
+CorrelativeConfig preferencesFor(const MatchRequest& request, const CorrelativeConfig& config);
 
 /// The score of a fit minus the penalty of the motion to its pose. Candidates are compared by it.
 double penalizedScore(const MatchRequest& request, const Fit& fit, const Pose2& pose,

@@ -4,7 +4,9 @@
 namespace kestrel {
 
 MatchedPose matchedPoseOf(const MapperResult& result, double stamp) {
-  return {stamp, result.pose, result.covariance, result.velocity, result.state};
+  // A predicted pose is no measurement, even if the vehicle is not lost.
+  const MatchState state = result.isMatched() ? result.state : MatchState::kLost;
+  return {stamp, result.pose, result.covariance, result.velocity, state};
 }
 
 bool fuse(const MatchedPose& pose, PoseFilter& filter) {

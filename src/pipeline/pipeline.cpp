@@ -86,7 +86,8 @@ void Pipeline::finish() {
 }
 
 void Pipeline::processQueue() {
-  queue_.process([this](const WaitingScan& waiting) { return handle(waiting); });
+  queue_.process([this](const WaitingScan& waiting) { return handle(waiting); },
+                 [](const WaitingScan&) { return 0; });
 }
 
 /// True if the scan is finished (mapped or dropped).

@@ -149,13 +149,60 @@ ProjectedSweep ProjectionStage::project(const SweepData& data,
   roundHeights(projection);
   heights_.addProjection(stamp, projection);
   if (projection.error != ScanError::kNone) return result;
-  if (last_attitude_ != nullptr && attitude != nullptr && attitude != last_attitude_) {
-    // Integrals from two different buffers cannot be compared.
-    projection.scan.integrated_yaw.reset();
-    projection.scan.integrated_acceleration.reset();
-  }
-  if (attitude != nullptr) last_attitude_ = attitude;
+  if (attitude != nullptr) continueIntegrals(*attitude, projection.scan);
   if (!level) projection.scan.predicted = motions_.odomPose(stamp);
+  return result;
+}
+
+/// The integrals of the IMU and of the pose filter start at different values. If the source
+/// changes, the new one continues with the values of the old one.
+void ProjectionStage::continueIntegrals(const AttitudeBuffer& attitude, PlanarScan& scan) {
+  if (!scan.integrated_yaw) return;
+  const std::optional<IntegralOffset> offset =
+      last_attitude_ == &attitude ? integral_offset_ : offsetTo(attitude, scan);
+  last_attitude_ = &attitude;
+  integral_offset_ = offset.value_or(IntegralOffset());
+  *scan.integrated_yaw += integral_offset_.yaw;
+  if (scan.integrated_acceleration) {
+    scan.integrated_acceleration =
+        Eigen::Rotation2Dd(integral_offset_.yaw) * *scan.integrated_acceleration +
+        integral_offset_.velocity;
+  }
+  last_integrals_ = {scan.stamp, *scan.integrated_yaw, scan.integrated_acceleration};
+  if (offset) return;
+  // They cannot be compared with those of the last scan.
+  scan.integrated_yaw.reset();
+  scan.integrated_acceleration.reset();
+}
+
+/// From the integrals of `attitude` to those given to the mapper: at the time of the last scan, if
+/// `attitude` reaches back to it, or at the time of `scan`, if the old source still runs.
+std::optional<ProjectionStage::IntegralOffset> ProjectionStage::offsetTo(
+    const AttitudeBuffer& attitude, const PlanarScan& scan) const {
+  if (!last_attitude_) return IntegralOffset();
+  Attitude there;
+  if (last_integrals_ && attitude.lookup(last_integrals_->stamp, there) == AttitudeError::kNone) {
+    return offsetBetween(there.integrated_yaw, there.integrated_acceleration, last_integrals_->yaw,
+                         last_integrals_->velocity);
+  }
+  if (last_attitude_->lookup(scan.stamp, there) != AttitudeError::kNone) return std::nullopt;
+  if (there.integrated_acceleration) {
+    there.integrated_acceleration =
+        Eigen::Rotation2Dd(integral_offset_.yaw) * *there.integrated_acceleration +
+        integral_offset_.velocity;
+  }
+  return offsetBetween(*scan.integrated_yaw, scan.integrated_acceleration,
+                       there.integrated_yaw + integral_offset_.yaw, there.integrated_acceleration);
+}
+
+ProjectionStage::IntegralOffset ProjectionStage::offsetBetween(
+    double yaw, const std::optional<Eigen::Vector2d>& velocity, double given_yaw,
+    const std::optional<Eigen::Vector2d>& given_velocity) {
+  IntegralOffset result;
+  result.yaw = given_yaw - yaw;
+  if (velocity && given_velocity) {
+    result.velocity = *given_velocity - Eigen::Rotation2Dd(result.yaw) * *velocity;
+  }
   return result;
 }
 

@@ -85,6 +85,7 @@ struct FilterOutput {
   /// Height of the surface below the range finder over the floor of the map (z = 0), m.
   double ground_m = 0.0;
   double height_sigma_m = 0.0;  ///< standard deviation of height(), m
+  bool contradicted = false;    ///< the last pose was rejected, because it does not fit the state
 
   /// Height of the base over the surface below the range finder, m: the reading of a perfect, level
   /// range finder.

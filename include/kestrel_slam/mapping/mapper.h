@@ -14,8 +14,9 @@
 
 namespace kestrel {
 
-/// ok: the scan fits. degraded: it fits poorly, or a direction is unobservable. lost: it does not
-/// fit anywhere in the search windows; the pose is the prediction.
+/// ok: the scan fits. degraded: it fits poorly, or a direction is unobservable, or the scan has no
+/// hit and the pose is carried by the prediction. lost: the scan does not fit anywhere in the
+/// search windows, or fits in several places; the pose is the prediction.
 enum class MatchState { kOk, kDegraded, kLost };
 
 const char* toString(MatchState state);
@@ -32,10 +33,13 @@ struct MapperResult {
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< in the base frame, smoothed, m/s
   MatchResult match;
   MatchState state = MatchState::kLost;
+  bool carried = false;     ///< the scan has no hit: `pose` is the prediction, not a measurement
   double evaluation = 0.0;  ///< f of [MAV SLAM 2013, eq. 4]: small if the scan fits
   bool inserted = false;    ///< the scan was inserted into the map
   bool searched = false;    ///< the local fit was poor and the exhaustive search was run
-  bool map_full = false;    ///< a part of the scan was not inserted because of the memory limit
+  /// The pose is a measurement of the scan.
+  bool isMatched() const { return state != MatchState::kLost && !carried; }
+  bool map_full = false;  ///< a part of the scan was not inserted because of the memory limit
 };
 
 /// Predict, match, evaluate, insert: one scan at a time, single-threaded and deterministic.
@@ -51,7 +55,8 @@ class Mapper {
   /// Finds the pose of `scan`, and inserts the scan if the vehicle has moved enough and the fit is
   /// good. `odom_T_base`: odometry at the time of the scan, in any continuous frame; only its
   /// increments are used. Does not throw. Rays and odometry that are not finite or too large are
-  /// ignored. A scan without hits gives the last pose and kLost.
+  /// ignored. A scan without hits gives the predicted pose with its
+  /// covariance.
   MapperResult process(const PlanarScan& scan,
                        const std::optional<Pose2>& odom_T_base = std::nullopt);
 

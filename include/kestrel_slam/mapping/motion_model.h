@@ -3,9 +3,10 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "kestrel_slam/mapping/mapper_config.h"
-#include "kestrel_slam/mapping/pose_uncertainty.h"
+#include "kestrel_slam/mapping/prediction_error.h"
 #include "kestrel_slam/matching/matcher.h"
 #include "kestrel_slam/sensor/planar_scan.h"
 
@@ -33,6 +34,15 @@ class MotionModel {
   MatchRequest request(const Points& points, const PlanarScan& scan,
                        const std::optional<Pose2>& odom_T_base) const;
 
+  /// The best prediction of the pose at `scan`, without a match.
+  Pose2 predict(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
+
+  /// The error of `predict`, since the last match.
+  PredictionError errorAt(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
+
+  /// True if the vehicle may be outside of the near search window around a prediction.
+  bool isWide(const PredictionError& error) const;
+
   /// The source of the motion prediction for the next scan.
   PredictionSource predictionSourceOf(const PlanarScan& scan,
                                       const std::optional<Pose2>& odom_T_base) const;
@@ -48,19 +58,32 @@ class MotionModel {
   /// Updates the pose and the velocity: to `found`, or to `predicted` if lost.
   void move(const Pose2& found, const Pose2& predicted, bool lost, const PlanarScan& scan);
 
+  /// Moves to the predicted pose at `scan`, which shows nothing to match.
+  void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base);
+
   /// Stores the sensor readings at `scan`, from which the motion to the next scan is computed.
-  void remember(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base, bool lost);
+  /// `error`: of a pose that is only predicted, since the last match; none if the scan was matched.
+  void remember(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
+                const std::optional<PredictionError>& error);
 
   /// Sets the pose. The motion so far is not used for the next prediction.
   void setPose(const Pose2& map_T_base);
 
  private:
+  std::vector<Pose2> initialGuesses(const PlanarScan& scan,
+                                    const std::optional<Pose2>& odom_T_base) const;
+  bool isGap(double seconds) const;
+  bool isLongAgo(const PlanarScan& scan) const;
+  std::optional<Pose2> odometryMotion(const std::optional<Pose2>& odom_T_base) const;
+  Pose2 continuedMotion(const PlanarScan& scan) const;
+  Pose2 movedWithVelocity(const PlanarScan& scan) const;
   std::optional<double> yawChangeSince(const PlanarScan& scan) const;
   std::optional<Pose2> filterMotionSince(const PlanarScan& scan) const;
   Eigen::Vector2d velocityChangeSince(const PlanarScan& scan) const;
-  void updateVelocity(const Pose2& next, const PlanarScan& scan, bool unknown);
+  void updateVelocity(const Pose2& next, const PlanarScan& scan, bool lost);
 
   double gap_s_;
+  SearchWindow near_window_;
   double wide_window_m_;
   Pose2 pose_;
   Pose2 motion_;                          ///< between the last two scans
@@ -69,9 +92,14 @@ class MotionModel {
   std::optional<double> integrated_yaw_;  ///< integrated yaw of the gyro at the last scan, rad
   std::optional<Eigen::Vector2d> integrated_acceleration_;  ///< at the last scan, m/s
   Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
+  double yaw_rate_ = 0.0;  ///< smoothed, rad/s
+  PredictionError error_;  ///< of the pose, since the last match
   double time_ = 0.0;
-  double found_time_ = 0.0;  ///< time of the last scan that was not lost, s
+  double typical_s_ = 0.0;   ///< smoothed interval between two matched scans, s
+  double interval_s_ = 0.0;  ///< between the last two matched scans, s
+  double found_time_ = 0.0;  ///< time of the last matched scan, s
   int lost_scans_ = 0;       ///< consecutive lost scans
+  bool carried_ = false;     ///< the pose is predicted, because the last scan had nothing to match
   bool placed_ = false;      ///< setPose was called since the last scan
 };
 

@@ -5,6 +5,7 @@
 
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/mapping/map_uncertainty.h"
+#include "kestrel_slam/mapping/prediction_error.h"
 #include "kestrel_slam/matching/match_result.h"
 
 namespace kestrel {
@@ -24,9 +25,6 @@ struct UncertainPose {
 /// come from the same chain of scans, so that the common error cancels.
 Eigen::Matrix3d relativeCovariance(const UncertainPose& a, const UncertainPose& b);
 
-/// The source of the motion prediction along an unobservable direction.
-enum class PredictionSource { kVelocity, kAccelerometer, kOdometry };
-
 /// Tracks the uncertainty of the pose from scan to scan: the match covariance, the map covariance,
 /// and the drift along an unobservable direction, which grows until the direction is observable
 /// again.
@@ -40,8 +38,11 @@ class PoseUncertainty {
   void update(const SurfelField& surface, const Points& points, const MatchResult& match,
               double seconds, double moved_m, PredictionSource prediction_source);
 
+  /// The scan has nothing to match: the pose is `predicted`, with `error` since the last match.
+  void carry(const Pose2& predicted, const PredictionError& error);
+
   /// The vehicle is lost; only a predicted pose is known.
-  void lose(const Pose2& predicted);
+  void lose(const Pose2& predicted, const PredictionError& error);
 
   /// The last scan was inserted into the map.
   void insert();
@@ -51,19 +52,22 @@ class PoseUncertainty {
   const Eigen::Matrix3d& motion() const { return motion_; }
 
  private:
+  void predict(const Pose2& predicted, const Eigen::Vector3d& sigmas);
   void drift(double seconds, double moved_m, PredictionSource prediction_source);
 
   MapUncertainty map_;
   UncertainPose last_;
-  /// Covariance of the last pose that was not lost.
+  /// The last matched pose, and its covariance.
+  Pose2 found_pose_;
   Eigen::Matrix3d found_ = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d motion_ = Eigen::Matrix3d::Zero();
   bool drifting_ = false;  ///< the last scan had an unobservable direction
   /// Unit vector in the map frame.
   Eigen::Vector2d unobservable_direction_ = Eigen::Vector2d::Zero();
-  double entry_variance_ = 0.0;   ///< variance along it at the beginning of the drift, m²
-  double drift_m_ = 0.0;          ///< standard deviation of the motion since then, m
-  double drift_speed_m_s_ = 0.0;  ///< standard deviation of the current velocity, m/s
+  double entry_variance_ = 0.0;     ///< variance along it at the beginning of the drift, m²
+  double drift_m_ = 0.0;            ///< standard deviation of the motion since then, m
+  double drift_speed_m_s_ = 0.0;    ///< standard deviation of the current velocity, m/s
+  double carried_speed_m_s_ = 0.0;  ///< the same for a pose that is only predicted
 };
 
 }  // namespace kestrel

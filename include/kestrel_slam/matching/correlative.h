@@ -35,13 +35,27 @@ struct SearchResult {
                                                              ///< `pose`; (x, y, yaw), m² and rad²
 };
 
+/// Poses that a search must not find: those near `pose`, in position and in yaw.
+struct ExcludedPoses {
+  Pose2 pose;
+  double linear_m = 0.0;     ///< ± in x and y
+  double angular_rad = 0.0;  ///< ±
+  /// Unit vector in the map frame along which the distance does not count, or zero.
+  Eigen::Vector2d ignored_direction = Eigen::Vector2d::Zero();
+};
+
 /// Exhaustive search of a window in steps of one cell and one angular step. Branch and bound on a
 /// pyramid of maxima [MAV SLAM 2013, eq. 3; Olson 2009]; the result is exact. Poses are in the map
 /// frame, `points` are in the base frame, m. Without points the result is the center.
 SearchResult searchWindow(const SurfelField& surface, const Points& points, const Pose2& center,
                           const SearchWindow& window, const CorrelativeConfig& config);
 
-/// The same without branch and bound, for tests.
+/// The same for the best pose that is not excluded. The score is 0 if there is none.
+SearchResult searchWindow(const SurfelField& surface, const Points& points, const Pose2& center,
+                          const SearchWindow& window, const CorrelativeConfig& config,
+                          const ExcludedPoses& excluded);
+
+/// The same as the first without branch and bound, for tests.
 SearchResult searchWindowBruteForce(const SurfelField& surface, const Points& points,
                                     const Pose2& center, const SearchWindow& window,
                                     const CorrelativeConfig& config);

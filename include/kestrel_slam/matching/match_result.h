@@ -26,7 +26,9 @@ struct MatchResult {
   /// Number of other predictions that were tried because the first one did not fit.
   int fallbacks = 0;
   bool converged = false;
-  bool searched = false;    ///< the exhaustive search was run
+  bool searched = false;  ///< the exhaustive search was run
+  /// Found after a search, but there is a second pose that fits nearly as well.
+  bool ambiguous = false;
   bool degenerate = false;  ///< degenerate_direction is unobservable
   /// Unit vector in the map frame, or zero.
   Eigen::Vector2d degenerate_direction = Eigen::Vector2d::Zero();

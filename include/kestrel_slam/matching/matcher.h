@@ -43,12 +43,13 @@ struct MatchRequest {
   Pose2 last;  ///< map_T_base of the previous scan; the motion from it is penalized
   std::vector<Pose2> initial_guesses;  ///< predicted poses, best first; never empty
   bool search_all_yaws = false;        ///< the yaw is unknown (after a gap, or lost)
-  double search_scale = 1.0;  ///< factor of the linear size of the windows, for a longer gap
-  bool yaw_known = false;     ///< the yaw of the first initial guess is accurate to some degrees
-  bool trusted = false;       ///< the first initial guess is accurate to some centimeters
-  double plausible_m = 1e9;   ///< a pose farther than this from the first initial guess needs a
-                              ///< larger increase of the score, proportional to the distance
-  bool lost = false;          ///< the last poses were only predicted: search the widest window
+  double search_scale = 1.0;   ///< factor of the linear size of the windows, for a longer gap
+  bool yaw_known = false;      ///< the yaw of the first initial guess is accurate to some degrees,
+  double yaw_error_rad = 0.0;  ///< or to this, if it is larger
+  bool trusted = false;        ///< the first initial guess is accurate to some centimeters
+  double plausible_m = 1e9;    ///< a pose farther than this from the first initial guess needs a
+                               ///< larger increase of the score, proportional to the distance
+  bool lost = false;           ///< the last poses were only predicted: search the widest window
 };
 
 /// Aligns a scan with a map. Has no state: equal requests give equal results.

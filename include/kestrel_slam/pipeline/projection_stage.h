@@ -71,6 +71,22 @@ class ProjectionStage {
   const HeightTracker& heights() const { return heights_; }
 
  private:
+  struct IntegralOffset {
+    double yaw = 0.0;                                    ///< rad
+    Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< m/s
+  };
+  /// The integrals of the last scan, as given to the mapper.
+  struct Integrals {
+    double stamp, yaw;
+    std::optional<Eigen::Vector2d> velocity;
+  };
+
+  void continueIntegrals(const AttitudeBuffer& attitude, PlanarScan& scan);
+  std::optional<IntegralOffset> offsetTo(const AttitudeBuffer& attitude,
+                                         const PlanarScan& scan) const;
+  static IntegralOffset offsetBetween(double yaw, const std::optional<Eigen::Vector2d>& velocity,
+                                      double given_yaw,
+                                      const std::optional<Eigen::Vector2d>& given_velocity);
   bool waitsForFilter(const SweepTimes& times, double waited_s) const;
   std::string uncovered(const SweepTimes& times) const;
   Eigen::Vector2d velocityAt(double time) const;
@@ -83,6 +99,8 @@ class ProjectionStage {
   Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
   double velocity_stamp_ = 0.0;
   const AttitudeBuffer* last_attitude_ = nullptr;  ///< used for the last sweep
+  IntegralOffset integral_offset_;
+  std::optional<Integrals> last_integrals_;
 };
 
 }  // namespace kestrel

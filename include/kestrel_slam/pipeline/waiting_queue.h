@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <deque>
 #include <optional>
+#include <set>
+#include <type_traits>
 #include <utility>
 
 namespace kestrel {
@@ -25,12 +27,19 @@ class WaitingQueue {
     return removed;
   }
 
-  /// Calls `handle` for every sweep and removes those for which it returns true. A waiting sweep
-  /// does not delay later sweeps, because they may come from another laser.
-  template <typename Handle>
-  void process(const Handle& handle) {
+  /// Calls `handle` for the sweeps and removes those for which it returns true. A waiting sweep
+  /// delays the later sweeps of the same laser (`sourceOf` is equal), but not those of another one.
+  template <typename Handle, typename SourceOf>
+  void process(const Handle& handle, const SourceOf& sourceOf) {
+    std::set<std::decay_t<decltype(sourceOf(sweeps_.front()))>> waiting;
     for (auto sweep = sweeps_.begin(); sweep != sweeps_.end();) {
-      sweep = handle(std::as_const(*sweep)) ? sweeps_.erase(sweep) : sweep + 1;
+      const bool is_next = waiting.count(sourceOf(*sweep)) == 0;
+      if (is_next && handle(std::as_const(*sweep))) {
+        sweep = sweeps_.erase(sweep);
+      } else {
+        waiting.insert(sourceOf(*sweep));
+        ++sweep;
+      }
     }
   }
 

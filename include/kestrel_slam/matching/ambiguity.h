@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "kestrel_slam/matching/matcher.h"
+
+namespace kestrel {
+
+/// Searches the window of `request` for a second pose at which the scan fits nearly as well as at
+/// `found`, as in a room that looks the same after a rotation. Poses near `found` do not count, and
+/// neither do those along `found.degenerate_direction`, which is already known to be unobservable.
+std::optional<Pose2> secondExplanation(const Submap& map, const MatchRequest& request,
+                                       const MatchResult& found, const MatcherConfig& config);
+
+}  // namespace kestrel
