@@ -120,7 +120,9 @@ void OccupancyGrid::markMisses(const PlanarScan& scan, const Pose2& map_T_base) 
   const auto toMap = [&](const Eigen::Vector2f& p) {
     return Eigen::Vector2f(t.x() + c * p.x() - s * p.y(), t.y() + s * p.x() + c * p.y());
   };
-  for (const PlanarRay& ray : scan.rays) traceRay(toMap(ray.origin), toMap(ray.end));
+  for (const PlanarRay& ray : scan.rays) {
+    traceRay(toMap(ray.origin), toMap(ray.end), ray.no_return);
+  }
 }
 
 /// Removes the misses of cells with hits that are already in the map.
@@ -132,7 +134,9 @@ void OccupancyGrid::removeMissesOfKnownHits(const PlanarScan& scan, const Pose2&
   }
 }
 
-void OccupancyGrid::traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2f& end) {
+/// Marks the cells between the points as missed: up to the first wall if the ray `stops_at_walls`.
+void OccupancyGrid::traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2f& end,
+                             bool stops_at_walls) {
   const Eigen::Vector2f from = origin * inverse_resolution_, to = end * inverse_resolution_;
   if (!(from.cwiseAbs().maxCoeff() < kMaxCellCoordinate) ||
       !(to.cwiseAbs().maxCoeff() < kMaxCellCoordinate)) {
@@ -151,17 +155,40 @@ void OccupancyGrid::traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2
   for (int i = 0; i < steps;) {
     const Cell cell{static_cast<int>(x >> 32), static_cast<int>(y >> 32)};
     const int run = std::min(steps - i, stepsInTile(x, y, step_x, step_y));
-    Tile* tile = touch(cell);
-    if (tile == nullptr) {
-      x += run * step_x, y += run * step_y;
-    } else {
-      for (int k = 0; k < run; ++k, x += step_x, y += step_y) {
-        tile->missed[static_cast<std::uint64_t>(y) >> 32 & (kTileSide - 1U)] |=
-            1U << (static_cast<std::uint64_t>(x) >> 32 & (kTileSide - 1U));
-      }
+    if (Tile* tile = touch(cell)) {
+      const int free = stops_at_walls ? stepsToWall(*tile, x, y, step_x, step_y, run) : run;
+      markMissed(*tile, x, y, step_x, step_y, free);
+      if (free < run) return;
     }
+    x += run * step_x, y += run * step_y;
     i += run;
   }
+}
+
+/// Marks `count` cells from (x, y) on, all in the tile.
+void OccupancyGrid::markMissed(Tile& tile, std::int64_t x, std::int64_t y, std::int64_t step_x,
+                               std::int64_t step_y, int count) {
+  for (int k = 0; k < count; ++k, x += step_x, y += step_y) {
+    tile.missed[static_cast<std::uint64_t>(y) >> 32 & (kTileSide - 1U)] |=
+        1U << (static_cast<std::uint64_t>(x) >> 32 & (kTileSide - 1U));
+  }
+}
+
+/// Number of steps, at most `count`, before the first cell that is occupied or hit by this scan, or
+/// that lies between two such cells, which touch at a corner. All steps are in the tile.
+int OccupancyGrid::stepsToWall(const Tile& tile, std::int64_t x, std::int64_t y,
+                               std::int64_t step_x, std::int64_t step_y, int count) {
+  const auto walls = [&tile](std::size_t row) { return tile.occupied[row] | tile.hit[row]; };
+  for (int k = 0; k < count; ++k, x += step_x, y += step_y) {
+    const std::size_t row = static_cast<std::uint64_t>(y) >> 32 & (kTileSide - 1U);
+    const Row bit = 1U << (static_cast<std::uint64_t>(x) >> 32 & (kTileSide - 1U));
+    const Row here = walls(row);
+    const Row above = row + 1 < kTileSide ? walls(row + 1) : 0U,
+              below = row > 0 ? walls(row - 1) : 0U;
+    const bool is_between = (here & (bit << 1U | bit >> 1U)) != 0U && ((above | below) & bit) != 0U;
+    if ((here & bit) != 0U || is_between) return k;
+  }
+  return count;
 }
 
 void OccupancyGrid::apply(Tile& tile, std::int16_t hit_in_free) {

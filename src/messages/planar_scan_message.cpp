@@ -15,6 +15,9 @@ namespace kestrel {
 namespace {
 
 constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
+constexpr std::uint8_t kClear = kestrel_slam::PlanarScan::CLEAR;
+constexpr std::uint8_t kHit = kestrel_slam::PlanarScan::HIT;
+constexpr std::uint8_t kNoReturn = kestrel_slam::PlanarScan::NO_RETURN;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -46,7 +49,8 @@ void requireLengths(const kestrel_slam::PlanarScan& message) {
 PlanarRay rayAt(const kestrel_slam::PlanarScan& message, std::size_t i) {
   PlanarRay ray{{message.origin_x[i], message.origin_y[i]},
                 {message.end_x[i], message.end_y[i]},
-                message.hit[i] != 0};
+                message.hit[i] == kHit};
+  ray.no_return = message.hit[i] == kNoReturn;
   if (ray.origin.allFinite() && ray.end.allFinite()) return ray;
   throw std::invalid_argument("ray " + std::to_string(i) + " is not finite");
 }
@@ -75,7 +79,7 @@ kestrel_slam::PlanarScanPtr toPlanarScanMessage(const PlanarScan& scan, const st
     message->origin_y.push_back(ray.origin.y());
     message->end_x.push_back(ray.end.x());
     message->end_y.push_back(ray.end.y());
-    message->hit.push_back(ray.hit ? 1 : 0);
+    message->hit.push_back(ray.hit ? kHit : ray.no_return ? kNoReturn : kClear);
   }
   return message;
 }

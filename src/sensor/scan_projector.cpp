@@ -12,6 +12,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "scan_validation.h"
 #include "sweep_frames.h"
+#include "unanswered_beams.h"
 
 namespace kestrel {
 namespace {
@@ -104,10 +105,16 @@ class BeamProjector {
         addBeam(first + i, {block.x[i], block.y[i], block.z[i]}, origin);
       }
     }
+    unanswered_.appendTo(result_.scan.rays, isFullTurn());
     result_.counts = counts_;
   }
 
  private:
+  bool isFullTurn() const {
+    const double beams = static_cast<double>(scan_.ranges.size()) + 1.0;
+    return beams * std::abs(scan_.angle_increment) > 2.0 * kPi;
+  }
+
   /// Time of a beam as a share of the sweep, 0 to 1.
   float shareOf(std::size_t beam) const {
     const std::size_t last = std::max<std::size_t>(scan_.ranges.size() - 1, 1);
@@ -120,13 +127,25 @@ class BeamProjector {
       ++counts_.masked;
     } else if (range >= limits_.min && range < limits_.max) {
       addReturn(i, range, d, origin);
-    } else if (range >= limits_.max && range > 0.0F) {  // REP-117: +inf is no return
+    } else if (range >= limits_.max && range > 0.0F) {
       ++counts_.clears;
-      addClear(d, origin, std::min(limits_.clear, lengthInSlice(slice_, origin.z(), d.z())));
+      addFarBeam(range, d, origin);
     } else if (range > 0.0F || range == -std::numeric_limits<float>::infinity()) {
       ++counts_.too_close;
     } else {
       ++counts_.invalid;
+    }
+  }
+
+  /// REP-117: +inf is no return. Some drivers send range_max. A return beyond the range limit of
+  /// the configuration shows that the space before it is free.
+  void addFarBeam(float range, const Eigen::Vector3f& d, const Eigen::Vector3f& origin) {
+    const float length = std::min(limits_.clear, lengthInSlice(slice_, origin.z(), d.z()));
+    if (range < static_cast<float>(scan_.range_max)) {
+      unanswered_.addReturn((origin + range * d).head<2>());
+      addClear(d, origin, length);
+    } else if (length > 0.0F) {
+      unanswered_.addBeam(origin.head<2>(), length * d.head<2>());
     }
   }
 
@@ -135,7 +154,10 @@ class BeamProjector {
     const Eigen::Vector3f end = origin + range * d;
     if (jump_ > 0.0F && isMixed(i, range)) {
       ++counts_.mixed;
-    } else if (end.z() < slice_.lowest || end.z() > slice_.highest) {
+      return;
+    }
+    unanswered_.addReturn(end.head<2>());
+    if (end.z() < slice_.lowest || end.z() > slice_.highest) {
       ++(end.z() < slice_.floor     ? counts_.floor
          : end.z() > slice_.ceiling ? counts_.ceiling
                                     : counts_.outside);
@@ -181,6 +203,7 @@ class BeamProjector {
   const float vehicle_radius_;  ///< m
   const std::vector<bool> mask_;
   Projection& result_;
+  UnansweredBeams unanswered_;
   BeamCounts counts_;
 };
 

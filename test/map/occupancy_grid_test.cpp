@@ -50,6 +50,45 @@ TEST(OccupancyGrid, BeamWithoutReturnOnlyClears) {
   EXPECT_FALSE(grid.isKnown({10, 0}));
 }
 
+TEST(OccupancyGrid, ABeamWithoutReturnStopsAtAWall) {
+  PlanarScan glance = beam(60, false);
+  glance.rays[0].no_return = true;
+  OccupancyGrid grid{OccupancyGridConfig()};
+  for (int i = 0; i < 3; ++i) grid.insert(beam(40, true), Pose2());
+  for (int i = 0; i < 50; ++i) grid.insert(glance, Pose2());
+  EXPECT_TRUE(grid.isOccupied({40, 0}));
+  EXPECT_FALSE(grid.isKnown({41, 0})) << "behind the wall";
+  EXPECT_TRUE(grid.isKnown({39, 0}));
+  // Also at a wall that was hit in the same scan.
+  glance.rays.push_back(beam(20, true).rays[0]);
+  grid.clear();
+  grid.insert(glance, Pose2());
+  EXPECT_TRUE(grid.isOccupied({20, 0}));
+  EXPECT_FALSE(grid.isKnown({21, 0}));
+}
+
+TEST(OccupancyGrid, ABeamWithoutReturnDoesNotPassBetweenCellsThatTouchAtACorner) {
+  // A diagonal wall of cells (i, 40 - i), and beams across it.
+  OccupancyGrid grid{OccupancyGridConfig()};
+  PlanarScan wall, glance;
+  for (int i = 0; i <= 40; ++i) {
+    const Eigen::Vector2f at =
+        0.05F * Eigen::Vector2f(static_cast<float>(i) + 0.5F, 40.5F - static_cast<float>(i));
+    wall.rays.push_back({at, at, true});
+  }
+  grid.insert(wall, Pose2());
+  for (int i = 0; i < 40; ++i) {
+    const float shift = 0.02F * static_cast<float>(i);
+    PlanarRay ray{{0.2F + shift, 0.1F}, {1.9F + shift, 1.8F}, false};
+    ray.no_return = true;
+    glance.rays.push_back(ray);
+  }
+  grid.insert(glance, Pose2());
+  for (int x = 0; x < 60; ++x) {
+    for (int y = 41 - x; y < 60; ++y) EXPECT_FALSE(grid.isKnown({x, y})) << x << ", " << y;
+  }
+}
+
 TEST(OccupancyGrid, EvidenceAddsUpToBothClamps) {
   OccupancyGridConfig config;
   config.hit_probability = 0.6;

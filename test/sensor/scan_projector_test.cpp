@@ -125,21 +125,56 @@ TEST(ScanProjector, FollowsRep117) {
   EXPECT_EQ(result.counts.hits, 2U);       // 0.5, 19
   ASSERT_EQ(result.scan.rays.size(), 5U);
   EXPECT_EQ(result.scan.hitCount(), 2U);
-  EXPECT_FALSE(result.scan.rays[0].hit);
-  expectPoint(result.scan.rays[0].end, 8.0F * std::cos(0.1F), 8.0F * std::sin(0.1F));
-  expectPoint(result.scan.rays[1].end, 0.5F * std::cos(0.6F), 0.5F * std::sin(0.6F));
+  expectPoint(result.scan.rays[0].end, 0.5F * std::cos(0.6F), 0.5F * std::sin(0.6F));
+  // A return beyond the range limit, then a beam without a return next to one at 0.5 m.
+  EXPECT_FALSE(result.scan.rays[1].hit || result.scan.rays[1].no_return);
+  expectPoint(result.scan.rays[1].end, 8.0F * std::cos(0.7F), 8.0F * std::sin(0.7F));
+  EXPECT_TRUE(result.scan.rays[4].no_return);
 }
 
 TEST(ScanProjector, ClearsAtMostUpToTheRangeOfTheSensor) {
-  LaserScan scan = makeScan({kInf, 5.6F, 5.5F});
+  LaserScan scan = makeScan({5.5F, kInf, 5.6F, 5.5F});
+  scan.angle_increment = 0.1;
   scan.range_max = 5.6F;
   const Projection result = project(scan);  // clear_range_m is 10
-  ASSERT_EQ(result.scan.rays.size(), 3U);
-  EXPECT_FALSE(result.scan.rays[0].hit);
-  EXPECT_FALSE(result.scan.rays[1].hit);  // some drivers send range_max for no return
-  EXPECT_TRUE(result.scan.rays[2].hit);
-  expectPoint(result.scan.rays[0].end, 5.6F, 0.0F);
-  expectPoint(result.scan.rays[1].end, 0.0F, 5.6F);
+  EXPECT_EQ(result.counts.clears, 2U);      // some drivers send range_max for no return
+  ASSERT_EQ(result.scan.rays.size(), 4U);
+  for (const std::size_t i : {2U, 3U}) {
+    EXPECT_TRUE(result.scan.rays[i].no_return && !result.scan.rays[i].hit);
+    EXPECT_NEAR(result.scan.rays[i].end.norm(), 5.5F * std::cos(0.15F) / std::cos(0.05F) - 0.05F,
+                1e-3F);
+  }
+}
+
+TEST(ScanProjector, ABeamWithoutAReturnClearsUpToTheLineBetweenItsNeighbors) {
+  // A wall at x = 4 m; a window gives no return.
+  std::vector<float> ranges;
+  for (int i = -40; i <= 40; ++i) {
+    const bool window = i > -30 && i < 20;
+    ranges.push_back(window ? kInf : static_cast<float>(4.0 / std::cos(degToRad(1.0) * i)));
+  }
+  LaserScan scan = makeScan(ranges);
+  scan.angle_min = degToRad(-40.0);
+  scan.angle_increment = degToRad(1.0);
+  const Projection result = project(scan);
+  ASSERT_EQ(result.scan.rays.size(), ranges.size());
+  for (const PlanarRay& ray : result.scan.rays) {
+    const float before = ray.no_return ? 4.0F - 0.05F * ray.end.normalized().x() : 4.0F;
+    EXPECT_NEAR(ray.end.x(), before, 1e-3F);
+    EXPECT_NE(ray.no_return, ray.hit);
+  }
+}
+
+TEST(ScanProjector, WithoutNeighborsNothingIsCleared) {
+  LaserScan scan = makeScan(std::vector<float>(90, kInf));
+  scan.angle_increment = degToRad(4.0);
+  for (const PlanarRay& ray : project(scan).scan.rays) {
+    EXPECT_EQ(ray.end, ray.origin);
+  }
+  scan.ranges[45] = 2.0F;  // of a full turn, so it is the neighbor of all others
+  for (const PlanarRay& ray : project(scan).scan.rays) {
+    EXPECT_NEAR(ray.end.norm(), ray.hit ? 2.0F : 1.95F, 1e-3F);
+  }
 }
 
 TEST(ScanProjector, ClearRangeZeroTurnsClearingOff) {

@@ -302,16 +302,19 @@ TEST(TiltedProjection, ABeamWithoutAReturnClearsOnlyInsideTheSlice) {
   const PoseAt base = [](double) { return poseOf(Vector3d::Zero(), tilt(0.0, 0.2)); };
   LaserScan scan;
   scan.stamp = kStamp;
-  scan.angle_increment = degToRad(90.0);
-  scan.range_max = 30.0;
-  scan.ranges = {kInf, kInf};
+  scan.angle_min = degToRad(-1.0);
+  scan.angle_increment = degToRad(1.0);
+  scan.range_max = 100.0;
+  scan.ranges.assign(93, 80.0F);  // returns beyond the range limit
+  scan.ranges[1] = scan.ranges[91] = kInf;
   const AttitudeBuffer attitude = imuOf(base);
   VehicleState vehicle;
   vehicle.attitude = &attitude;
   const Projection result = ScanProjector(config).project(scan, Isometry3d::Identity(), vehicle);
-  ASSERT_EQ(result.scan.rays.size(), 2U);
-  EXPECT_NEAR(result.scan.rays[0].end.x(), 0.5 / std::tan(0.2), 1e-4);
-  EXPECT_NEAR(result.scan.rays[1].end.y(), 10.0, 1e-4);
+  ASSERT_EQ(result.scan.rays.size(), 93U);
+  ASSERT_TRUE(result.scan.rays[91].no_return && result.scan.rays[92].no_return);
+  EXPECT_NEAR(result.scan.rays[91].end.x(), 0.5 / std::tan(0.2), 1e-4);
+  EXPECT_NEAR(result.scan.rays[92].end.y(), 10.0, 1e-4);
 }
 
 }  // namespace

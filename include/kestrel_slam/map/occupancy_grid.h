@@ -103,7 +103,11 @@ class OccupancyGrid {
   void markHits(const PlanarScan& scan, const Pose2& map_T_base);
   void markMisses(const PlanarScan& scan, const Pose2& map_T_base);
   void removeMissesOfKnownHits(const PlanarScan& scan, const Pose2& map_T_base);
-  void traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2f& end);
+  void traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2f& end, bool stops_at_walls);
+  static int stepsToWall(const Tile& tile, std::int64_t x, std::int64_t y, std::int64_t step_x,
+                         std::int64_t step_y, int count);
+  static void markMissed(Tile& tile, std::int64_t x, std::int64_t y, std::int64_t step_x,
+                         std::int64_t step_y, int count);
   void apply(Tile& tile, std::int16_t hit_in_free);
   void applyMisses(Tile& tile);
   static void pool(Tile& tile);

@@ -20,6 +20,9 @@ struct PlanarRay {
   bool hit;             ///< true: return at `end`; false: the beam only clears free space
   /// For a hit: it is already in the map. It is not inserted again, but its cell is not cleared.
   bool known = false;
+  /// The beam had no return. The space up to `end` is free only as far as the map has no wall:
+  /// glass gives no return.
+  bool no_return = false;
 };
 
 /// Hits and clears of one sweep: the only type that is passed from projector to mapper.
