@@ -105,16 +105,11 @@ class BeamProjector {
         addBeam(first + i, {block.x[i], block.y[i], block.z[i]}, origin);
       }
     }
-    unanswered_.appendTo(result_.scan.rays, isFullTurn());
+    unanswered_.appendTo(result_.scan.rays);
     result_.counts = counts_;
   }
 
  private:
-  bool isFullTurn() const {
-    const double beams = static_cast<double>(scan_.ranges.size()) + 1.0;
-    return beams * std::abs(scan_.angle_increment) > 2.0 * kPi;
-  }
-
   /// Time of a beam as a share of the sweep, 0 to 1.
   float shareOf(std::size_t beam) const {
     const std::size_t last = std::max<std::size_t>(scan_.ranges.size() - 1, 1);

@@ -15,20 +15,14 @@ float cross(const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// The share of `reach` up to the circle around the origin through the nearer of two points.
-float shareToNearer(const Eigen::Vector2f& a, const Eigen::Vector2f& b,
-                    const Eigen::Vector2f& reach) {
-  return std::min(a.norm(), b.norm()) / reach.norm();
-}
-
-/// The share of `reach` up to the line from `a` to `b`. All from the origin of the beam.
+/// The share of `reach` up to the line from `a` to `b`, all from the origin of the beam. Zero if
+/// the points are half a turn or more apart: then the line says nothing.
 float shareToLine(const Eigen::Vector2f& a, const Eigen::Vector2f& b,
                   const Eigen::Vector2f& reach) {
   const Eigen::Vector2f line = b - a;
   const float across = cross(reach, line), share = cross(a, line) / across;
-  // The line does not cross the beam if the points are more than half a turn apart.
   const bool is_between = cross(a, reach) * cross(reach, b) > 0.0F && share > 0.0F;
-  return is_between && std::isfinite(share) ? share : shareToNearer(a, b, reach);
+  return is_between && std::isfinite(share) ? share : 0.0F;
 }
 
 }  // namespace
@@ -39,22 +33,20 @@ void UnansweredBeams::addBeam(const Eigen::Vector2f& origin, const Eigen::Vector
   beams_.push_back({returns_.size(), origin, reach});
 }
 
-/// The part of `reach` that is free, 0 to 1.
-float UnansweredBeams::shareOf(const Beam& beam, bool is_full_turn) const {
+/// The part of `reach` that is free, 0 to 1. The last return and the first are neighbors, too.
+float UnansweredBeams::freeShare(const Beam& beam) const {
   if (returns_.empty()) return 0.0F;
-  const bool has_before = beam.next_return > 0, has_after = beam.next_return < returns_.size();
-  const Eigen::Vector2f* before = has_before ? &returns_[beam.next_return - 1] : nullptr;
-  const Eigen::Vector2f* after = has_after ? &returns_[beam.next_return] : nullptr;
-  if (before == nullptr) before = is_full_turn ? &returns_.back() : after;
-  if (after == nullptr) after = is_full_turn ? &returns_.front() : before;
-  const float share = shareToLine(*before - beam.origin, *after - beam.origin, beam.reach);
-  const float margin = kMarginM / beam.reach.norm();
-  return std::clamp(share - margin, 0.0F, 1.0F);
+  const Eigen::Vector2f& before =
+      beam.next_return > 0 ? returns_[beam.next_return - 1] : returns_.back();
+  const Eigen::Vector2f& after =
+      beam.next_return < returns_.size() ? returns_[beam.next_return] : returns_.front();
+  const float share = shareToLine(before - beam.origin, after - beam.origin, beam.reach);
+  return std::clamp(share - kMarginM / beam.reach.norm(), 0.0F, 1.0F);
 }
 
-void UnansweredBeams::appendTo(std::vector<PlanarRay>& rays, bool is_full_turn) const {
+void UnansweredBeams::appendTo(std::vector<PlanarRay>& rays) const {
   for (const Beam& beam : beams_) {
-    const Eigen::Vector2f end = beam.origin + shareOf(beam, is_full_turn) * beam.reach;
+    const Eigen::Vector2f end = beam.origin + freeShare(beam) * beam.reach;
     PlanarRay ray{beam.origin, end, false};
     ray.no_return = true;
     rays.push_back(ray);

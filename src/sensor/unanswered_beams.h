@@ -21,8 +21,7 @@ class UnansweredBeams {
   /// `origin + reach`, m.
   void addBeam(const Eigen::Vector2f& origin, const Eigen::Vector2f& reach);
 
-  /// Appends the rays. `is_full_turn`: the first and the last beam are neighbors.
-  void appendTo(std::vector<PlanarRay>& rays, bool is_full_turn) const;
+  void appendTo(std::vector<PlanarRay>& rays) const;
 
  private:
   struct Beam {
@@ -30,7 +29,7 @@ class UnansweredBeams {
     Eigen::Vector2f origin, reach;
   };
 
-  float shareOf(const Beam& beam, bool is_full_turn) const;
+  float freeShare(const Beam& beam) const;
 
   std::vector<Eigen::Vector2f> returns_;
   std::vector<Beam> beams_;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include "temporary_folder.h"
 
 namespace kestrel {
@@ -38,6 +40,40 @@ TEST(FlightMeasurement, FlightsAreMappedToMillimetersAndRepeatably) {
   ASSERT_EQ(first.run.trajectory.size(), second.run.trajectory.size());
   for (std::size_t i = 0; i < first.run.trajectory.size(); ++i) {
     ASSERT_EQ(first.run.trajectory[i].pose, second.run.trajectory[i].pose) << i;
+  }
+}
+
+/// Number of free cells of the map outside of the building.
+int freeCellsOutside(const FlightTrial& trial, const FlightMeasurement& flight) {
+  constexpr double kTolerance = 0.1;  // m
+  Eigen::AlignedBox2d building;
+  for (const Box& box : trial.place.parts.boxes) {
+    const Eigen::Vector2d size =
+        Eigen::Rotation2Dd(box.yaw).toRotationMatrix().cwiseAbs() * box.size.head<2>();
+    building.extend(box.center.head<2>() - 0.5 * size);
+    building.extend(box.center.head<2>() + 0.5 * size);
+  }
+  const MapSnapshot& map = flight.run.map;
+  int outside = 0;
+  for (int row = 0; row < map.height; ++row) {
+    for (int column = 0; column < map.width; ++column) {
+      const Eigen::Vector2d in_map(map.origin_x + (column + 0.5) * map.resolution_m,
+                                   map.origin_y + (row + 0.5) * map.resolution_m);
+      const double distance =
+          building.exteriorDistance(Eigen::Vector2d(flight.error.reference_T_map * in_map));
+      outside += map.at(column, row) == MapSnapshot::kFree && distance > kTolerance ? 1 : 0;
+    }
+  }
+  return outside;
+}
+
+TEST(FlightMeasurement, GlassAndBlackWallsDoNotOpenSpaceOutsideOfTheBuilding) {
+  for (const char* name : {"glass", "laboratory"}) {
+    FlightTrial trial = shortFlight(name);
+    trial.place.plan = randomPlan(trial.place, 20.0, trial.seed);
+    const FlightMeasurement flight = measureFlight(trial);
+    EXPECT_EQ(flight.lost, 0U) << name;
+    EXPECT_EQ(freeCellsOutside(trial, flight), 0) << name;
   }
 }
 
