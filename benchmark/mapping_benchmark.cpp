@@ -3,6 +3,8 @@
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <chrono>
 #include <memory>
 #include <vector>
 
@@ -56,6 +58,41 @@ void match(benchmark::State& state, const char* method, const Pose2& offset) {
   for (auto _ : state) benchmark::DoNotOptimize(matcher->match(scene().map, request));
 }
 
+/// A map of about 100 000 m²: rooms in a square, 250 m wide.
+Submap hugeMap() {
+  Submap map{OccupancyGridConfig()};
+  constexpr int kRooms = 32;
+  constexpr double kSpacing = 10.0;  // m
+  for (int row = 0; row < kRooms; ++row) {
+    for (int column = 0; column < kRooms; ++column) {
+      map.insert(scene().scan, Pose2(kSpacing * column, kSpacing * row, 0.0));
+    }
+  }
+  return map;
+}
+
+/// The longest time in which a publisher keeps the matching waiting: a copy of 32 changed tiles.
+void copyChangedTiles(benchmark::State& state) {
+  Submap map = hugeMap();
+  const MapSnapshot whole = map.grid().snapshot();
+  double longest_ms = 0.0;
+  std::vector<TileImage> images;
+  for (auto _ : state) {
+    state.PauseTiming();
+    for (int i = 0; i < 10; ++i) map.insert(scene().scan, Pose2(10.0 * i, 10.0 * i, 0.0));
+    state.ResumeTiming();
+    for (bool more = true; more;) {
+      images.clear();
+      const auto start = std::chrono::steady_clock::now();
+      more = map.grid().takeChangedTiles(32, images);
+      const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
+      longest_ms = std::max(longest_ms, ms.count());
+    }
+  }
+  state.counters["map_m2"] = whole.width * whole.height * whole.resolution_m * whole.resolution_m;
+  state.counters["longest_wait_ms"] = longest_ms;
+}
+
 void search(benchmark::State& state, const SearchWindow& window) {
   for (auto _ : state) {
     benchmark::DoNotOptimize(searchWindow(scene().map.surface(), scene().points, scene().pose,
@@ -77,6 +114,7 @@ void snapshot(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(scene().map.grid().snapshot());
 }
 
+BENCHMARK(copyChangedTiles)->Unit(benchmark::kMicrosecond)->Iterations(20);
 BENCHMARK_CAPTURE(match, hybrid, "hybrid", Pose2(0.05, 0.02, 0.03));
 BENCHMARK_CAPTURE(match, gauss_newton, "gauss_newton", Pose2(0.05, 0.02, 0.03));
 BENCHMARK_CAPTURE(match, correlative, "correlative", Pose2(0.05, 0.02, 0.03));

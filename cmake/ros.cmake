@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The catkin commands that must come before the first target.
 find_package(catkin REQUIRED COMPONENTS
-  diagnostic_updater geometry_msgs message_filters message_generation nav_msgs nodelet pluginlib
+  diagnostic_updater geometry_msgs map_msgs message_filters message_generation nav_msgs nodelet pluginlib
   roscpp sensor_msgs std_msgs std_srvs tf2 tf2_msgs tf2_ros visualization_msgs)
 find_package(rosbag_storage REQUIRED)  # separate, because the flight nodes do not link to it
 
@@ -13,7 +13,7 @@ generate_messages(DEPENDENCIES geometry_msgs std_msgs)
 
 catkin_package(
   INCLUDE_DIRS include
-  CATKIN_DEPENDS geometry_msgs message_runtime nav_msgs nodelet roscpp sensor_msgs std_msgs std_srvs
+  CATKIN_DEPENDS geometry_msgs map_msgs message_runtime nav_msgs nodelet roscpp sensor_msgs std_msgs std_srvs
     tf2_ros visualization_msgs
   DEPENDS EIGEN3
   CFG_EXTRAS kestrel_slam-extras.cmake)

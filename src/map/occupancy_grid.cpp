@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <utility>
 
 #include "log_odds.h"
 
@@ -53,6 +55,10 @@ void poolMaximum(const std::int16_t* fine, int side, std::int16_t* coarse) {
 }  // namespace
 
 OccupancyGrid::OccupancyGrid(const OccupancyGridConfig& config)
+    : OccupancyGrid(config, std::make_shared<MemoryBudget>(static_cast<std::size_t>(
+                                config.memory_limit_mb * kBytesPerMegabyte))) {}
+
+OccupancyGrid::OccupancyGrid(const OccupancyGridConfig& config, SharedBudget budget)
     : resolution_m_(config.resolution_m),
       resolution_(static_cast<float>(config.resolution_m)),
       inverse_resolution_(1.0F / resolution_),
@@ -61,11 +67,12 @@ OccupancyGrid::OccupancyGrid(const OccupancyGridConfig& config)
       min_(logOddsOf(config.min_probability)),
       max_(logOddsOf(config.max_probability)),
       probabilities_(probabilityTable()),
-      tiles_(static_cast<std::size_t>(config.memory_limit_mb * kBytesPerMegabyte)) {}
+      tiles_(std::move(budget)) {}
 
 void OccupancyGrid::clear() {
   tiles_.clear();
   touched_.clear();
+  changed_tiles_.clear();
 }
 
 const OccupancyGrid::Changes& OccupancyGrid::insert(const PlanarScan& scan, const Pose2& map_T_base,
@@ -206,6 +213,8 @@ void OccupancyGrid::apply(Tile& tile, std::int16_t hit_in_free) {
   tile.hit.fill(0U);
   tile.missed.fill(0U);
   tile.touched = false;
+  if (!tile.changed) changed_tiles_.push_back(&tile);
+  tile.changed = true;
   pool(tile);
 }
 
@@ -246,6 +255,23 @@ InterpolatedValue OccupancyGrid::interpolate(int level, const Eigen::Vector2f& p
   result.gradient.x() = scale * (v * (m11 - m01) + (1 - v) * (m10 - m00));             // eq. 5
   result.gradient.y() = scale * (u * (m11 - m10) + (1 - u) * (m01 - m00));             // eq. 6
   return result;
+}
+
+bool OccupancyGrid::takeChangedTiles(std::size_t max_tiles, std::vector<TileImage>& images) {
+  for (; max_tiles > 0 && !changed_tiles_.empty(); --max_tiles) {
+    Tile& tile = *changed_tiles_.back();
+    changed_tiles_.pop_back();
+    tile.changed = false;
+    TileImage& image = images.emplace_back();
+    image.corner = tile.corner;
+    for (std::size_t i = 0; i < kTileCells; ++i) {
+      const std::int16_t value = tile.log_odds[i];
+      image.cells[i] = value == 0  ? MapSnapshot::kUnknown
+                       : value > 0 ? MapSnapshot::kOccupied
+                                   : MapSnapshot::kFree;
+    }
+  }
+  return !changed_tiles_.empty();
 }
 
 MapSnapshot OccupancyGrid::snapshot() const {

@@ -2,6 +2,7 @@
 #include "kestrel_slam/map/submap.h"
 
 #include <atomic>
+#include <memory>
 
 #include "kestrel_slam/sensor/planar_scan.h"
 
@@ -19,9 +20,10 @@ std::uint64_t newRevision() {
 
 Submap::Submap(const OccupancyGridConfig& config, const SubmapOptions& options)
     : options_(options),
-      grid_(config),
-      surface_(static_cast<float>(config.resolution_m),
-               static_cast<std::size_t>(config.memory_limit_mb * kBytesPerMegabyte)),
+      budget_(std::make_shared<MemoryBudget>(
+          static_cast<std::size_t>(config.memory_limit_mb * kBytesPerMegabyte))),
+      grid_(config, budget_),
+      surface_(static_cast<float>(config.resolution_m), budget_),
       revision_(newRevision()) {}
 
 bool Submap::insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view) {
@@ -32,7 +34,9 @@ bool Submap::insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_vi
   keep(scan, map_T_base);
   ++scans_;
   revision_ = newRevision();
-  return surface_complete && !changes.full;
+  const bool complete = surface_complete && !changes.full;
+  full_ |= !complete;
+  return complete;
 }
 
 /// The scan with its associated hits marked as known. Their beams end at the associated point, so
@@ -63,6 +67,7 @@ void Submap::clear() {
   surface_.clear();
   keyframes_.clear();
   scans_ = 0;
+  full_ = false;
   revision_ = newRevision();
 }
 

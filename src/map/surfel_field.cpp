@@ -40,12 +40,16 @@ void setLine(Surfel& surfel, const Eigen::Vector2f& t2) {
 
 }  // namespace
 
-SurfelField::SurfelField(float resolution_m, std::size_t limit_bytes)
-    : resolution_(resolution_m), inverse_resolution_(1.0F / resolution_m), tiles_(limit_bytes) {}
+SurfelField::SurfelField(float resolution_m, const SharedBudget& budget)
+    : resolution_(resolution_m),
+      inverse_resolution_(1.0F / resolution_m),
+      budget_(budget),
+      tiles_(budget) {}
 
 void SurfelField::clear() {
   tiles_.clear();
-  surfels_.clear();
+  budget_->giveBack(surfels_.capacity() * sizeof(Surfel));
+  surfels_ = {};
   free_.clear();
   updates_ = 0;
 }
@@ -137,7 +141,7 @@ void SurfelField::addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Ve
 std::uint32_t SurfelField::create(const OccupancyGrid::Changes::Hit& hit) {
   // If a surfel is not stored in its own cell, it cannot be found, and the next hit would add
   // another.
-  Tile* tile = tiles_.obtain(hit.cell);
+  Tile* tile = hasRoom() ? tiles_.obtain(hit.cell) : nullptr;
   if (tile == nullptr) {
     full_ = true;
     return kNone;
@@ -156,6 +160,16 @@ std::uint32_t SurfelField::create(const OccupancyGrid::Changes::Hit& hit) {
   tile->distance2[offsetInTile(hit.cell)] = 0;
   setOwn(hit.cell, true);
   return id;
+}
+
+/// Makes room for one more surfel. Returns false at the memory limit.
+bool SurfelField::hasRoom() {
+  if (!free_.empty() || surfels_.size() < surfels_.capacity()) return true;
+  constexpr std::size_t kFirst = 64;
+  const std::size_t capacity = std::max(kFirst, surfels_.capacity() + surfels_.capacity() / 2);
+  if (!budget_->take((capacity - surfels_.capacity()) * sizeof(Surfel))) return false;
+  surfels_.reserve(capacity);
+  return true;
 }
 
 /// Adds the hits of one scan to the mean at once. If they were added one after the other, the last

@@ -177,7 +177,7 @@ void Mapper::State::insert(const PlanarScan& scan, MapperResult& result) {
   // moved, and is not a new view.
   const bool new_view =
       scan.integrated_acceleration && result.match.score < config.matcher.good_score;
-  result.map_full = !map.insert(scan, motion.pose(), new_view);
+  map.insert(scan, motion.pose(), new_view);
   result.inserted = true;
   uncertainty.insert();
   inserted_pose = motion.pose();
@@ -211,6 +211,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
     s.begin(result);
   }
   s.insert(scan, result);
+  result.map_full = s.map.isFull();
   s.motion.remember(scan, odom_T_base, result.isMatched() ? std::nullopt : std::optional(error));
   result.pose = s.motion.pose();
   result.velocity = Eigen::Rotation2Dd(-result.pose.yaw) * s.motion.velocity();
@@ -234,6 +235,9 @@ void Mapper::setPose(const Pose2& map_T_base) {
 const Pose2& Mapper::pose() const { return state_->motion.pose(); }
 const MapperConfig& Mapper::config() const { return state_->config; }
 MapSnapshot Mapper::snapshot() const { return state_->map.grid().snapshot(); }
+bool Mapper::takeChangedTiles(std::size_t max_tiles, std::vector<TileImage>& images) {
+  return state_->map.grid().takeChangedTiles(max_tiles, images);
+}
 std::size_t Mapper::memoryBytes() const { return state_->map.memoryBytes(); }
 
 }  // namespace kestrel

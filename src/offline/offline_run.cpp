@@ -226,8 +226,8 @@ class Runner {
     warn(lost_, "did not match the map and were not inserted", "");
     std::ostringstream limit;
     limit << config_.slam.mapper.grid.memory_limit_mb;
-    warn(full_, "could not be inserted completely because the map is full",
-         "the memory limit is " + limit.str() + " MB");
+    warn(full_, "came after the map was full, so that it is not complete",
+         "the memory limit is " + limit.str() + " MB; raise map_memory_limit_mb or map_resolution");
     warn(without_odometry_, "had no odometry and were matched with the laser only", "");
     run_.map = pipeline_.mapper().snapshot();
     run_.map_memory_bytes = pipeline_.mapper().memoryBytes();

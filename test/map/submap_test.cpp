@@ -46,6 +46,21 @@ TEST(Submap, ReportsThatGridOrSurfaceIsFull) {
   EXPECT_GT(walk(map, 60), 0);
 }
 
+TEST(Submap, OneMemoryLimitHoldsForAllPartsAndFullIsRemembered) {
+  Submap map{smallConfig()};
+  EXPECT_FALSE(map.isFull());
+  walk(map, 60);
+  EXPECT_TRUE(map.isFull());
+  EXPECT_LE(map.memoryBytes(), kLimitBytes);
+  EXPECT_GT(map.memoryBytes(), kLimitBytes / 2);
+  PlanarScan nothing;
+  EXPECT_TRUE(map.insert(nothing, Pose2()));
+  EXPECT_TRUE(map.isFull()) << "a complete insertion does not make the map complete";
+  map.clear();
+  EXPECT_FALSE(map.isFull());
+  EXPECT_EQ(walk(map, 1), 0) << "the memory was given back";
+}
+
 TEST(Submap, EveryHitOfACompleteInsertionHasASurfel) {
   Submap map{smallConfig()};
   int complete = 0, checked = 0;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/map/map_replica.h"
 #include "kestrel_slam/map/map_snapshot.h"
 #include "kestrel_slam/map/occupancy_grid_config.h"
 #include "kestrel_slam/map/tile_map.h"
@@ -40,6 +41,8 @@ class OccupancyGrid {
   };
 
   explicit OccupancyGrid(const OccupancyGridConfig& config);
+  /// `budget`: shared with other parts of the map; replaces the memory limit of `config`.
+  OccupancyGrid(const OccupancyGridConfig& config, SharedBudget budget);
 
   /// Inserts a scan. Every cell that a beam passes is updated once with the miss probability. Every
   /// cell with an end point is updated once with the hit probability; a hit overrides misses. The
@@ -82,6 +85,10 @@ class OccupancyGrid {
   InterpolatedValue interpolate(int level, const Eigen::Vector2f& point) const;
 
   MapSnapshot snapshot() const;
+
+  /// Appends the images of at most `max_tiles` tiles that changed since they were last taken.
+  /// Returns false if none is left. For one MapReplica only.
+  bool takeChangedTiles(std::size_t max_tiles, std::vector<TileImage>& images);
   std::size_t memoryBytes() const { return tiles_.memoryBytes(); }
 
  private:
@@ -97,6 +104,7 @@ class OccupancyGrid {
     std::array<Row, kTileSide> hit{};     ///< hit by a beam of the current scan
     Cell corner;
     bool touched = false;
+    bool changed = false;  ///< in `changed_tiles_`
   };
 
   Tile* touch(const Cell& cell);
@@ -128,6 +136,7 @@ class OccupancyGrid {
   const double* probabilities_;          ///< indexed by fixed-point log odds, also negative ones
   TileMap<Tile> tiles_;
   std::vector<Tile*> touched_;
+  std::vector<Tile*> changed_tiles_;  ///< since they were last taken
   Changes changes_;
 };
 

@@ -38,9 +38,12 @@ class Submap {
   void clear();
 
   const OccupancyGrid& grid() const { return grid_; }
+  OccupancyGrid& grid() { return grid_; }
   const SurfelField& surface() const { return surface_; }
   const std::deque<Keyframe>& keyframes() const { return keyframes_; }  ///< oldest first
   int scans() const { return scans_; }
+  /// The memory limit kept a part of some scan out.
+  bool isFull() const { return full_; }
   /// Identifies the content. It changes with every insertion and is unique among all submaps. Data
   /// that was derived from a map is valid as long as the revision is the same.
   std::uint64_t revision() const { return revision_; }
@@ -51,10 +54,12 @@ class Submap {
   void keep(const PlanarScan& scan, const Pose2& map_T_base);
 
   SubmapOptions options_;
+  SharedBudget budget_;
   OccupancyGrid grid_;
   SurfelField surface_;
   std::deque<Keyframe> keyframes_;
   int scans_ = 0;
+  bool full_ = false;
   std::uint64_t revision_;
 };
 

@@ -68,7 +68,10 @@ class SurfelField {
   /// Radius around a surfel, in cells, in which cells refer to it: 0.45 m at 5 cm.
   static constexpr int kReachCells = 9;
 
-  SurfelField(float resolution_m, std::size_t limit_bytes);
+  /// The budget may be shared with other parts of the map.
+  SurfelField(float resolution_m, const SharedBudget& budget);
+  SurfelField(float resolution_m, std::size_t limit_bytes)
+      : SurfelField(resolution_m, std::make_shared<MemoryBudget>(limit_bytes)) {}
 
   /// Applies the changes of the last insertion into `grid`. Returns false if the memory limit kept
   /// a part out.
@@ -137,6 +140,7 @@ class SurfelField {
   };
 
   std::uint32_t idAt(const Cell& cell) const;
+  bool hasRoom();
   void setOwn(const Cell& cell, bool own);
   void addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Vector2f& tangent2, bool sparse);
   std::uint32_t create(const OccupancyGrid::Changes::Hit& hit);
@@ -156,6 +160,7 @@ class SurfelField {
 
   float resolution_;
   float inverse_resolution_;
+  SharedBudget budget_;
   TileMap<Tile> tiles_;
   std::vector<Surfel> surfels_;
   std::vector<std::uint32_t> free_;     ///< unused places in surfels_

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "kestrel_slam/map/memory_budget.h"
+
 namespace kestrel {
 
 /// Index of a square cell: [x, x + 1) × [y, y + 1) in units of the resolution.
@@ -43,7 +45,10 @@ inline std::size_t offsetInTile(const Cell& cell) {
 template <typename Tile>
 class TileMap {
  public:
-  explicit TileMap(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
+  /// The budget may be shared with other parts of the map.
+  explicit TileMap(SharedBudget budget) : budget_(std::move(budget)) {}
+  explicit TileMap(std::size_t limit_bytes)
+      : TileMap(std::make_shared<MemoryBudget>(limit_bytes)) {}
 
   /// The tile of a cell, or nullptr if it does not exist. Any coordinates are allowed.
   const Tile* find(const Cell& cell) const {
@@ -57,7 +62,11 @@ class TileMap {
   /// The tile of a cell, allocated if needed; nullptr if that would exceed the limit.
   Tile* obtain(const Cell& cell) {
     if (Tile* tile = find(cell)) return tile;
-    if (memoryBytes() + sizeof(Tile) > limit_bytes_ || !cover(cell)) return nullptr;
+    if (!budget_->take(sizeof(Tile))) return nullptr;
+    if (!cover(cell)) {
+      budget_->giveBack(sizeof(Tile));
+      return nullptr;
+    }
     const std::size_t column = static_cast<std::size_t>((cell.x >> kTileShift) - first_x_);
     const std::size_t row = static_cast<std::size_t>((cell.y >> kTileShift) - first_y_);
     std::unique_ptr<Tile>& slot = index_[row * width_ + column];
@@ -67,6 +76,7 @@ class TileMap {
   }
 
   void clear() {
+    budget_->giveBack(memoryBytes());
     index_.clear();
     first_x_ = first_y_ = 0;
     width_ = height_ = 0;
@@ -112,8 +122,8 @@ class TileMap {
     const auto slots = static_cast<std::size_t>(x1 - x0) * static_cast<std::size_t>(y1 - y0);
     // A dense image of the rectangle with one byte per cell must fit too, because maps are
     // published.
-    if (slots > limit_bytes_ / kTileCells ||
-        (tile_count_ + 1) * sizeof(Tile) + slots * sizeof(std::unique_ptr<Tile>) > limit_bytes_) {
+    if (slots > budget_->limit() / kTileCells ||
+        !budget_->take((slots - index_.size()) * sizeof(std::unique_ptr<Tile>))) {
       return false;
     }
     std::vector<std::unique_ptr<Tile>> index(slots);
@@ -133,7 +143,7 @@ class TileMap {
     return true;
   }
 
-  std::size_t limit_bytes_;
+  SharedBudget budget_;
   std::vector<std::unique_ptr<Tile>> index_;
   int first_x_ = 0;  ///< tile coordinates of the lower left corner of the index
   int first_y_ = 0;

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/map/map_snapshot.h"
@@ -39,7 +40,8 @@ struct MapperResult {
   bool searched = false;    ///< the local fit was poor and the exhaustive search was run
   /// The pose is a measurement of the scan.
   bool isMatched() const { return state != MatchState::kLost && !carried; }
-  bool map_full = false;  ///< a part of the scan was not inserted because of the memory limit
+  /// A part of this scan or of an earlier one was not inserted because of the memory limit.
+  bool map_full = false;
 };
 
 /// Predict, match, evaluate, insert: one scan at a time, single-threaded and deterministic.
@@ -73,6 +75,9 @@ class Mapper {
 
   /// A copy of the map with the values {-1, 0, 100}.
   MapSnapshot snapshot() const;
+
+  /// The changes for a copy of the map that another thread keeps (OccupancyGrid::takeChangedTiles).
+  bool takeChangedTiles(std::size_t max_tiles, std::vector<TileImage>& images);
 
   /// Memory of the maps, in bytes.
   std::size_t memoryBytes() const;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/sensor/time_base.h"
@@ -26,6 +27,11 @@ class MappingStage {
   void setPose(const Pose2& map_T_base) { mapper_.setPose(map_T_base); }
   /// Keeps map and pose but resets the motion model. Used after a gap or a jump in time.
   void restartMotion();
+
+  /// See Mapper::takeChangedTiles.
+  bool takeChangedTiles(std::size_t max_tiles, std::vector<TileImage>& images) {
+    return mapper_.takeChangedTiles(max_tiles, images);
+  }
 
   const Mapper& mapper() const { return mapper_; }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/mapper/map_publisher.h"
 
+#include <map_msgs/OccupancyGridUpdate.h>
 #include <nav_msgs/OccupancyGrid.h>
 #include <nav_msgs/Path.h>
 #include <ros/console.h>
@@ -18,6 +19,7 @@ namespace kestrel {
 namespace {
 
 constexpr double kTick = 0.1;              // s; longest delay until a new subscriber gets the map
+constexpr double kUpdatePeriod = 0.5;      // s
 constexpr double kTrajectoryPeriod = 0.5;  // s
 constexpr double kComplainEvery = 10.0;    // s
 constexpr std::uint32_t kQueueSize = 1;    // only the newest message matters
@@ -36,7 +38,8 @@ MapPublisher::MapPublisher(const ros::NodeHandle& nh, const MapperNodeConfig& co
       with_map_service_(config.advertise_map_service),
       period_(config.map_pub_period),
       mapper_(mapper),
-      trajectory_(trajectory) {
+      trajectory_(trajectory),
+      replica_(config.slam.mapper.grid.resolution_m) {
   nh_.setCallbackQueue(&queue_);
   last_info_.resolution = static_cast<float>(config.slam.mapper.grid.resolution_m);
   advertise();
@@ -55,6 +58,7 @@ void MapPublisher::advertise() {
   const auto connected = [this](const ros::SingleSubscriberPublisher&) { new_subscriber_ = true; };
   map_publisher_ = nh_.advertise<nav_msgs::OccupancyGrid>(
       "map", kQueueSize, connected, ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
+  update_publisher_ = nh_.advertise<map_msgs::OccupancyGridUpdate>("map_updates", kQueueSize);
   metadata_publisher_ = nh_.advertise<nav_msgs::MapMetaData>("map_metadata", kQueueSize, true);
   trajectory_publisher_ = nh_.advertise<nav_msgs::Path>("trajectory", kQueueSize, true);
   if (with_map_service_) {
@@ -67,7 +71,9 @@ void MapPublisher::tick() {
   if (!stands_behind_) stepBehindOtherThreads();
   stands_behind_ = true;
   try {
+    warnOfFullMap();
     publishMap();
+    publishUpdate();
     publishTrajectory();
   } catch (const std::exception& error) {
     ROS_ERROR_THROTTLE(kComplainEvery, "The map was not published: %s", error.what());
@@ -82,14 +88,66 @@ void MapPublisher::publishMap() {
   const bool unheard = published_version_ != 0 && map_publisher_.getNumSubscribers() == 0 &&
                        metadata_publisher_.getNumSubscribers() == 0;
   if (unchanged || unheard || (now < next_map_ && !new_subscriber_)) return;
-  MapCopy copy = mapper_.copy();
-  if (copy.map.empty()) return;  // after a reset: many clients cannot handle an empty map
+  refresh();
+  if (replica_.known().empty()) return;  // after a reset: many clients cannot handle an empty map
   new_subscriber_ = false;
   next_map_ = now + period_;
-  published_version_ = copy.version;
-  const nav_msgs::OccupancyGrid message = messageOf(std::move(copy));
-  map_publisher_.publish(message);
-  metadata_publisher_.publish(message.info);
+  published_version_ = version_;
+  replica_.takeChanged();
+  published_known_ = replica_.known();
+  const nav_msgs::OccupancyGrid map = message();
+  map_publisher_.publish(map);
+  metadata_publisher_.publish(map.info);
+}
+
+/// Copies the changed tiles, some at a time, so that the matching never waits long.
+void MapPublisher::refresh() {
+  for (bool complete = false; !complete;) {
+    const MapChanges changes = mapper_.takeChanges();
+    if (changes.map_number != map_number_) replica_.clear();
+    map_number_ = changes.map_number;
+    version_ = changes.version;
+    stamp_ = changes.stamp;
+    for (const TileImage& tile : changes.tiles) replica_.update(tile);
+    complete = changes.complete;
+  }
+}
+
+/// Publishes the part that changed since the last map or update, as long as the map has the same
+/// size and origin; otherwise clients need the next whole map.
+void MapPublisher::publishUpdate() {
+  const ros::WallTime now = ros::WallTime::now();
+  if (now < next_update_ || update_publisher_.getNumSubscribers() == 0) return;
+  next_update_ = now + ros::WallDuration(kUpdatePeriod);
+  refresh();
+  if (!hasGeometryOfLastMap()) return;
+  const CellRectangle changed = replica_.takeChanged();
+  if (changed.empty()) return;
+  map_msgs::OccupancyGridUpdate update;
+  update.header.frame_id = map_frame_;
+  update.header.stamp = stamp_;
+  update.x = changed.x0 - published_known_.x0;
+  update.y = changed.y0 - published_known_.y0;
+  update.width = static_cast<std::uint32_t>(changed.x1 - changed.x0);
+  update.height = static_cast<std::uint32_t>(changed.y1 - changed.y0);
+  update.data = replica_.valuesIn(changed);
+  update_publisher_.publish(update);
+}
+
+bool MapPublisher::hasGeometryOfLastMap() const {
+  const CellRectangle &now = replica_.known(), &then = published_known_;
+  return !now.empty() && now.x0 == then.x0 && now.y0 == then.y0 && now.x1 == then.x1 &&
+         now.y1 == then.y1;
+}
+
+void MapPublisher::warnOfFullMap() {
+  const bool is_full = mapper_.isFull();
+  if (is_full && !warned_of_full_map_) {
+    ROS_WARN(
+        "The map is full: it does not grow any more, and new places are not mapped. Raise "
+        "map_memory_limit_mb or map_resolution.");
+  }
+  warned_of_full_map_ = is_full;
 }
 
 void MapPublisher::publishTrajectory() {
@@ -102,20 +160,21 @@ void MapPublisher::publishTrajectory() {
   trajectory_publisher_.publish(trajectory_.path(map_frame_));
 }
 
-nav_msgs::OccupancyGrid MapPublisher::messageOf(MapCopy copy) {
-  nav_msgs::OccupancyGrid message = toMessage(std::move(copy.map));
+/// The map of `replica_`.
+nav_msgs::OccupancyGrid MapPublisher::message() {
+  nav_msgs::OccupancyGrid message = toMessage(replica_.snapshot());
   message.header.frame_id = map_frame_;
-  message.header.stamp = copy.stamp;
-  message.info.map_load_time = copy.stamp;
+  message.header.stamp = stamp_;
+  message.info.map_load_time = stamp_;
   last_info_ = message.info;
   return message;
 }
 
 bool MapPublisher::dynamicMap(nav_msgs::GetMap::Request&, nav_msgs::GetMap::Response& response) {
   try {
-    MapCopy copy = mapper_.copy();
-    if (!copy.map.empty()) {
-      response.map = messageOf(std::move(copy));
+    refresh();
+    if (!replica_.known().empty()) {
+      response.map = message();
       return true;
     }
     ROS_WARN("dynamic_map: there is no map yet because no scan has been inserted.");
@@ -132,7 +191,8 @@ bool MapPublisher::saveMap(kestrel_slam::SaveMap::Request& request,
     if (request.path.empty())
       throw std::runtime_error("the path is empty; set a path without file extension");
     const std::string stem = std::filesystem::absolute(request.path).string();
-    writeMap(stem, mapper_.copy().map);
+    refresh();
+    writeMap(stem, replica_.snapshot());
     response.success = true;
     response.message = "wrote " + stem + ".pgm and " + stem + ".yaml";
     ROS_INFO("save_map: %s", response.message.c_str());

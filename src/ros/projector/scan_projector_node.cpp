@@ -63,14 +63,15 @@ void ScanProjectorNode::enqueue(Sweep sweep) {
 }
 
 void ScanProjectorNode::processQueue() {
-  queue_.process([this](const Sweep& sweep) {
+  const auto handleSafely = [this](const Sweep& sweep) {
     try {
       return handle(sweep);
     } catch (const std::exception& error) {
       drop(sweep, "internal-error", error.what());
       return true;
     }
-  });
+  };
+  queue_.process(handleSafely, [](const Sweep& sweep) { return sweep.frame; });
 }
 
 /// True if the sweep is finished (projected or dropped).

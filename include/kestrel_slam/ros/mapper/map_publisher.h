@@ -12,6 +12,7 @@
 #include <string>
 
 #include "kestrel_slam/SaveMap.h"
+#include "kestrel_slam/map/map_replica.h"
 #include "kestrel_slam/ros/mapper/diagnostics.h"
 #include "kestrel_slam/ros/mapper/mapper_parameters.h"
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
@@ -21,9 +22,9 @@ namespace kestrel {
 
 /// Publishes the map and the trajectory, and serves the services that read the map.
 ///
-/// It has its own callback queue and thread. It blocks the matching only for the short time in
-/// which the map is copied. Uses a wall timer, so that the last map of a replay is published even
-/// after the clock has stopped.
+/// It has its own callback queue and thread. It keeps a copy of the map and blocks the matching
+/// only for the short time in which some changed tiles are copied. Uses a wall timer, so that the
+/// last map of a replay is published even after the clock has stopped.
 class MapPublisher {
  public:
   MapPublisher(const ros::NodeHandle& nh, const MapperNodeConfig& config, SharedMapper& mapper,
@@ -40,10 +41,14 @@ class MapPublisher {
   void advertise();
   void tick();
   void publishMap();
+  void publishUpdate();
+  void refresh();
+  void warnOfFullMap();
   void publishTrajectory();
   bool dynamicMap(nav_msgs::GetMap::Request& request, nav_msgs::GetMap::Response& response);
   bool saveMap(kestrel_slam::SaveMap::Request& request, kestrel_slam::SaveMap::Response& response);
-  nav_msgs::OccupancyGrid messageOf(MapCopy copy);
+  nav_msgs::OccupancyGrid message();
+  bool hasGeometryOfLastMap() const;
 
   ros::CallbackQueue queue_;
   ros::NodeHandle nh_;
@@ -53,15 +58,21 @@ class MapPublisher {
   SharedMapper& mapper_;
   TrajectoryLog& trajectory_;
 
-  ros::Publisher map_publisher_, metadata_publisher_, trajectory_publisher_;
+  ros::Publisher map_publisher_, update_publisher_, metadata_publisher_, trajectory_publisher_;
   ros::ServiceServer map_server_, save_server_;
   ros::WallTimer timer_;
 
   std::atomic<bool> new_subscriber_{false};
-  bool stands_behind_ = false;           ///< true: the thread already has low priority
+  bool stands_behind_ = false;  ///< true: the thread already has low priority
+  bool warned_of_full_map_ = false;
+  MapReplica replica_;
+  std::uint64_t map_number_ = 0;         ///< of the map in `replica_`
+  std::uint64_t version_ = 0;            ///< the same
+  ros::Time stamp_;                      ///< of the last scan in it
   std::uint64_t published_version_ = 0;  ///< 0: none yet
   std::uint64_t published_trajectory_ = 0;
-  ros::WallTime next_map_, next_trajectory_;
+  CellRectangle published_known_;  ///< cells of the last published map
+  ros::WallTime next_map_, next_update_, next_trajectory_;
   nav_msgs::MapMetaData last_info_;
   std::unique_ptr<ros::AsyncSpinner> spinner_;
 };

@@ -7,21 +7,24 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "kestrel_slam/pipeline/mapping_stage.h"
 #include "kestrel_slam/ros/common/fair_mutex.h"
 
 namespace kestrel {
 
-/// A copy of the map that can be published without a lock.
-struct MapCopy {
-  MapSnapshot map;
-  std::uint64_t version = 0;  ///< of the map; changes with the map
-  ros::Time stamp;            ///< of the last scan that the mapper saw
+/// A part of the changes of the map since they were last taken.
+struct MapChanges {
+  std::vector<TileImage> tiles;
+  bool complete = false;         ///< nothing is left
+  std::uint64_t map_number = 0;  ///< changes with each reset: the older tiles are not valid
+  std::uint64_t version = 0;     ///< of the map; changes with the map
+  ros::Time stamp;               ///< of the last scan that the mapper saw
 };
 
-/// The mapper with a lock. No caller holds the lock for longer than one match or one copy of the
-/// map.
+/// The mapper with a lock. Besides the matching, no caller holds the lock for more than some tens
+/// of microseconds.
 class SharedMapper {
  public:
   explicit SharedMapper(const MapperConfig& config) : mapping_(config) {}
@@ -40,10 +43,14 @@ class SharedMapper {
 
   Pose2 pose() const;
 
-  MapCopy copy() const;
+  /// Takes some of the changed tiles. Call it until the result is complete. For one reader.
+  MapChanges takeChanges();
 
   /// Changes when the map changes. Never blocks.
   std::uint64_t version() const { return version_; }
+
+  /// The memory limit kept a part of the map out. Never blocks.
+  bool isFull() const { return full_; }
 
   /// Memory of the map after the last scan. Never blocks.
   std::size_t memoryBytes() const { return memory_bytes_; }
@@ -52,6 +59,8 @@ class SharedMapper {
   mutable FairMutex mutex_;
   MappingStage mapping_;
   ros::Time stamp_;
+  std::uint64_t map_number_ = 1;
+  std::atomic<bool> full_{false};
   std::atomic<std::uint64_t> version_{0};
   std::atomic<std::size_t> memory_bytes_{0};
 };

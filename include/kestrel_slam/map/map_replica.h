@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "kestrel_slam/map/map_snapshot.h"
+#include "kestrel_slam/map/tile_map.h"
+
+namespace kestrel {
+
+/// The values {-1, 0, 100} of one tile of a map, row by row.
+struct TileImage {
+  Cell corner;  ///< lower left cell
+  std::array<std::int8_t, kTileCells> cells;
+};
+
+/// A rectangle of cells: x in [x0, x1), y in [y0, y1).
+struct CellRectangle {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+
+  bool empty() const { return x1 <= x0 || y1 <= y0; }
+  void extend(int x, int y);
+};
+
+/// A copy of a map that is kept up to date tile by tile. The matching thread only copies the
+/// tiles that changed; the copy is completed by the thread that publishes it.
+class MapReplica {
+ public:
+  explicit MapReplica(double resolution_m) : resolution_m_(resolution_m) {}
+
+  void update(const TileImage& tile);
+  void clear();
+
+  /// The known part, as OccupancyGrid::snapshot.
+  MapSnapshot snapshot() const;
+
+  /// The known part, in cells of the map frame.
+  const CellRectangle& known() const { return known_; }
+  /// The cells that changed since the last call, and their values, row by row.
+  CellRectangle takeChanged();
+  std::vector<std::int8_t> valuesIn(const CellRectangle& part) const;
+
+ private:
+  struct Tile {
+    std::array<std::int8_t, kTileCells> cells;
+    Tile() { cells.fill(MapSnapshot::kUnknown); }
+  };
+
+  double resolution_m_;
+  TileMap<Tile> tiles_{SIZE_MAX};
+  CellRectangle known_, changed_;
+};
+
+}  // namespace kestrel
