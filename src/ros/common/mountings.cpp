@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/common/mountings.h"
 
+#include <utility>
+
 #include "kestrel_slam/messages/conversions.h"
 
 namespace kestrel {
-namespace {
 
-// tf messages are processed on the thread of the node, so that no lookup runs while another thread
-// adds frames.
-constexpr bool kOwnTfThread = false;
-
-}  // namespace
-
-Mountings::Mountings(const ros::NodeHandle& nh, const std::string& base_frame)
-    : base_frame_(base_frame), listener_(buffer_, nh, kOwnTfThread) {}
+Mountings::Mountings(const ros::NodeHandle& nh, const std::string& base_frame,
+                     std::vector<OwnTransform> own)
+    : base_frame_(base_frame), input_(buffer_, nh, std::move(own)) {}
 
 std::optional<Eigen::Isometry3d> Mountings::lookup(const std::string& sensor_frame) const {
   // tf2 rejects frames that were never published, even for an identity transform.

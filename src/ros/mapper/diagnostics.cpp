@@ -6,6 +6,8 @@
 #include <exception>
 #include <utility>
 
+#include "kestrel_slam/ros/common/wall_throttle.h"
+
 namespace kestrel {
 namespace {
 
@@ -54,7 +56,7 @@ void Diagnostics::update() {
     warnOfSilence();
     updater_.force_update();
   } catch (const std::exception& error) {
-    ROS_ERROR_THROTTLE(kSilenceEvery, "No diagnostics: %s", error.what());
+    KESTREL_ERROR_THROTTLE(kSilenceEvery, "No diagnostics: %s", error.what());
   }
 }
 
@@ -72,7 +74,7 @@ std::string Diagnostics::silence() const {
 
 void Diagnostics::warnOfSilence() const {
   const std::string text = silence();
-  if (!text.empty()) ROS_WARN_THROTTLE(kSilenceEvery, "There is %s", text.c_str());
+  if (!text.empty()) KESTREL_WARN_THROTTLE(kSilenceEvery, "There is %s", text.c_str());
 }
 
 void Diagnostics::fillScans(Status& status) const {

@@ -12,6 +12,8 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/planar_scan_message.h"
 #include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/ros/common/guarded.h"
+#include "kestrel_slam/ros/common/wall_throttle.h"
 
 namespace kestrel {
 namespace {
@@ -40,10 +42,14 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
       queue_(static_cast<std::size_t>(config_.scan_subscriber_queue_size)),
       projection_(levelProjection(config_)),
       pose_publisher_(nh, config_) {
-  command_subscriber_ =
-      nh.subscribe(config_.sys_msg_topic, kCommandQueue, &MapperNode::onCommand, this);
-  initial_pose_subscriber_ =
-      nh.subscribe("initialpose", kCommandQueue, &MapperNode::onInitialPose, this);
+  command_subscriber_ = subscribeGuarded<std_msgs::String>(
+      nh, config_.sys_msg_topic, kCommandQueue,
+      [this](const std_msgs::StringConstPtr& message) { onCommand(*message); });
+  using geometry_msgs::PoseWithCovarianceStamped;
+  initial_pose_subscriber_ = subscribeGuarded<PoseWithCovarianceStamped>(
+      nh, "initialpose", kCommandQueue,
+      [this](const PoseWithCovarianceStamped::ConstPtr& message) { onInitialPose(*message); }, {},
+      Stamps::kIgnored);
   reset_server_ = nh.advertiseService("reset_map", &MapperNode::resetMap, this);
   pause_server_ = nh.advertiseService("pause_mapping", &MapperNode::pauseMapping, this);
   restart_server_ =
@@ -77,7 +83,7 @@ void MapperNode::matchLoop() {
       handle(*scan);
     } catch (const std::exception& error) {
       statistics_.dropped("internal-error");
-      ROS_ERROR_THROTTLE(kComplainEvery, "A scan was not matched: %s", error.what());
+      KESTREL_ERROR_THROTTLE(kComplainEvery, "A scan was not matched: %s", error.what());
     }
   }
 }
@@ -144,8 +150,8 @@ std::optional<PlanarScan> MapperNode::planarOf(const kestrel_slam::PlanarScan& m
 
 void MapperNode::drop(const std::string& reason, const std::string& sentence) {
   statistics_.dropped(reason);
-  ROS_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped (%s): %s.", input_->topic().c_str(),
-                    reason.c_str(), sentence.c_str());
+  KESTREL_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped (%s): %s.",
+                        input_->topic().c_str(), reason.c_str(), sentence.c_str());
 }
 
 void MapperNode::restart(const Pose2& map_T_base) {

@@ -5,10 +5,14 @@
 
 #include <boost/make_shared.hpp>
 #include <utility>
+#include <vector>
 
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/ros/common/guarded.h"
+#include "kestrel_slam/ros/common/stamps.h"
+#include "kestrel_slam/ros/common/wall_throttle.h"
 #include "kestrel_slam/sensor/projection.h"
 
 namespace kestrel {
@@ -17,15 +21,29 @@ namespace {
 constexpr std::uint32_t kWaitingScans = 50;  // may wait for tf; more than one second of scans
 constexpr double kExplainAfter = 1.0;        // s; waiting time before a warning
 constexpr double kComplainEvery = 5.0;       // s
-// tf messages are processed on the thread of the scans. tf2 is not thread-safe if a message filter
-// looks up frames while another thread adds them.
-constexpr bool kOwnTfThread = false;
-constexpr double kRemindEvery = 60.0;  // s; for problems that persist
 // A larger jump back means that a recording was restarted, not that a scan is late.
 constexpr double kClockJump = 2.0;  // s
 
 std::string publishHint(const std::string& parent, const std::string& child) {
   return "rosrun tf2_ros static_transform_publisher 0 0 0 0 0 0 " + parent + " " + child;
+}
+
+/// The transforms that the mapper publishes.
+std::vector<OwnTransform> ownTransforms(const MapperNodeConfig& config) {
+  std::vector<OwnTransform> own;
+  if (config.pub_map_odom_transform && config.usesOdometry()) {
+    own.push_back({config.map_frame, config.odom_frame,
+                   "Stop the other node, or set ~pub_map_odom_transform to false."});
+  } else if (config.pub_map_odom_transform) {
+    own.push_back({config.map_frame, config.base_frame,
+                   "If it is an odometry, set ~odom_frame to its parent frame; else set "
+                   "~base_frame to the topmost frame of the vehicle."});
+  }
+  if (config.pub_map_scanmatch_transform) {
+    own.push_back({config.map_frame, config.tf_map_scanmatch_transform_frame_name,
+                   "Set ~tf_map_scanmatch_transform_frame_name to another name."});
+  }
+  return own;
 }
 
 }  // namespace
@@ -35,7 +53,7 @@ ScanInput::ScanInput(ros::NodeHandle nh, const MapperNodeConfig& config, ScanSta
     : config_(config),
       statistics_(statistics),
       on_ready_(std::move(on_ready)),
-      listener_(buffer_, nh, kOwnTfThread),
+      transforms_(buffer_, nh, ownTransforms(config)),
       filter_(buffer_, config.base_frame, kWaitingScans, nh) {
   if (config.usesOdometry()) filter_.setTargetFrames({config.base_frame, config.odom_frame});
   filter_.registerCallback(&ScanInput::onReady, this);
@@ -44,11 +62,21 @@ ScanInput::ScanInput(ros::NodeHandle nh, const MapperNodeConfig& config, ScanSta
         onFailure(scan, reason);
       });
   const auto queue = static_cast<std::uint32_t>(config.scan_subscriber_queue_size);
-  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-  subscriber_ =
-      config.usesPlanarScans()
-          ? nh.subscribe(config.inputTopic(), queue, &ScanInput::onPlanarScan, this, hints)
-          : nh.subscribe(config.inputTopic(), queue, &ScanInput::onLaserScan, this, hints);
+  const Refuse refuse_stamp = [this](const std::string& reason) {
+    statistics_.received();
+    refuse(toString(ScanError::kBadStamp), reason);
+  };
+  if (config.usesPlanarScans()) {
+    subscriber_ = subscribeGuarded<kestrel_slam::PlanarScan>(
+        nh, config.inputTopic(), queue,
+        [this](const kestrel_slam::PlanarScanConstPtr& message) { onPlanarScan(message); },
+        refuse_stamp);
+  } else {
+    subscriber_ = subscribeGuarded<sensor_msgs::LaserScan>(
+        nh, config.inputTopic(), queue,
+        [this](const sensor_msgs::LaserScanConstPtr& message) { onLaserScan(message); },
+        refuse_stamp);
+  }
 }
 
 void ScanInput::onLaserScan(const sensor_msgs::LaserScanConstPtr& message) {
@@ -98,18 +126,19 @@ bool ScanInput::acceptable(const ReceivedScan& scan, std::size_t beams) {
 
 void ScanInput::refuse(const std::string& reason, const std::string& sentence) {
   statistics_.dropped(reason);
-  ROS_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped: %s.", topic().c_str(),
-                    sentence.c_str());
+  KESTREL_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped: %s.", topic().c_str(),
+                        sentence.c_str());
 }
 
 /// Handles a recording that starts again. The old data in tf are now in the future and would hide
 /// new data.
 void ScanInput::noticeJump(const ros::Time& stamp) {
-  if (last_stamp_.isZero() || stamp + ros::Duration(kClockJump) >= last_stamp_) return;
+  const double jump = secondsBetween(stamp, last_stamp_);
+  if (last_stamp_.isZero() || jump <= kClockJump) return;
   ROS_WARN(
       "The stamps of %s jump back by %.3f s (did a recording start again?): tf is cleared, "
       "the map is kept, and the motion model is reset.",
-      topic().c_str(), (last_stamp_ - stamp).toSec());
+      topic().c_str(), jump);
   filter_.clear();
   buffer_.clear();
   ++epoch_;
@@ -126,7 +155,8 @@ void ScanInput::explainWaiting(const ReceivedScan& scan) {
   if ((now - waiting_since_).toSec() < kExplainAfter) return;
   const std::string text = missingTransform(scan);
   statistics_.setWaitingFor(text);
-  ROS_WARN_THROTTLE(kComplainEvery, "Scans on %s are waiting: %s", topic().c_str(), text.c_str());
+  KESTREL_WARN_THROTTLE(kComplainEvery, "Scans on %s are waiting: %s", topic().c_str(),
+                        text.c_str());
 }
 
 /// Describes the missing transform and who should publish it.
@@ -154,25 +184,10 @@ void ScanInput::handOver(const ReceivedScan& scan) {
     statistics_.setWaitingFor("");
   }
   try {
-    warnOfOtherParent(scan.stamp);
     on_ready_(lookUp(scan));
   } catch (const std::exception& error) {
     refuse("no-transform", error.what());
   }
-}
-
-/// Without odometry the node publishes map -> base. If another node also publishes a parent of the
-/// base, tf jumps between both.
-void ScanInput::warnOfOtherParent(const ros::Time& stamp) const {
-  std::string parent;
-  if (config_.usesOdometry() || !config_.pub_map_odom_transform) return;
-  if (!buffer_._getParent(config_.base_frame, stamp, parent) || parent == config_.map_frame) return;
-  ROS_WARN_THROTTLE(kRemindEvery,
-                    "tf has '%s' as parent of the base frame '%s', so '%s' cannot be its parent "
-                    "too: if it is an odometry, set ~odom_frame to '%s'; else set ~base_frame to "
-                    "the topmost frame of the vehicle.",
-                    parent.c_str(), config_.base_frame.c_str(), config_.map_frame.c_str(),
-                    parent.c_str());
 }
 
 ReadyScan ScanInput::lookUp(const ReceivedScan& scan) const {

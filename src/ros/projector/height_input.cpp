@@ -2,6 +2,7 @@
 #include "kestrel_slam/ros/projector/height_input.h"
 
 #include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/ros/common/guarded.h"
 
 namespace kestrel {
 namespace {
@@ -17,8 +18,9 @@ HeightInput::HeightInput(ros::NodeHandle nh, const ProjectorNodeConfig& config,
       mountings_(mountings),
       projection_(projection) {
   if (config.height_topic.empty() || config.hasMirror()) return;
-  subscriber_ = nh.subscribe(config.height_topic, kQueue, &HeightInput::onRange, this,
-                             ros::TransportHints().tcpNoDelay());
+  subscriber_ = subscribeGuarded<sensor_msgs::Range>(
+      nh, config.height_topic, kQueue,
+      [this](const sensor_msgs::RangeConstPtr& message) { onRange(message); });
 }
 
 /// A range finder on the vehicle measures along its tilted axis. A height in a level frame is

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/ros/common/wall_throttle.h"
 
 namespace kestrel {
 namespace {
@@ -43,7 +44,7 @@ void ProjectorDiagnostics::update() {
     updater_.force_update();
     on_reported_();
   } catch (const std::exception& error) {
-    ROS_ERROR_THROTTLE(kWarnEvery, "No diagnostics: %s", error.what());
+    KESTREL_ERROR_THROTTLE(kWarnEvery, "No diagnostics: %s", error.what());
   }
 }
 
@@ -61,9 +62,9 @@ std::string ProjectorDiagnostics::silence() const {
 
 void ProjectorDiagnostics::warn() const {
   const std::string text = silence();
-  if (!text.empty()) ROS_WARN_THROTTLE(kWarnEvery, "There is %s", text.c_str());
+  if (!text.empty()) KESTREL_WARN_THROTTLE(kWarnEvery, "There is %s", text.c_str());
   if (!report_.attitude_error.empty() && since_start_.seconds() > kSilentAfter) {
-    ROS_WARN_THROTTLE(kWarnEvery, "Attitude: %s", report_.attitude_error.c_str());
+    KESTREL_WARN_THROTTLE(kWarnEvery, "Attitude: %s", report_.attitude_error.c_str());
   }
 }
 

@@ -5,9 +5,11 @@
 
 #include <exception>
 #include <utility>
+#include <vector>
 
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/ros/common/wall_throttle.h"
 
 namespace kestrel {
 namespace {
@@ -20,13 +22,26 @@ ProjectionStageConfig projectionConfigOf(const ProjectorNodeConfig& config) {
           config.without_imu == "level", config.max_wait_s};
 }
 
+std::vector<OwnTransform> ownTransforms(const ProjectorNodeConfig& config) {
+  std::vector<OwnTransform> own;
+  if (config.publishesStabilized()) {
+    own.push_back({config.base_stabilized_frame, config.base_frame,
+                   "Stop the other one, or set ~base_frame to the topmost frame of the vehicle."});
+  }
+  if (config.pub_footprint_transform) {
+    own.push_back({config.base_footprint_frame, config.base_stabilized_frame,
+                   "Stop the other node, or set ~pub_footprint_transform to false."});
+  }
+  return own;
+}
+
 }  // namespace
 
 ScanProjectorNode::ScanProjectorNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
     : config_(loadProjectorParameters(private_nh)),
       projection_(projectionConfigOf(config_)),
       queue_(static_cast<std::size_t>(config_.queue_size)),
-      mountings_(nh, config_.base_frame),
+      mountings_(nh, config_.base_frame, ownTransforms(config_)),
       tf_attitude_(mountings_.buffer(), config_.attitude_frame, config_.base_frame,
                    projection_.tracker()),
       filter_(nh, config_, projection_,
@@ -136,8 +151,8 @@ void ScanProjectorNode::project(const Sweep& sweep, const Eigen::Isometry3d& bas
 void ScanProjectorNode::drop(const Sweep& sweep, const std::string& reason,
                              const std::string& sentence) {
   statistics_.drop(reason, sentence);
-  ROS_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped (%s): %s", sweep.topic.c_str(),
-                    reason.c_str(), sentence.c_str());
+  KESTREL_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped (%s): %s", sweep.topic.c_str(),
+                        reason.c_str(), sentence.c_str());
 }
 
 void ScanProjectorNode::onAttitude(const ros::Time& stamp) {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "kestrel_slam/ros/common/stamps.h"
+
 namespace kestrel {
 
 /// Measures a waiting time. Uses the smaller value of ROS time and wall time. So a paused, slow or
@@ -13,7 +15,7 @@ class WaitingTime {
  public:
   double seconds() const {
     const double steady = (ros::SteadyTime::now() - steady_start_).toSec();
-    const double ros = (ros::Time::now() - ros_start_).toSec();
+    const double ros = secondsBetween(ros_start_, ros::Time::now());
     return ros < 0.0 ? steady : std::min(steady, ros);  // negative: the clock was set back
   }
 

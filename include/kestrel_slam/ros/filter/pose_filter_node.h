@@ -39,6 +39,10 @@ class PoseFilterNode {
   PoseFilterNode& operator=(const PoseFilterNode&) = delete;
 
  private:
+  void listen(ros::NodeHandle& nh);
+  template <typename Message>
+  void listen(ros::NodeHandle& nh, const std::string& topic,
+              void (PoseFilterNode::*callback)(const Message&));
   void onImu(const sensor_msgs::ImuConstPtr& message);
   void onMapperState(const kestrel_slam::MapperState& message);
   void onPose(const geometry_msgs::PoseWithCovarianceStamped& message);
@@ -51,7 +55,7 @@ class PoseFilterNode {
   bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
   bool isInMap(const std_msgs::Header& header, const char* what);
-  void refuse(const std::string& what, const std::string& why);
+  void refuse(const std::string& what, const std::string& reason, const std::string& why);
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
   double now() const { return last_stamp_ + since_last_.seconds(); }
 

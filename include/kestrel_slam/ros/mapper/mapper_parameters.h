@@ -25,7 +25,7 @@ struct MapperNodeConfig {
   double transform_tolerance = 0.1;  ///< s; time that is added to the stamp of map -> odom
   bool pub_map_odom_transform = true;
   bool pub_map_scanmatch_transform = true;
-  std::string tf_map_scanmatch_transform_frame_name = "scanmatcher_frame";
+  std::string tf_map_scanmatch_transform_frame_name;  ///< empty: derived from the base frame
   bool pub_odometry = false;
   bool advertise_map_service = true;
   SlamConfig slam;

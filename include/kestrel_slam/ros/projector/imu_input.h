@@ -43,6 +43,7 @@ class ImuInput {
   ProjectionStage& projection_;
   std::function<void(const ros::Time&)> on_attitude_;
   std::string waiting_for_;
+  std::size_t refused_stamps_ = 0;
   double last_stamp_ = 0.0;  ///< s
   WaitingTime since_last_;
   ros::Subscriber subscriber_;

@@ -34,6 +34,8 @@ struct ProjectorNodeConfig {
   bool isLevel() const { return attitude_source == "none"; }
   bool usesTf() const { return attitude_source == "tf"; }
   bool usesImu() const { return !isLevel() && !usesTf(); }
+  /// If the attitude comes from tf, the base already has a parent.
+  bool publishesStabilized() const { return pub_stabilized_transform && !usesTf(); }
   bool hasMirror() const { return !slam.projector.mirror_angles.empty(); }
 };
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "kestrel_slam/ros/common/guarded.h"
 #include "kestrel_slam/ros/projector/projector_parameters.h"
 #include "kestrel_slam/ros/projector/projector_statistics.h"
 #include "kestrel_slam/ros/projector/sweep.h"
@@ -31,6 +32,7 @@ class SweepInput {
  private:
   void onScan(const sensor_msgs::LaserScanConstPtr& message, const std::string& topic);
   void onCloud(const sensor_msgs::PointCloud2ConstPtr& message, const std::string& topic);
+  Refuse refusalOf(const std::string& topic);
   bool accept(const std_msgs::Header& header, const std::string& topic);
   void refuse(const std::string& topic, const std::string& reason, const std::string& sentence);
   void pass(Sweep sweep, const std_msgs::Header& header, const std::string& topic);
