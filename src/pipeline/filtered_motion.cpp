@@ -29,7 +29,7 @@ FilteredMotionBuffer::FilteredMotionBuffer(const AttitudeBufferConfig& config)
     : history_s_(config.history_s), attitude_(config) {}
 
 bool FilteredMotionBuffer::add(const FilteredMotion& motion) {
-  if (!states_.empty() && motion.stamp < states_.back().stamp - history_s_) {
+  if (!states_.empty() && motion.stamp < states_.back().stamp) {
     states_.clear();
     attitude_.clear();
   }

@@ -34,8 +34,8 @@ class FilteredMotionBuffer {
   explicit FilteredMotionBuffer(const AttitudeBufferConfig& config);
 
   /// Returns false if the attitude is not used: it is not known well enough, a value is not
-  /// finite, or its stamp is already stored. A stamp far in the past clears the buffer, because the
-  /// clock was set back.
+  /// finite, or its stamp is already stored. The states of a filter have ascending stamps: an older
+  /// stamp means that filter or recording started again, and clears the buffer.
   bool add(const FilteredMotion& motion);
 
   const AttitudeBuffer& attitude() const { return attitude_; }

@@ -97,6 +97,11 @@ void PoseFilterNode::listen(ros::NodeHandle& nh) {
       nh, config_.imu_topic, kImuQueue,
       [this](const sensor_msgs::ImuConstPtr& message) { onImu(message); },
       [this](const std::string& reason) { refuse("IMU messages", "implausible stamp", reason); });
+  imu_watch_ = std::make_unique<SilenceWatch>(
+      "IMU message",
+      std::vector<NeededTopic>{
+          {imu_subscriber_.getTopic(), ros::message_traits::datatype<sensor_msgs::Imu>()}},
+      "~imu_topic");
   listen(nh, config_.mapper_topic, &PoseFilterNode::onMapperState);
   listen(nh, config_.pose_topic, &PoseFilterNode::onPose);
   listen(nh, config_.height_topic, &PoseFilterNode::onRange);
@@ -243,15 +248,20 @@ bool PoseFilterNode::reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Respo
   return true;
 }
 
+std::string PoseFilterNode::imuSilence() {
+  const double seconds = clockIsMissing() ? since_start_.wallSeconds() : since_start_.seconds();
+  return imu_watch_->check(seconds, imu_subscriber_.getNumPublishers());
+}
+
 void PoseFilterNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   const FilterStatus filter = filter_.status(now());
   status.summary(static_cast<unsigned char>(levelOf(filter.health)),
                  filter.message.empty() ? toString(filter.health) : filter.message);
   if (!waiting_for_.empty()) {
     status.summary(DiagnosticStatus::ERROR, waiting_for_);
-  } else if (filter.imu.received == 0 && imu_subscriber_.getNumPublishers() == 0) {
-    status.summary(DiagnosticStatus::ERROR, "no message on " + imu_subscriber_.getTopic() +
-                                                ": nobody publishes it (wrong imu_topic?)");
+  } else if (filter.imu.received == 0) {
+    const std::string silence = imuSilence();
+    if (!silence.empty()) status.summary(DiagnosticStatus::ERROR, silence);
   }
   status.add("health", toString(filter.health));
   status.add("IMU rate (Hz)", filter.imu_rate_hz);

@@ -58,8 +58,9 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
   input_ = std::make_unique<ScanInput>(nh, config_, statistics_,
                                        [this](ReadyScan scan) { enqueue(std::move(scan)); });
   diagnostics_ = std::make_unique<Diagnostics>(
-      map_publisher_->nodeHandle(), private_nh, input_->topic(), statistics_,
-      [this] { return input_->publisherCount(); }, [this] { return map_publisher_->mapSize(); });
+      map_publisher_->nodeHandle(), private_nh, input_->neededTopic(), config_.inputParameter(),
+      statistics_, [this] { return input_->publisherCount(); },
+      [this] { return map_publisher_->mapSize(); });
   match_thread_ = std::thread([this] { matchLoop(); });
   pthread_setname_np(match_thread_.native_handle(), "match");
   ROS_INFO("Mapping scans on %s; %s.", input_->topic().c_str(),

@@ -79,6 +79,12 @@ ScanInput::ScanInput(ros::NodeHandle nh, const MapperNodeConfig& config, ScanSta
   }
 }
 
+NeededTopic ScanInput::neededTopic() const {
+  return {topic(), config_.usesPlanarScans()
+                       ? ros::message_traits::datatype<kestrel_slam::PlanarScan>()
+                       : ros::message_traits::datatype<sensor_msgs::LaserScan>()};
+}
+
 void ScanInput::onLaserScan(const sensor_msgs::LaserScanConstPtr& message) {
   const std_msgs::Header& header = message->header;
   receive({{message, nullptr}, withoutSlash(header.frame_id), header.stamp},

@@ -60,7 +60,7 @@ ScanProjectorNode::ScanProjectorNode(ros::NodeHandle nh, ros::NodeHandle private
   input_ = std::make_unique<SweepInput>(nh, config_, statistics_,
                                         [this](Sweep sweep) { enqueue(std::move(sweep)); });
   diagnostics_ = std::make_unique<ProjectorDiagnostics>(
-      nh, private_nh, input_->topics(), [this] { return report(); },
+      nh, private_nh, input_->neededTopics(), imuTopics(), [this] { return report(); },
       [this] { statistics_.dropped_lately = 0; });
   timer_ = nh.createSteadyTimer(ros::WallDuration(kPatrolPeriod),
                                 [this](const ros::SteadyTimerEvent&) { processQueue(); });
@@ -68,6 +68,11 @@ ScanProjectorNode::ScanProjectorNode(ros::NodeHandle nh, ros::NodeHandle private
   describeAttitude(start);
   ROS_INFO("Projecting %s; attitude from %s.", input_->topics().c_str(),
            start.attitude_hint.c_str());
+}
+
+std::vector<NeededTopic> ScanProjectorNode::imuTopics() const {
+  if (!imu_) return {};
+  return {{imu_->topic(), ros::message_traits::datatype<sensor_msgs::Imu>()}};
 }
 
 void ScanProjectorNode::enqueue(Sweep sweep) {

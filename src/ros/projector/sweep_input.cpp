@@ -27,6 +27,7 @@ SweepInput::SweepInput(ros::NodeHandle nh, const ProjectorNodeConfig& config,
       on_sweep_(std::move(on_sweep)) {
   for (const std::string& name : splitNames(config.scan_topics)) {
     const std::string topic = nh.resolveName(name);
+    needed_.push_back({topic, ros::message_traits::datatype<sensor_msgs::LaserScan>()});
     subscribers_.push_back(subscribeGuarded<sensor_msgs::LaserScan>(
         nh, name, kQueue,
         [this, topic](const sensor_msgs::LaserScanConstPtr& message) { onScan(message, topic); },
@@ -34,6 +35,7 @@ SweepInput::SweepInput(ros::NodeHandle nh, const ProjectorNodeConfig& config,
   }
   if (config.cloud_topic.empty()) return;
   const std::string topic = nh.resolveName(config.cloud_topic);
+  needed_.push_back({topic, ros::message_traits::datatype<sensor_msgs::PointCloud2>()});
   subscribers_.push_back(subscribeGuarded<sensor_msgs::PointCloud2>(
       nh, config.cloud_topic, kQueue,
       [this, topic](const sensor_msgs::PointCloud2ConstPtr& message) { onCloud(message, topic); },

@@ -13,8 +13,10 @@ namespace kestrel {
 /// fast replay does not cause a timeout.
 class WaitingTime {
  public:
+  double wallSeconds() const { return (ros::SteadyTime::now() - steady_start_).toSec(); }
+
   double seconds() const {
-    const double steady = (ros::SteadyTime::now() - steady_start_).toSec();
+    const double steady = wallSeconds();
     const double ros = secondsBetween(ros_start_, ros::Time::now());
     return ros < 0.0 ? steady : std::min(steady, ros);  // negative: the clock was set back
   }

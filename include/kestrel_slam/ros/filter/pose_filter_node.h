@@ -22,6 +22,7 @@
 #include "kestrel_slam/filter/pose_filter.h"
 #include "kestrel_slam/messages/aiding_messages.h"
 #include "kestrel_slam/ros/common/mountings.h"
+#include "kestrel_slam/ros/common/silence_watch.h"
 #include "kestrel_slam/ros/common/waiting_time.h"
 #include "kestrel_slam/ros/filter/filter_publisher.h"
 #include "kestrel_slam/ros/filter/pose_filter_parameters.h"
@@ -56,6 +57,7 @@ class PoseFilterNode {
 
   bool isInMap(const std_msgs::Header& header, const char* what);
   void refuse(const std::string& what, const std::string& reason, const std::string& why);
+  std::string imuSilence();
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
   double now() const { return last_stamp_ + since_last_.seconds(); }
 
@@ -69,6 +71,8 @@ class PoseFilterNode {
   double mapper_stamp_ = 0.0;                   ///< of the last MapperState, s
   double last_stamp_ = 0.0;                     ///< of the IMU, s
   WaitingTime since_last_;
+  WaitingTime since_start_;
+  std::unique_ptr<SilenceWatch> imu_watch_;
   std::vector<ros::Subscriber> subscribers_;
   ros::Subscriber imu_subscriber_;
   ros::ServiceServer reset_server_;

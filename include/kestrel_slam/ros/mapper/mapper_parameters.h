@@ -34,6 +34,9 @@ struct MapperNodeConfig {
   const std::string& inputTopic() const {
     return usesPlanarScans() ? planar_scan_topic : scan_topic;
   }
+  std::string inputParameter() const {
+    return usesPlanarScans() ? "~planar_scan_topic" : "~scan_topic";
+  }
   bool usesOdometry() const { return !odom_frame.empty() && odom_frame != base_frame; }
 };
 

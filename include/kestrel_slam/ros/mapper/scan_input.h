@@ -15,6 +15,7 @@
 
 #include "kestrel_slam/PlanarScan.h"
 #include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/ros/common/silence_watch.h"
 #include "kestrel_slam/ros/common/transform_input.h"
 #include "kestrel_slam/ros/mapper/mapper_parameters.h"
 #include "kestrel_slam/ros/mapper/scan_statistics.h"
@@ -72,6 +73,7 @@ class ScanInput {
             Callback on_ready);
 
   std::string topic() const { return subscriber_.getTopic(); }
+  NeededTopic neededTopic() const;
   unsigned publisherCount() const { return subscriber_.getNumPublishers(); }
 
  private:

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "kestrel_slam/ros/common/guarded.h"
+#include "kestrel_slam/ros/common/silence_watch.h"
 #include "kestrel_slam/ros/projector/projector_parameters.h"
 #include "kestrel_slam/ros/projector/projector_statistics.h"
 #include "kestrel_slam/ros/projector/sweep.h"
@@ -27,6 +28,7 @@ class SweepInput {
              Callback on_sweep);
 
   std::string topics() const;
+  std::vector<NeededTopic> neededTopics() const { return needed_; }
   unsigned publisherCount() const;
 
  private:
@@ -42,6 +44,7 @@ class SweepInput {
   ProjectorStatistics& statistics_;
   Callback on_sweep_;
   std::map<std::string, ros::Time> last_stamps_;  ///< by topic
+  std::vector<NeededTopic> needed_;
   std::vector<ros::Subscriber> subscribers_;
 };
 

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/ros/common/silence_watch.h"
+
+#include <ros/console.h>
+#include <ros/master.h>
+#include <ros/this_node.h>
+#include <ros/time.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace kestrel {
+namespace {
+
+constexpr std::size_t kMaxListed = 3;
+constexpr std::size_t kMaxName = 40;
+
+/// A name of any length, fit for one line.
+std::string clipped(const std::string& name) {
+  return name.size() <= kMaxName ? name : name.substr(0, kMaxName - 3) + "...";
+}
+
+/// The published topics of the needed types.
+std::vector<std::string> candidates(const std::vector<NeededTopic>& topics, const RosGraph& graph) {
+  std::vector<std::string> names;
+  for (const auto& [name, type] : graph.published) {
+    const auto fits = [&type = type](const NeededTopic& topic) { return topic.type == type; };
+    if (std::any_of(topics.begin(), topics.end(), fits)) names.push_back(name);
+  }
+  return names;
+}
+
+std::string listOf(const std::vector<std::string>& names) {
+  std::string list;
+  for (std::size_t i = 0; i < std::min(names.size(), kMaxListed); ++i) {
+    list += (i == 0 ? "" : ", ") + clipped(names[i]);
+  }
+  return list + (names.size() > kMaxListed ? ", ..." : "");
+}
+
+std::string namesOf(const std::vector<NeededTopic>& topics) {
+  std::vector<std::string> names;
+  for (const NeededTopic& topic : topics) names.push_back(topic.name);
+  return listOf(names);
+}
+
+/// "LaserScan" for "sensor_msgs/LaserScan".
+std::string shortType(const std::string& type) { return type.substr(type.rfind('/') + 1); }
+
+/// The topics as the master knows them. Does not wait for a master.
+std::map<std::string, std::string> publishedTopics() {
+  XmlRpc::XmlRpcValue request, response, payload;
+  request[0] = ros::this_node::getName();
+  request[1] = "";
+  std::map<std::string, std::string> published;
+  if (!ros::master::execute("getPublishedTopics", request, response, payload, false)) {
+    return published;
+  }
+  for (int i = 0; i < payload.size(); ++i) {
+    published[std::string(payload[i][0])] = std::string(payload[i][1]);
+  }
+  return published;
+}
+
+}  // namespace
+
+std::string silenceReason(const std::vector<NeededTopic>& topics, const std::string& parameter,
+                          const RosGraph& graph) {
+  if (graph.clock_is_missing) {
+    return "use_sim_time is true, but nobody publishes /clock. Play the bag with --clock, or set "
+           "use_sim_time to false";
+  }
+  bool is_published = false;
+  for (const NeededTopic& topic : topics) {
+    const auto found = graph.published.find(topic.name);
+    if (found == graph.published.end()) continue;
+    is_published = true;
+    if (found->second != topic.type) {
+      return clipped(topic.name) + " has the type " + clipped(found->second) + ", not " +
+             topic.type + "; set " + parameter + " to another topic";
+    }
+  }
+  if (graph.connected > 0) {
+    return std::to_string(graph.connected) +
+           " publisher(s), but no message; is the device running?";
+  }
+  if (is_published) {
+    return "its publisher cannot be reached; check ROS_IP and ROS_HOSTNAME on both computers";
+  }
+  const std::vector<std::string> others = candidates(topics, graph);
+  if (!others.empty()) {
+    return "nobody publishes it; set " + parameter + " to one of: " + listOf(others);
+  }
+  return "nobody publishes it, and no other " + shortType(topics.front().type) +
+         "; is the driver running?";
+}
+
+bool clockIsMissing() { return ros::Time::isSimTime() && ros::Time::now().isZero(); }
+
+SilenceWatch::SilenceWatch(std::string what, std::vector<NeededTopic> topics, std::string parameter)
+    : what_(std::move(what)), parameter_(std::move(parameter)), topics_(std::move(topics)) {}
+
+std::string SilenceWatch::check(double silent_s, unsigned connected) {
+  if (silent_s < kSilentAfter || topics_.empty()) return "";
+  const bool is_due = throttle_.due();
+  if (is_due) {
+    reason_ = silenceReason(topics_, parameter_, {publishedTopics(), connected, clockIsMissing()});
+  }
+  const std::string sentence = "no " + what_ + " on " + namesOf(topics_) + " for " +
+                               std::to_string(static_cast<int>(silent_s)) + " s: " + reason_;
+  if (is_due) ROS_WARN("There is %s.", sentence.c_str());
+  return sentence;
+}
+
+}  // namespace kestrel
