@@ -10,16 +10,12 @@
 #include <cstddef>
 #include <utility>
 
+#include "kestrel_slam/ros/common/names.h"
+
 namespace kestrel {
 namespace {
 
 constexpr std::size_t kMaxListed = 3;
-constexpr std::size_t kMaxName = 40;
-
-/// A name of any length, fit for one line.
-std::string clipped(const std::string& name) {
-  return name.size() <= kMaxName ? name : name.substr(0, kMaxName - 3) + "...";
-}
 
 /// The published topics of the needed types.
 std::vector<std::string> candidates(const std::vector<NeededTopic>& topics, const RosGraph& graph) {
@@ -34,7 +30,7 @@ std::vector<std::string> candidates(const std::vector<NeededTopic>& topics, cons
 std::string listOf(const std::vector<std::string>& names) {
   std::string list;
   for (std::size_t i = 0; i < std::min(names.size(), kMaxListed); ++i) {
-    list += (i == 0 ? "" : ", ") + clipped(names[i]);
+    list += (i == 0 ? "" : ", ") + clippedName(names[i]);
   }
   return list + (names.size() > kMaxListed ? ", ..." : "");
 }
@@ -77,7 +73,7 @@ std::string silenceReason(const std::vector<NeededTopic>& topics, const std::str
     if (found == graph.published.end()) continue;
     is_published = true;
     if (found->second != topic.type) {
-      return clipped(topic.name) + " has the type " + clipped(found->second) + ", not " +
+      return clippedName(topic.name) + " has the type " + clippedName(found->second) + ", not " +
              topic.type + "; set " + parameter + " to another topic";
     }
   }

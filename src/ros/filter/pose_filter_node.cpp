@@ -13,6 +13,7 @@
 #include "kestrel_slam/messages/pipeline_messages.h"
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/ros/common/guarded.h"
+#include "kestrel_slam/ros/common/names.h"
 #include "kestrel_slam/ros/common/wall_throttle.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
@@ -76,6 +77,7 @@ PoseFilterNode::PoseFilterNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
     : config_(loadPoseFilterParameters(private_nh)),
       filter_(config_.filter),
       mountings_(nh, config_.base_frame, ownTransforms(config_)),
+      range_mounting_(mountings_, config_.height_sensor_z),
       publisher_(nh, config_),
       updater_(nh, private_nh, private_nh.getNamespace()) {
   listen(nh);
@@ -148,7 +150,7 @@ void PoseFilterNode::onImu(const sensor_msgs::ImuConstPtr& message) {
 }
 
 bool PoseFilterNode::isInMap(const std_msgs::Header& header, const char* what) {
-  const std::string frame = withoutSlash(header.frame_id);
+  const std::string frame = clippedName(withoutSlash(header.frame_id));
   if (frame == config_.map_frame) return true;
   refuse(what, "not in the map frame",
          "the frame is '" + frame + "', but must be '" + config_.map_frame + "'");
@@ -159,6 +161,7 @@ bool PoseFilterNode::isInMap(const std_msgs::Header& header, const char* what) {
 void PoseFilterNode::refuse(const std::string& what, const std::string& reason,
                             const std::string& why) {
   ++refused_[what + ": " + reason];
+  last_refusal_ = what + ": " + why;
   KESTREL_WARN_THROTTLE(kComplainEvery, "Refused %s: %s.", what.c_str(), why.c_str());
 }
 
@@ -191,8 +194,9 @@ void PoseFilterNode::onRange(const sensor_msgs::Range& message) {
     filter_.addFloorHeight(toHeightSample(message, 0.0));
     return;
   }
-  const std::optional<Eigen::Isometry3d> base_T_sensor = mountings_.lookup(frame);
-  filter_.addRange(toHeightSample(message, base_T_sensor ? base_T_sensor->translation().z() : 0.0));
+  const std::optional<double> sensor_z = range_mounting_.sensorZ(frame);
+  if (!sensor_z) return refuse("heights", "no mounting that looks down", range_mounting_.error());
+  filter_.addRange(toHeightSample(message, *sensor_z));
 }
 
 void PoseFilterNode::onPressure(const sensor_msgs::FluidPressure& message) {
@@ -270,6 +274,7 @@ void PoseFilterNode::report(diagnostic_updater::DiagnosticStatusWrapper& status)
     add(status, toString(static_cast<FilterSensor>(i)), filter.sensors[i]);
   }
   for (const auto& [reason, count] : refused_) status.add("refused: " + reason, count);
+  if (!last_refusal_.empty()) status.add("last refusal", last_refusal_);
   for (const auto& [reason, count] : filter.resets) status.add("resets: " + reason, count);
   status.add("jumps of the map", filter.reinitializations);
   status.add("started in the air", filter.started_in_air);

@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <exception>
-#include <filesystem>
 #include <utility>
 
 #include "kestrel_slam/map/map_io.h"
@@ -35,6 +34,7 @@ MapPublisher::MapPublisher(const ros::NodeHandle& nh, const MapperNodeConfig& co
       map_frame_(config.map_frame),
       with_map_service_(config.advertise_map_service),
       period_(config.map_pub_period),
+      save_folder_(config.save_folder),
       mapper_(mapper),
       trajectory_(trajectory) {
   nh_.setCallbackQueue(&queue_);
@@ -129,9 +129,7 @@ bool MapPublisher::saveMap(kestrel_slam::SaveMap::Request& request,
                            kestrel_slam::SaveMap::Response& response) {
   response.success = false;
   try {
-    if (request.path.empty())
-      throw std::runtime_error("the path is empty; set a path without file extension");
-    const std::string stem = std::filesystem::absolute(request.path).string();
+    const std::string stem = save_folder_.stemOf(request.path);
     writeMap(stem, mapper_.copy().map);
     response.success = true;
     response.message = "wrote " + stem + ".pgm and " + stem + ".yaml";

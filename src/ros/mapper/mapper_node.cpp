@@ -5,6 +5,7 @@
 #include <ros/console.h>
 
 #include <chrono>
+#include <cmath>
 #include <exception>
 #include <stdexcept>
 #include <utility>
@@ -13,13 +14,15 @@
 #include "kestrel_slam/messages/planar_scan_message.h"
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/ros/common/guarded.h"
+#include "kestrel_slam/ros/common/names.h"
 #include "kestrel_slam/ros/common/wall_throttle.h"
 
 namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kCommandQueue = 10;
-constexpr double kComplainEvery = 5.0;  // s
+constexpr double kComplainEvery = 5.0;    // s
+constexpr double kMaxDistance = 10000.0;  // m; there float has a resolution of 1 mm
 
 ProjectionStageConfig levelProjection(const MapperNodeConfig& config) {
   ProjectionStageConfig result;
@@ -32,6 +35,16 @@ std::string textOf(const Pose2& pose) {
   char text[100];
   std::snprintf(text, sizeof text, "x %.2f m, y %.2f m, yaw %.3f rad", pose.x, pose.y, pose.yaw);
   return text;
+}
+
+/// A pose that a user sets. Throws std::invalid_argument with the reason if it cannot be used.
+Pose2 placeFrom(const geometry_msgs::Pose& message) {
+  const Pose2 pose = planarFromMessage(message);
+  if (pose.distance() <= kMaxDistance) return pose;
+  throw std::invalid_argument(
+      "the pose (" + textOf(pose) + ") is more than " + std::to_string(std::lround(kMaxDistance)) +
+      " m from the origin of the map, where points are not stored exactly enough; use a local map "
+      "frame");
 }
 
 }  // namespace
@@ -171,12 +184,12 @@ void MapperNode::onCommand(const std_msgs::String& message) {
 void MapperNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
   const std::string& frame = message.header.frame_id;
   if (frame != config_.map_frame && frame != "/" + config_.map_frame) {
-    ROS_ERROR("initialpose is refused: its frame is '%s', but must be '%s'.", frame.c_str(),
-              config_.map_frame.c_str());
+    ROS_ERROR("initialpose is refused: its frame is '%s', but must be '%s'.",
+              clippedName(frame).c_str(), config_.map_frame.c_str());
     return;
   }
   try {
-    const Pose2 pose = planarFromMessage(message.pose.pose);
+    const Pose2 pose = placeFrom(message.pose.pose);
     mapper_.setPose(pose);
     placed_ = true;
     ROS_INFO("The pose of the vehicle was set to %s.", textOf(pose).c_str());
@@ -204,14 +217,18 @@ bool MapperNode::pauseMapping(std_srvs::SetBool::Request& request,
 }
 
 bool MapperNode::restartMapping(kestrel_slam::ResetMapping::Request& request,
-                                kestrel_slam::ResetMapping::Response&) {
+                                kestrel_slam::ResetMapping::Response& response) {
+  response.success = false;
   try {
-    restart(planarFromMessage(request.initial_pose));
-    return true;
+    const Pose2 pose = placeFrom(request.initial_pose);
+    restart(pose);
+    response.success = true;
+    response.message = "the map was deleted; the new one starts at " + textOf(pose);
   } catch (const std::invalid_argument& error) {
+    response.message = error.what();
     ROS_ERROR("restart_mapping_with_new_pose is refused: %s.", error.what());
-    return false;
   }
+  return true;  // the service call worked; the response contains the result
 }
 
 }  // namespace kestrel

@@ -142,6 +142,11 @@ std::vector<Parameter> outputParametersOf(MapperNodeConfig& config) {
       flag("pub_odometry", &config.pub_odometry, "Also publish the pose on scanmatch_odom."),
       flag("advertise_map_service", &config.advertise_map_service,
            "Offer the service dynamic_map."),
+      text(
+          "save_folder", &config.save_folder,
+          "Folder that save_map cannot leave; empty: a relative path stays in the working folder "
+          "of the node (~/.ros with roslaunch), an absolute one in this folder, the home folder or "
+          "/tmp."),
   };
 }
 

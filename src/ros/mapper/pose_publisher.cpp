@@ -103,7 +103,8 @@ void PosePublisher::publishPose(const ros::Time& stamp, const MapperResult& resu
   update.header.stamp = stamp;
   update.header.frame_id = config_.map_frame;
   update.pose = toMessage(result.pose, result.covariance);
-  pose_update_publisher_.publish(update);
+  // Its readers take it as a measurement, and a lost pose is only a prediction.
+  if (result.state != MatchState::kLost) pose_update_publisher_.publish(update);
 
   geometry_msgs::PoseStamped pose;
   pose.header = update.header;

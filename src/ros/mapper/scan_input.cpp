@@ -2,8 +2,10 @@
 #include "kestrel_slam/ros/mapper/scan_input.h"
 
 #include <ros/console.h>
+#include <tf2_msgs/TF2Error.h>
 
 #include <boost/make_shared.hpp>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/ros/common/guarded.h"
+#include "kestrel_slam/ros/common/names.h"
 #include "kestrel_slam/ros/common/stamps.h"
 #include "kestrel_slam/ros/common/wall_throttle.h"
 #include "kestrel_slam/sensor/projection.h"
@@ -22,7 +25,10 @@ constexpr std::uint32_t kWaitingScans = 50;  // may wait for tf; more than one s
 constexpr double kExplainAfter = 1.0;        // s; waiting time before a warning
 constexpr double kComplainEvery = 5.0;       // s
 // A larger jump back means that a recording was restarted, not that a scan is late.
-constexpr double kClockJump = 2.0;  // s
+constexpr double kClockJump = 2.0;     // s
+constexpr double kRemindEvery = 30.0;  // s; for problems that persist
+constexpr double kHour = 3600.0;       // s
+constexpr double kOtherClock = kHour;  // late tf is late by seconds
 
 std::string publishHint(const std::string& parent, const std::string& child) {
   return "rosrun tf2_ros static_transform_publisher 0 0 0 0 0 0 " + parent + " " + child;
@@ -102,7 +108,7 @@ void ScanInput::receive(const ReceivedScan& scan, std::size_t beams) {
   if (!acceptable(scan, beams)) return;
   noticeJump(scan.stamp);
   last_stamp_ = scan.stamp;
-  if (needsTransform(scan)) {
+  if (needsTransform(scan) && !hasOtherClock(scan)) {
     filter_.add(boost::make_shared<const ReceivedScan>(scan));
     explainWaiting(scan);
   } else {
@@ -155,31 +161,61 @@ bool ScanInput::needsTransform(const ReceivedScan& scan) const {
   return config_.usesOdometry() || scan.frame != config_.base_frame;
 }
 
+/// Whether the stamps of scans and of the mounting in tf come from different clocks, for example
+/// one since boot. A rigid mounting needs no time, so it is used as it is. Odometry needs one
+/// clock.
+bool ScanInput::hasOtherClock(const ReceivedScan& scan) const {
+  const double apart = clocksApart(config_.base_frame, scan.frame, scan.stamp);
+  if (std::abs(apart) < kOtherClock || config_.usesOdometry()) return false;
+  KESTREL_WARN_THROTTLE(
+      kRemindEvery,
+      "Scans and tf have different clocks (%.1f hours apart). The mounting is used "
+      "as it is; set the clock of the laser driver.",
+      apart / kHour);
+  return true;
+}
+
+/// Seconds from the newest transform between two frames to `stamp`; 0 if tf has none, or a static
+/// one.
+double ScanInput::clocksApart(const std::string& a, const std::string& b,
+                              const ros::Time& stamp) const {
+  ros::Time newest;
+  const auto target = buffer_._lookupFrameNumber(a);
+  const auto source = buffer_._lookupFrameNumber(b);
+  if (target == 0 || source == 0) return 0.0;
+  const int error = buffer_._getLatestCommonTime(target, source, newest, nullptr);
+  return error == tf2_msgs::TF2Error::NO_ERROR && !newest.isZero() ? secondsBetween(newest, stamp)
+                                                                   : 0.0;
+}
+
 void ScanInput::explainWaiting(const ReceivedScan& scan) {
   const ros::WallTime now = ros::WallTime::now();
   if (waiting_since_.isZero()) waiting_since_ = now;
   if ((now - waiting_since_).toSec() < kExplainAfter) return;
   const std::string text = missingTransform(scan);
   statistics_.setWaitingFor(text);
-  KESTREL_WARN_THROTTLE(kComplainEvery, "Scans on %s are waiting: %s", topic().c_str(),
-                        text.c_str());
+  KESTREL_WARN_THROTTLE(kRemindEvery, "Scans on %s are waiting: %s", topic().c_str(), text.c_str());
 }
 
 /// Describes the missing transform and who should publish it.
 std::string ScanInput::missingTransform(const ReceivedScan& scan) const {
   const std::string& laser = scan.frame;
   const std::string& base = config_.base_frame;
-  std::string error;
-  if (laser != base && !buffer_.canTransform(base, laser, scan.stamp, &error)) {
-    return "no transform from the laser's frame '" + laser + "' to the base frame '" + base +
-           "' (" + error +
-           "). The robot's description should publish it; if the laser frame is the vehicle frame, "
-           "set ~base_frame to '" +
-           laser + "'; otherwise run for example: " + publishHint(base, laser);
+  const double apart =
+      config_.usesOdometry() ? clocksApart(base, config_.odom_frame, scan.stamp) : 0.0;
+  if (std::abs(apart) >= kOtherClock) {
+    return "scans and odometry have different clocks (" +
+           std::to_string(std::lround(apart / kHour)) +
+           " hours apart). Set the clock of the driver";
+  }
+  if (laser != base && !buffer_.canTransform(base, laser, scan.stamp)) {
+    const std::string name = clippedName(laser);
+    return "no transform from the laser's frame '" + name + "' to the base frame '" + base +
+           "'. Publish it (" + publishHint(base, name) + "), or set ~base_frame to '" + name + "'";
   }
   return "no transform from '" + base + "' to the odometry's frame '" + config_.odom_frame +
-         "' at the time of the scan. The source of the odometry should publish it; without "
-         "odometry, set ~odom_frame to ''";
+         "' at the time of the scan. Its source should publish it; without odometry, set "
+         "~odom_frame to ''";
 }
 
 void ScanInput::onReady(const ReceivedScanPtr& scan) { handOver(*scan); }
@@ -203,8 +239,10 @@ ReadyScan ScanInput::lookUp(const ReceivedScan& scan) const {
   ready.epoch = epoch_;
   const std::string& base = config_.base_frame;
   if (scan.frame != base) {
-    ready.base_T_laser =
-        fromMessage(buffer_.lookupTransform(base, scan.frame, scan.stamp).transform);
+    const bool other_clock = !config_.usesOdometry() && hasOtherClock(scan);
+    ready.base_T_laser = fromMessage(
+        buffer_.lookupTransform(base, scan.frame, other_clock ? ros::Time() : scan.stamp)
+            .transform);
   }
   if (config_.usesOdometry()) {
     ready.odom_T_base = toPose2(

@@ -8,6 +8,7 @@
 
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/ros/common/names.h"
 #include "kestrel_slam/ros/common/wall_throttle.h"
 
 namespace kestrel {

@@ -130,6 +130,8 @@ TEST_F(LiveServices, RestartStartsAtTheGivenPose) {
   kestrel_slam::ResetMapping service;
   service.request.initial_pose = toMessage(start);
   ASSERT_TRUE(ros::service::call("restart_mapping_with_new_pose", service));
+  EXPECT_TRUE(service.response.success);
+  EXPECT_NE(service.response.message.find("x 3.00 m"), std::string::npos);
   EXPECT_FALSE(hasMap());
   const Pose2 motion = flight_->truth(50).inverse() * flight_->truth(99);
   expectNear(fly(50, 100), start * motion);
@@ -140,10 +142,17 @@ TEST_F(LiveServices, RestartRefusesNan) {
   kestrel_slam::ResetMapping service;
   service.request.initial_pose.orientation.w = 1.0;
   service.request.initial_pose.position.x = kNan;
-  EXPECT_FALSE(ros::service::call("restart_mapping_with_new_pose", service));
+  ASSERT_TRUE(ros::service::call("restart_mapping_with_new_pose", service));
+  EXPECT_FALSE(service.response.success);
+  EXPECT_NE(service.response.message.find("not finite"), std::string::npos);
   service.request.initial_pose.position.x = 0.0;
   service.request.initial_pose.orientation.w = 0.0;  // not a valid rotation
-  EXPECT_FALSE(ros::service::call("restart_mapping_with_new_pose", service));
+  ASSERT_TRUE(ros::service::call("restart_mapping_with_new_pose", service));
+  EXPECT_FALSE(service.response.success);
+  service.request.initial_pose = toMessage(Pose2(500000.0, 0.0, 0.0));
+  ASSERT_TRUE(ros::service::call("restart_mapping_with_new_pose", service));
+  EXPECT_FALSE(service.response.success);
+  EXPECT_NE(service.response.message.find("more than 10000 m"), std::string::npos);
   EXPECT_TRUE(hasMap()) << "a refused restart must not delete the map";
 }
 
@@ -176,6 +185,7 @@ TEST_F(LiveServices, InvalidInitialPosesAreRefused) {
   Pose2 nan;
   nan.x = kNan;
   place("map", nan);
+  place("map", Pose2(500000.0, 0.0, 0.0));
   expectNear(fly(50, 51), flight_->truth(50));
 }
 
@@ -203,10 +213,13 @@ TEST_F(LiveServices, SaveMapSaysWhyItFails) {
   EXPECT_FALSE(service.response.success);
   EXPECT_NE(service.response.message.find("path is empty"), std::string::npos);
   fly(0, 2);
-  service.request.path = "/nowhere/at/all";
-  ASSERT_TRUE(ros::service::call("save_map", service));
-  EXPECT_FALSE(service.response.success);
-  EXPECT_NE(service.response.message.find("/nowhere/at/all"), std::string::npos);
+  for (const char* path : {"/nowhere/at/all", "/dev/null.pgm", "../../escape"}) {
+    service.request.path = path;
+    ASSERT_TRUE(ros::service::call("save_map", service));
+    EXPECT_FALSE(service.response.success);
+    EXPECT_NE(service.response.message.find("save_folder"), std::string::npos)
+        << service.response.message;
+  }
 }
 
 }  // namespace

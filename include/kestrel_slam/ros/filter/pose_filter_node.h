@@ -22,6 +22,7 @@
 #include "kestrel_slam/filter/pose_filter.h"
 #include "kestrel_slam/messages/aiding_messages.h"
 #include "kestrel_slam/ros/common/mountings.h"
+#include "kestrel_slam/ros/common/range_mounting.h"
 #include "kestrel_slam/ros/common/silence_watch.h"
 #include "kestrel_slam/ros/common/waiting_time.h"
 #include "kestrel_slam/ros/filter/filter_publisher.h"
@@ -64,12 +65,14 @@ class PoseFilterNode {
   const PoseFilterNodeConfig config_;
   PoseFilter filter_;
   Mountings mountings_;
+  RangeMounting range_mounting_;
   FilterPublisher publisher_;
   LocalFixes fixes_;
   std::string waiting_for_;                     ///< message about a mounting that is missing in tf
   std::map<std::string, std::size_t> refused_;  ///< messages by reason
-  double mapper_stamp_ = 0.0;                   ///< of the last MapperState, s
-  double last_stamp_ = 0.0;                     ///< of the IMU, s
+  std::string last_refusal_;
+  double mapper_stamp_ = 0.0;  ///< of the last MapperState, s
+  double last_stamp_ = 0.0;    ///< of the IMU, s
   WaitingTime since_last_;
   WaitingTime since_start_;
   std::unique_ptr<SilenceWatch> imu_watch_;

@@ -14,6 +14,7 @@
 #include "kestrel_slam/SaveMap.h"
 #include "kestrel_slam/ros/mapper/diagnostics.h"
 #include "kestrel_slam/ros/mapper/mapper_parameters.h"
+#include "kestrel_slam/ros/mapper/save_folder.h"
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
 #include "kestrel_slam/ros/mapper/trajectory_log.h"
 
@@ -50,6 +51,7 @@ class MapPublisher {
   std::string map_frame_;
   bool with_map_service_;
   ros::WallDuration period_;
+  SaveFolder save_folder_;
   SharedMapper& mapper_;
   TrajectoryLog& trajectory_;
 

@@ -28,6 +28,7 @@ struct MapperNodeConfig {
   std::string tf_map_scanmatch_transform_frame_name;  ///< empty: derived from the base frame
   bool pub_odometry = false;
   bool advertise_map_service = true;
+  std::string save_folder;  ///< empty: the working, home and temporary folder
   SlamConfig slam;
 
   bool usesPlanarScans() const { return input == "planar_scan"; }

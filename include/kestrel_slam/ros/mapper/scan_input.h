@@ -89,6 +89,8 @@ class ScanInput {
   void refuse(const std::string& reason, const std::string& sentence);
   void noticeJump(const ros::Time& stamp);
   bool needsTransform(const ReceivedScan& scan) const;
+  bool hasOtherClock(const ReceivedScan& scan) const;
+  double clocksApart(const std::string& a, const std::string& b, const ros::Time& stamp) const;
   void explainWaiting(const ReceivedScan& scan);
   std::string missingTransform(const ReceivedScan& scan) const;
   ReadyScan lookUp(const ReceivedScan& scan) const;
