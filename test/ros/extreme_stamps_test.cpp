@@ -152,7 +152,8 @@ ros::Time extremeStamp(std::mt19937& random) {
                                    kHalf + 1, kLast - 10, kLast - 1, kLast};
   const std::uint32_t nanoseconds[] = {0, 1, 999999999, 1000000000, kHalf, kLast};
   ros::Time stamp;
-  stamp.sec = random() % 4 == 0 ? random() : seconds[random() % std::size(seconds)];
+  stamp.sec = random() % 4 == 0 ? static_cast<std::uint32_t>(random())
+                                : seconds[random() % std::size(seconds)];
   stamp.nsec = nanoseconds[random() % std::size(nanoseconds)];
   return stamp;
 }

@@ -44,7 +44,7 @@ std::string namesOf(const std::vector<NeededTopic>& topics) {
 /// "LaserScan" for "sensor_msgs/LaserScan".
 std::string shortType(const std::string& type) { return type.substr(type.rfind('/') + 1); }
 
-/// The topics as the master knows them. Does not wait for a master.
+/// The topics that other nodes publish, as the master knows them. Does not wait for a master.
 std::map<std::string, std::string> publishedTopics() {
   XmlRpc::XmlRpcValue request, response, payload;
   request[0] = ros::this_node::getName();
@@ -56,6 +56,9 @@ std::map<std::string, std::string> publishedTopics() {
   for (int i = 0; i < payload.size(); ++i) {
     published[std::string(payload[i][0])] = std::string(payload[i][1]);
   }
+  std::vector<std::string> own;
+  ros::this_node::getAdvertisedTopics(own);
+  for (const std::string& topic : own) published.erase(topic);
   return published;
 }
 
@@ -79,7 +82,7 @@ std::string silenceReason(const std::vector<NeededTopic>& topics, const std::str
   }
   if (graph.connected > 0) {
     return std::to_string(graph.connected) +
-           " publisher(s), but no message; is the device running?";
+           " publisher(s), but no message; check that the device runs";
   }
   if (is_published) {
     return "its publisher cannot be reached; check ROS_IP and ROS_HOSTNAME on both computers";
@@ -89,7 +92,7 @@ std::string silenceReason(const std::vector<NeededTopic>& topics, const std::str
     return "nobody publishes it; set " + parameter + " to one of: " + listOf(others);
   }
   return "nobody publishes it, and no other " + shortType(topics.front().type) +
-         "; is the driver running?";
+         "; check that the driver runs";
 }
 
 bool clockIsMissing() { return ros::Time::isSimTime() && ros::Time::now().isZero(); }

@@ -66,7 +66,10 @@ void TransformInput::warnOfRival(const geometry_msgs::TransformStamped& transfor
   const std::string sentence = rivalSentence(own_, ros::this_node::getName(), publisher,
                                              withoutSlash(transform.header.frame_id),
                                              withoutSlash(transform.child_frame_id));
-  if (!sentence.empty()) KESTREL_WARN_THROTTLE(kRemindEvery, "%s", sentence.c_str());
+  if (sentence.empty()) return;
+  WallThrottle& throttle =
+      throttles_.try_emplace(withoutSlash(transform.child_frame_id), kRemindEvery).first->second;
+  if (throttle.due()) ROS_WARN("%s", sentence.c_str());
 }
 
 std::string rivalSentence(const std::vector<OwnTransform>& own, const std::string& self,

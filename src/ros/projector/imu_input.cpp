@@ -3,6 +3,7 @@
 
 #include <ros/console.h>
 
+#include <cmath>
 #include <utility>
 
 #include "kestrel_slam/messages/sensor_messages.h"
@@ -45,6 +46,11 @@ void ImuInput::onImu(const sensor_msgs::ImuConstPtr& message) {
   if (projection_.addImu(check_.check(sample, *base_T_imu))) {
     on_attitude_(message->header.stamp);
   }
+}
+
+bool ImuInput::hasOtherClock(double stamp) const {
+  constexpr double kOtherClock = 3600.0;  // s; late messages are late by seconds
+  return last_stamp_ > 0.0 && std::abs(stamp - now()) > kOtherClock;
 }
 
 ImuStatus ImuInput::status() const {

@@ -3,6 +3,7 @@
 
 #include <ros/console.h>
 
+#include <cmath>
 #include <exception>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@ namespace {
 
 constexpr double kPatrolPeriod = 0.01;  // s; period of checking the waiting sweeps
 constexpr double kComplainEvery = 5.0;  // s
+constexpr double kHour = 3600.0;        // s
 
 ProjectionStageConfig projectionConfigOf(const ProjectorNodeConfig& config) {
   return {config.slam.projector, config.slam.attitude, config.isLevel(),
@@ -120,6 +122,12 @@ SweepDecision ScanProjectorNode::judge(const Sweep& sweep) {
   if (decision.kind == SweepDecision::kDrop && imu_ && !imu_->waitingFor().empty()) {
     decision.reason = "imu-no-transform";
     decision.message = imu_->waitingFor();
+  } else if (decision.kind == SweepDecision::kDrop && imu_ &&
+             imu_->hasOtherClock(sweep.times.last)) {
+    decision.reason = "other-clock";
+    decision.message = "laser and IMU have different clocks (" +
+                       std::to_string(std::lround((sweep.times.last - now) / kHour)) +
+                       " hours apart); set the clock of the drivers";
   }
   return decision;
 }

@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <random>
+#include <vector>
 
 namespace kestrel {
 namespace {
@@ -42,7 +44,8 @@ TEST(Stamps, ShiftIsExactAndLimited) {
   EXPECT_EQ(shifted(ros::Time(10, 100000000), -0.2), ros::Time(9, 900000000));
   EXPECT_EQ(shifted(ros::Time(1, 0), -2.0), ros::Time(0, 0));
   EXPECT_EQ(shifted(ros::Time(kLast, 0), 2.0), ros::Time(kLast, 999999999));
-  EXPECT_DOUBLE_EQ(secondsBetween(ros::Time(kLast, 0), ros::Time(1, 0)), 1.0 - kLast);
+  EXPECT_DOUBLE_EQ(secondsBetween(ros::Time(kLast, 0), ros::Time(1, 0)),
+                   1.0 - static_cast<double>(kLast));
 }
 
 TEST(StampGate, OneWrongStampIsRefused) {
@@ -51,8 +54,8 @@ TEST(StampGate, OneWrongStampIsRefused) {
   for (std::uint32_t i = 0; i < 10000; ++i) {
     const ros::Time good(1700000000u + i / 10, i % 10 * 100000000);
     EXPECT_EQ(gate.refusal(good, kUnknown), "") << i;
-    const std::uint32_t sec = random();
-    if (sec == 0 || std::abs(sec - 1.7e9) < 2e5) continue;
+    const auto sec = static_cast<std::uint32_t>(random());
+    if (sec == 0 || std::abs(static_cast<double>(sec) - 1.7e9) < 2e5) continue;
     EXPECT_NE(gate.refusal(ros::Time(sec, 0), kUnknown), "") << sec;
   }
 }

@@ -194,6 +194,23 @@ TEST_F(PoseFilterGarbage, ImuWithoutTransform) {
   });
 }
 
+TEST_F(PoseFilterGarbage, DiagnosticsDoNotGrowWithTheNamesOfFrames) {
+  for (int i = 0; i < 300; ++i) {
+    const std::string frame = std::to_string(i) + std::string(1000, 'x');
+    sensor_msgs::Imu strange = reading();
+    strange.header.frame_id = frame;
+    imu_.publish(strange);
+    pose_.publish(poseAt(now_, frame));
+    if (i % 50 == 0) stand(0.05);
+  }
+  watcher_.wait(1.5);
+  std::size_t bytes = 0;
+  for (const auto& [key, value] : watcher_.report("Pose filter"))
+    bytes += key.size() + value.size();
+  EXPECT_GT(bytes, 100U);
+  EXPECT_LT(bytes, 4000U);
+}
+
 TEST_F(PoseFilterGarbage, AFrozenImuIsReported) {
   sensor_msgs::Imu frozen = reading();
   ASSERT_TRUE(watcher_.waitFor(

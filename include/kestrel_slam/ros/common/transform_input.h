@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "kestrel_slam/ros/common/stamps.h"
+#include "kestrel_slam/ros/common/wall_throttle.h"
 
 namespace kestrel {
 
@@ -44,7 +45,8 @@ class TransformInput {
 
   tf2_ros::Buffer& buffer_;
   std::vector<OwnTransform> own_;
-  std::map<std::string, StampGate> gates_;  ///< by child frame
+  std::map<std::string, StampGate> gates_;         ///< by child frame
+  std::map<std::string, WallThrottle> throttles_;  ///< by child frame of own_
   ros::Time last_now_;
   ros::NodeHandle nh_;
   ros::Subscriber subscriber_, static_subscriber_;

@@ -29,6 +29,9 @@ class ImuInput {
     return last_stamp_ + since_last_.seconds();
   }  ///< on the clock of the IMU stamps, s
 
+  /// Whether a stamp of another sensor (s) is hours away from the stamps of the IMU.
+  bool hasOtherClock(double stamp) const;
+
   /// Message about the missing transform of the IMU; empty if none is missing.
   const std::string& waitingFor() const { return waiting_for_; }
 
