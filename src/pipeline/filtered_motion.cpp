@@ -48,7 +48,7 @@ bool FilteredMotionBuffer::add(const FilteredMotion& motion) {
 
 bool FilteredMotionBuffer::runs(double time) const {
   const std::optional<double> latest = attitude_.latest();
-  return latest && *latest > time - kSilent;
+  return latest && *latest > time - kSilent && *latest < time + history_s_;
 }
 
 std::optional<Pose2> FilteredMotionBuffer::odomPose(double time) const {

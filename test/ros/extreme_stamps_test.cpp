@@ -62,7 +62,11 @@ class Vehicle {
   }
 
   /// A stationary vehicle with an IMU, on the clock of `stamp`.
-  void publishImu(const ros::Time& stamp) { sources_[0](stamp); }
+  void publishImu(const ros::Time& stamp) {
+    imu_.header.stamp = stamp;
+    imu_.angular_velocity.x = imu_.angular_velocity.x > 0.0 ? 0.0 : 1e-3;  // it is not frozen
+    publishers_[0].publish(imu_);
+  }
 
  private:
   template <typename Message>
@@ -76,10 +80,10 @@ class Vehicle {
   }
 
   void addSensors() {
-    auto imu = plain<sensor_msgs::Imu>("base");
-    imu.orientation.w = 1.0;
-    imu.linear_acceleration.z = kGravity;
-    add("imu/data", imu);
+    imu_ = plain<sensor_msgs::Imu>("base");
+    imu_.orientation.w = 1.0;
+    imu_.linear_acceleration.z = kGravity;
+    add("imu/data", imu_);
     auto scan = plain<sensor_msgs::LaserScan>("base");
     scan.angle_min = -1.5F;
     scan.angle_increment = 0.03F;
@@ -142,6 +146,7 @@ class Vehicle {
   ros::NodeHandle nh_;
   std::vector<ros::Publisher> publishers_;
   std::vector<Source> sources_;
+  sensor_msgs::Imu imu_;
 };
 
 /// Stamps at the limits of all types that are involved, and at random.

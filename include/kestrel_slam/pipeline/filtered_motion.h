@@ -40,7 +40,8 @@ class FilteredMotionBuffer {
 
   const AttitudeBuffer& attitude() const { return attitude_; }
 
-  /// True if the filter was running shortly before `time` (s).
+  /// True if the filter was running shortly before `time` (s). States far in the future do not
+  /// count: they come from a wrong stamp.
   bool runs(double time) const;
 
   /// Interpolated odom_T_base at `time` (s). Empty if the motion is not known well enough.

@@ -15,7 +15,7 @@
 namespace kestrel {
 namespace {
 
-constexpr std::size_t kMaxListed = 3;
+constexpr std::size_t kMaxList = 80;  // characters of a list of names
 
 /// The published topics of the needed types.
 std::vector<std::string> candidates(const std::vector<NeededTopic>& topics, const RosGraph& graph) {
@@ -29,10 +29,12 @@ std::vector<std::string> candidates(const std::vector<NeededTopic>& topics, cons
 
 std::string listOf(const std::vector<std::string>& names) {
   std::string list;
-  for (std::size_t i = 0; i < std::min(names.size(), kMaxListed); ++i) {
-    list += (i == 0 ? "" : ", ") + clippedName(names[i]);
+  for (const std::string& name : names) {
+    const std::string item = clippedName(name);
+    if (!list.empty() && list.size() + item.size() > kMaxList) return list + ", ...";
+    list += (list.empty() ? "" : ", ") + item;
   }
-  return list + (names.size() > kMaxListed ? ", ..." : "");
+  return list;
 }
 
 std::string namesOf(const std::vector<NeededTopic>& topics) {
