@@ -41,10 +41,9 @@ std::string textOf(const Pose2& pose) {
 Pose2 placeFrom(const geometry_msgs::Pose& message) {
   const Pose2 pose = planarFromMessage(message);
   if (pose.distance() <= kMaxDistance) return pose;
-  throw std::invalid_argument(
-      "the pose (" + textOf(pose) + ") is more than " + std::to_string(std::lround(kMaxDistance)) +
-      " m from the origin of the map, where points are not stored exactly enough; use a local map "
-      "frame");
+  throw std::invalid_argument("the pose (" + textOf(pose) + ") is more than " +
+                              std::to_string(std::lround(kMaxDistance)) +
+                              " m from the origin of the map; use a local map frame");
 }
 
 }  // namespace

@@ -207,11 +207,28 @@ TEST_F(LiveServices, SavedMapEqualsThePublishedOne) {
   std::filesystem::remove_all(folder);
 }
 
+TEST_F(LiveServices, OddNamesOfMapsAreQuotedOrCompleted) {
+  fly(0, 20);
+  char folder[] = "/tmp/kestrel_save_map_XXXXXX";
+  ASSERT_NE(mkdtemp(folder), nullptr);
+  const std::pair<const char*, const char*> names[] = {
+      {"#1", "#1.yaml"},        {"a: b", "a: b.yaml"}, {"[a] b", "[a] b.yaml"},
+      {"new/", "new/map.yaml"}, {"m.pgm", "m.yaml"},   {"deep/er/m", "deep/er/m.yaml"}};
+  for (const auto& [name, file] : names) {
+    kestrel_slam::SaveMap service;
+    service.request.path = std::string(folder) + "/" + name;
+    ASSERT_TRUE(ros::service::call("save_map", service));
+    EXPECT_TRUE(service.response.success) << service.response.message;
+    EXPECT_NO_THROW(readMap(std::string(folder) + "/" + file)) << name;
+  }
+  std::filesystem::remove_all(folder);
+}
+
 TEST_F(LiveServices, SaveMapSaysWhyItFails) {
   kestrel_slam::SaveMap service;
   ASSERT_TRUE(ros::service::call("save_map", service));
   EXPECT_FALSE(service.response.success);
-  EXPECT_NE(service.response.message.find("path is empty"), std::string::npos);
+  EXPECT_NE(service.response.message.find("is empty"), std::string::npos);
   fly(0, 2);
   for (const char* path : {"/nowhere/at/all", "/dev/null.pgm", "../../escape"}) {
     service.request.path = path;
