@@ -178,6 +178,14 @@ TEST_F(LiveServices, InitialPoseMovesTheVehicleWithinTheMap) {
   }
 }
 
+TEST_F(LiveServices, ALostPoseIsNotPublishedAsAMeasurement) {
+  fly(0, 100);
+  place("map", flight_->truth(99) * Pose2(300.0, 200.0, 1.0));  // nothing is mapped there
+  ASSERT_TRUE(fly(100, 101));
+  ASSERT_EQ(client_->diagnosis("Match", "state"), "lost");
+  EXPECT_LT(client_->pose_update.header.stamp, client_->pose.header.stamp);
+}
+
 TEST_F(LiveServices, InvalidInitialPosesAreRefused) {
   fly(0, 50);
   place("odom", Pose2(5.0, 5.0, 1.0));
