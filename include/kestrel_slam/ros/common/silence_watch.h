@@ -42,7 +42,7 @@ class SilenceWatch {
   /// due.
   std::string check(double silent_s, unsigned connected);
 
-  static constexpr double kSilentAfter = 1.9;   ///< s; the sentence comes within 3 s
+  static constexpr double kSilentAfter = 2.0;   ///< s; the sentence comes within 3 s
   static constexpr double kRemindEvery = 30.0;  ///< s
 
  private:
