@@ -17,12 +17,22 @@ namespace {
 
 constexpr std::size_t kMaxList = 80;  // characters of a list of names
 
+/// Outputs of this package. They have types of sensors, but are none.
+bool isOutput(const std::string& topic) {
+  for (const std::string name : {"/slam_cloud", "/planar_scan_view", "/imu/bias"}) {
+    const bool fits = topic.size() >= name.size();
+    if (fits && topic.compare(topic.size() - name.size(), name.size(), name) == 0) return true;
+  }
+  return false;
+}
+
 /// The published topics of the needed types.
 std::vector<std::string> candidates(const std::vector<NeededTopic>& topics, const RosGraph& graph) {
   std::vector<std::string> names;
   for (const auto& [name, type] : graph.published) {
     const auto fits = [&type = type](const NeededTopic& topic) { return topic.type == type; };
-    if (std::any_of(topics.begin(), topics.end(), fits)) names.push_back(name);
+    const bool has_type = std::any_of(topics.begin(), topics.end(), fits);
+    if (has_type && !isOutput(name)) names.push_back(name);
   }
   return names;
 }
@@ -46,7 +56,7 @@ std::string namesOf(const std::vector<NeededTopic>& topics) {
 /// "LaserScan" for "sensor_msgs/LaserScan".
 std::string shortType(const std::string& type) { return type.substr(type.rfind('/') + 1); }
 
-/// The topics that other nodes publish, as the master knows them. Does not wait for a master.
+/// The topics as the master knows them. Does not wait for a master.
 std::map<std::string, std::string> publishedTopics() {
   XmlRpc::XmlRpcValue request, response, payload;
   request[0] = ros::this_node::getName();
@@ -58,9 +68,6 @@ std::map<std::string, std::string> publishedTopics() {
   for (int i = 0; i < payload.size(); ++i) {
     published[std::string(payload[i][0])] = std::string(payload[i][1]);
   }
-  std::vector<std::string> own;
-  ros::this_node::getAdvertisedTopics(own);
-  for (const std::string& topic : own) published.erase(topic);
   return published;
 }
 
@@ -84,7 +91,7 @@ std::string silenceReason(const std::vector<NeededTopic>& topics, const std::str
   }
   if (graph.connected > 0) {
     return std::to_string(graph.connected) +
-           " publisher(s), but no message; check that the device runs";
+           " publisher(s), but no message; check the node that sends it";
   }
   if (is_published) {
     return "its publisher cannot be reached; check ROS_IP and ROS_HOSTNAME on both computers";

@@ -26,11 +26,13 @@ TEST(Silence, NobodyPublishes) {
 TEST(Silence, AnotherTopicHasTheType) {
   RosGraph graph;
   graph.published = {{"/front/scan", "sensor_msgs/LaserScan"},
-                     {"/points", "sensor_msgs/PointCloud2"}};
+                     {"/points", "sensor_msgs/PointCloud2"},
+                     {"/uav/planar_scan_view", "sensor_msgs/LaserScan"}};
   const std::string reason = reasonFor(graph);
   EXPECT_TRUE(contains(reason, "/front/scan")) << reason;
   EXPECT_TRUE(contains(reason, "~scan_topic")) << reason;
   EXPECT_FALSE(contains(reason, "/points")) << reason;
+  EXPECT_FALSE(contains(reason, "planar_scan_view")) << reason;
 }
 
 TEST(Silence, ManyLongNamesStayOneLine) {
