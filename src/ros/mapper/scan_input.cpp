@@ -108,12 +108,12 @@ void ScanInput::receive(const ReceivedScan& scan, std::size_t beams) {
   if (!acceptable(scan, beams)) return;
   noticeJump(scan.stamp);
   last_stamp_ = scan.stamp;
-  if (needsTransform(scan) && !hasOtherClock(scan)) {
-    filter_.add(boost::make_shared<const ReceivedScan>(scan));
-    explainWaiting(scan);
-  } else {
-    handOver(scan);
-  }
+  const bool other_clock = hasOtherClock(scan);
+  if (!needsTransform(scan) || (other_clock && !config_.usesOdometry())) return handOver(scan);
+  ReceivedScan waiting = scan;
+  if (other_clock) waiting.frame = config_.base_frame;  // waits only for the odometry
+  filter_.add(boost::make_shared<const ReceivedScan>(waiting));
+  explainWaiting(scan);
 }
 
 /// Checks what must hold before a scan waits for its transforms. The matching thread does the other
@@ -161,12 +161,18 @@ bool ScanInput::needsTransform(const ReceivedScan& scan) const {
   return config_.usesOdometry() || scan.frame != config_.base_frame;
 }
 
+/// The frame whose mounting is needed; the base frame for planar scans.
+std::string ScanInput::laserFrameOf(const ReceivedScan& scan) const {
+  const sensor_msgs::LaserScanConstPtr& message = scan.message.laser_scan;
+  return message ? withoutSlash(message->header.frame_id) : config_.base_frame;
+}
+
 /// Whether the stamps of scans and of the mounting in tf come from different clocks, for example
 /// one since boot. A rigid mounting needs no time, so it is used as it is. Odometry needs one
 /// clock.
 bool ScanInput::hasOtherClock(const ReceivedScan& scan) const {
-  const double apart = clocksApart(config_.base_frame, scan.frame, scan.stamp);
-  if (std::abs(apart) < kOtherClock || config_.usesOdometry()) return false;
+  const double apart = clocksApart(config_.base_frame, laserFrameOf(scan), scan.stamp);
+  if (std::abs(apart) < kOtherClock) return false;
   KESTREL_WARN_THROTTLE(
       kRemindEvery,
       "Scans and tf have different clocks (%.1f hours apart). The mounting is used "
@@ -238,11 +244,10 @@ ReadyScan ScanInput::lookUp(const ReceivedScan& scan) const {
   ready.stamp = scan.stamp;
   ready.epoch = epoch_;
   const std::string& base = config_.base_frame;
-  if (scan.frame != base) {
-    const bool other_clock = !config_.usesOdometry() && hasOtherClock(scan);
-    ready.base_T_laser = fromMessage(
-        buffer_.lookupTransform(base, scan.frame, other_clock ? ros::Time() : scan.stamp)
-            .transform);
+  const std::string laser = laserFrameOf(scan);
+  if (laser != base) {
+    const ros::Time time = hasOtherClock(scan) ? ros::Time() : scan.stamp;  // zero: the newest
+    ready.base_T_laser = fromMessage(buffer_.lookupTransform(base, laser, time).transform);
   }
   if (config_.usesOdometry()) {
     ready.odom_T_base = toPose2(

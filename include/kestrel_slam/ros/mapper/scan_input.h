@@ -89,6 +89,7 @@ class ScanInput {
   void refuse(const std::string& reason, const std::string& sentence);
   void noticeJump(const ros::Time& stamp);
   bool needsTransform(const ReceivedScan& scan) const;
+  std::string laserFrameOf(const ReceivedScan& scan) const;
   bool hasOtherClock(const ReceivedScan& scan) const;
   double clocksApart(const std::string& a, const std::string& b, const ros::Time& stamp) const;
   void explainWaiting(const ReceivedScan& scan);
