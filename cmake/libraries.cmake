@@ -51,7 +51,7 @@ if(KESTREL_WITH_ROS)
   target_compile_definitions(kestrel_recording PUBLIC KESTREL_WITH_ROS)
   target_include_directories(kestrel_recording SYSTEM PUBLIC ${rosbag_storage_INCLUDE_DIRS})
 else()
-  kestrel_library(recording LINKS kestrel_simulation PRIVATE Boost::iostreams)
+  kestrel_library(recording LINKS kestrel_simulation kestrel_map PRIVATE Boost::iostreams)
 endif()
 kestrel_library(offline LINKS kestrel_recording kestrel_parameters nlohmann_json::nlohmann_json)
 kestrel_library(evaluation LINKS kestrel_recording kestrel_mapping)
@@ -62,7 +62,7 @@ kestrel_library(commands LINKS kestrel_experiments PRIVATE CLI11::CLI11)
 # ---- nodes
 if(KESTREL_WITH_ROS)
   kestrel_library(ros
-    SOURCES src/ros/common/*.cpp src/ros/projector/*.cpp src/ros/mapper/*.cpp src/ros/filter/*.cpp
+    SOURCES src/ros/common/*.cpp src/ros/projector/*.cpp src/ros/mapper/*.cpp src/ros/filter/*.cpp src/ros/replay/*.cpp
     LINKS kestrel_messages kestrel_parameters Threads::Threads)
   kestrel_library(ros/latency LINKS kestrel_ros PRIVATE ${rosbag_storage_LIBRARIES})
   target_include_directories(kestrel_ros_latency SYSTEM PUBLIC ${rosbag_storage_INCLUDE_DIRS})

@@ -20,7 +20,7 @@ foreach(main ${COMMANDS})
 endforeach()
 
 if(KESTREL_WITH_ROS)
-  foreach(main mapper/mapper_node projector/scan_projector_node filter/pose_filter_node)
+  foreach(main mapper/mapper_node projector/scan_projector_node filter/pose_filter_node replay/recorded_tf_node)
     kestrel_program(src/ros/${main}_main.cpp kestrel_ros)
   endforeach()
   kestrel_program(src/ros/latency/measure_latency_main.cpp kestrel_ros_latency)

@@ -2,7 +2,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
@@ -11,6 +10,7 @@
 #include "kestrel_slam/commands/run_tool.h"
 #include "kestrel_slam/evaluation/covariance_file.h"
 #include "kestrel_slam/evaluation/evaluation.h"
+#include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/recording/reference.h"
 #include "kestrel_slam/recording/trajectory.h"
 #include "kestrel_slam/report/evaluation_plot.h"
@@ -105,12 +105,7 @@ void writeJson(const std::string& path, const Results& results) {
                          {"rpe_per_1_s", toJson(results.reference->rpe_per_second)},
                          {"unmatched_poses", results.reference->unmatched}};
   }
-  std::ofstream file(path);
-  file << json.dump(2) << '\n';
-  file.close();
-  if (!file)
-    throw std::runtime_error(path +
-                             ": cannot be written; check that the folder exists and is writable");
+  writeFileAtomically(path, json.dump(2) + "\n");
 }
 
 Results evaluate(const Options& options) {

@@ -11,7 +11,7 @@
 #include "kestrel_slam/evaluation/covariance_file.h"
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/map/atomic_file.h"
-#include "kestrel_slam/map/map_io.h"
+#include "kestrel_slam/map/map_folder.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
 #include "kestrel_slam/recording/trajectory.h"
 #include "kestrel_slam/report/progress_bar.h"
@@ -183,19 +183,18 @@ void printWarnings(const std::string& prefix, const OfflineRun& run) {
 }
 
 void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& info) {
-  writeMap((folder / "map").string(), run.map);
-  writeTum((folder / "trajectory.tum").string(), run.trajectory);
   std::vector<ScanCovariance> covariances;
   covariances.reserve(run.scans.size());
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
     covariances.push_back({run.trajectory[i].stamp, run.scans[i].uncertain});
   }
-  writeCovariances((folder / "covariances.txt").string(), covariances);
-  writeFileAtomically(
-      (folder / "stats.json").string(),
-      statsOf(run, info).dump(kJsonIndent, ' ', false, nlohmann::json::error_handler_t::replace) +
-          "\n");
-  writeFileAtomically((folder / "report.html").string(), reportHtml(run, info));
+  const std::string stats =
+      statsOf(run, info).dump(kJsonIndent, ' ', false, nlohmann::json::error_handler_t::replace);
+  writeMapFolder(folder.string(), run.map,
+                 {{"trajectory.tum", tumText(run.trajectory)},
+                  {"covariances.txt", covariancesText(covariances)},
+                  {"stats.json", stats + "\n"},
+                  {"report.html", reportHtml(run, info)}});
 }
 
 }  // namespace kestrel

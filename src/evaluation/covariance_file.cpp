@@ -41,7 +41,7 @@ const ScanCovariance* covarianceAt(const std::vector<ScanCovariance>& sorted, do
 
 }  // namespace
 
-void writeCovariances(const std::string& path, const std::vector<ScanCovariance>& covariances) {
+std::string covariancesText(const std::vector<ScanCovariance>& covariances) {
   std::ostringstream out;
   out << "# stamp x y yaw, then map and match covariance: xx xy xt yy yt tt (m, rad)\n";
   for (const ScanCovariance& entry : covariances) {
@@ -52,7 +52,11 @@ void writeCovariances(const std::string& path, const std::vector<ScanCovariance>
     write(out, entry.pose.match_covariance);
     out << '\n';
   }
-  writeFileAtomically(path, out.str());
+  return out.str();
+}
+
+void writeCovariances(const std::string& path, const std::vector<ScanCovariance>& covariances) {
+  writeFileAtomically(path, covariancesText(covariances));
 }
 
 std::vector<ScanCovariance> readCovariances(const std::string& path) {

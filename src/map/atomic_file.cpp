@@ -2,53 +2,48 @@
 #include "kestrel_slam/map/atomic_file.h"
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 
+#include "output_folder.h"
+
 namespace kestrel {
 namespace {
 
-[[noreturn]] void fail(const std::string& what, const std::string& path, int error) {
-  throw std::runtime_error("cannot " + what + " " + path + ": " + std::strerror(error));
+namespace fs = std::filesystem;
+
+[[noreturn]] void failRead(const std::string& path, const std::string& reason) {
+  throw std::runtime_error("cannot read " + path + ": " + reason);
 }
 
-/// Returns 0, or the errno of the step that failed.
-int writeAll(const std::string& path, const std::string& content) {
-  std::FILE* file = std::fopen(path.c_str(), "wb");
-  if (file == nullptr) return errno;
-  int error = 0;
-  if (std::fwrite(content.data(), 1, content.size(), file) != content.size()) error = errno;
-  // A full disk may be reported only when the buffer is flushed.
-  if (std::fclose(file) != 0 && error == 0) error = errno;
-  return error;
+/// Opening a pipe waits until somebody writes to it, and a device may never end.
+void requirePlainFile(const std::string& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::is_directory(status)) failRead(path, std::strerror(EISDIR));
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    failRead(path, "it is a pipe, socket or device; use a plain file");
+  }
 }
 
 }  // namespace
 
 void writeFileAtomically(const std::string& path, const std::string& content) {
-  const std::string temporary = path + ".tmp";
-  const int write_error = writeAll(temporary, content);
-  if (write_error != 0) {
-    std::remove(temporary.c_str());
-    fail("write", path, write_error);
+  const fs::path target(path);
+  if (!target.has_filename()) {
+    throw std::runtime_error("cannot write '" + path + "': it does not name a file");
   }
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) {
-    const int rename_error = errno;
-    std::remove(temporary.c_str());
-    fail("write", path, rename_error);
-  }
+  OutputFolder(target.parent_path().string()).write(target.filename().string(), content);
 }
 
 std::string readFile(const std::string& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) fail("read", path, EISDIR);
+  requirePlainFile(path);
   errno = 0;
   std::ifstream file(path, std::ios::binary);
-  if (!file) fail("read", path, errno);
+  if (!file) failRead(path, std::strerror(errno));
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 

@@ -5,12 +5,14 @@
 #include <filesystem>
 #include <iomanip>
 #include <locale>
-#include <map>
 #include <sstream>
 #include <stdexcept>
 
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/map/pgm.h"
+#include "map_files.h"
+#include "map_yaml.h"
+#include "output_folder.h"
 
 namespace kestrel {
 namespace {
@@ -19,9 +21,11 @@ namespace {
 constexpr std::uint8_t kFreeGray = 254, kUnknownGray = 205, kOccupiedGray = 0;
 constexpr double kOccupiedThreshold = 0.65, kFreeThreshold = 0.196;
 constexpr double kWhite = 255.0;
+constexpr const char* kSavingEnding = ".pgm.saving";
+constexpr int kMaxTries = 3;
 constexpr int kShortDigits = 15, kExactDigits = 17;  // significant digits of a double
 
-using Keys = std::map<std::string, std::string>;
+using Keys = YamlKeys;
 
 std::string numberText(double value) {
   for (const int digits : {kShortDigits, kExactDigits}) {
@@ -52,51 +56,12 @@ GrayImage imageOf(const MapSnapshot& map) {
 
 std::string yamlOf(const MapSnapshot& map, const std::string& image_name) {
   std::ostringstream yaml;
-  yaml << "image: " << image_name << "\nmode: trinary\nresolution: " << numberText(map.resolution_m)
-       << "\norigin: [" << numberText(map.origin_x) << ", " << numberText(map.origin_y)
+  yaml << "image: " << yamlFileName(image_name)
+       << "\nmode: trinary\nresolution: " << numberText(map.resolution_m) << "\norigin: ["
+       << numberText(map.origin_x) << ", " << numberText(map.origin_y)
        << ", 0.0]\nnegate: 0\noccupied_thresh: " << numberText(kOccupiedThreshold)
        << "\nfree_thresh: " << numberText(kFreeThreshold) << "\n";
   return yaml.str();
-}
-
-std::string trimmed(const std::string& text) {
-  const char* const blank = " \t\r\n";
-  const std::size_t first = text.find_first_not_of(blank);
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(blank) - first + 1);
-}
-
-/// The value without a trailing comment and without quotes.
-std::string plainValue(const std::string& text) {
-  const std::string value = trimmed(text);
-  if (!value.empty() && (value[0] == '"' || value[0] == '\'')) {
-    return value.substr(1, value.find(value[0], 1) - 1);
-  }
-  if (!value.empty() && value[0] == '#') return {};
-  return trimmed(value.substr(0, value.find(" #")));
-}
-
-/// Parses the flat YAML of a map: one `key: value` per line, comments, and lists in brackets or as
-/// `- item`.
-Keys parseYaml(const std::string& text) {
-  Keys keys;
-  std::string key;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    const std::string content = trimmed(line);
-    if (content.empty() || content[0] == '#' || content == "---") continue;
-    if (content.rfind("- ", 0) == 0 && !key.empty()) {
-      keys[key] += plainValue(content.substr(2)) + ",";
-      continue;
-    }
-    const std::size_t colon = content.find(':');
-    if (colon == std::string::npos) {
-      throw std::runtime_error("the line '" + content + "' is not 'key: value'");
-    }
-    key = trimmed(content.substr(0, colon));
-    keys[key] = plainValue(content.substr(colon + 1));
-  }
-  return keys;
 }
 
 const std::string& required(const Keys& keys, const std::string& key) {
@@ -198,35 +163,78 @@ void readCells(const std::string& image_path, const Classes& classes, MapSnapsho
   }
 }
 
+MapSnapshot mapOf(const std::string& yaml_path, const std::string& text) {
+  const Keys keys = parseMapYaml(text);
+  MapSnapshot map;
+  constexpr double kMinResolution_m = 1e-4, kMaxResolution_m = 100.0;
+  map.resolution_m = numberWithin(keys, "resolution", kMinResolution_m, kMaxResolution_m);
+  readOrigin(keys, map);
+  const Classes classes = readClasses(keys);
+  // If the image path is absolute, the operator returns it unchanged.
+  const auto image_path = std::filesystem::path(yaml_path).parent_path() / required(keys, "image");
+  readCells(image_path.string(), classes, map);
+  return map;
+}
+
+/// The image that the YAML file names, or "" where there is no file or none that can be read.
+std::string imageNamedBy(const std::string& yaml_path) {
+  try {
+    return parseMapYaml(readFile(yaml_path))["image"];
+  } catch (const std::runtime_error&) {
+    return {};
+  }
+}
+
 }  // namespace
 
-void writeMap(const std::string& stem, const MapSnapshot& map) {
+MapFiles mapFilesOf(const std::string& stem, const MapSnapshot& map) {
   if (map.empty()) {
     throw std::runtime_error("cannot write " + stem + ".pgm: the map is still empty");
   }
-  const std::filesystem::path image_path = stem + ".pgm";
+  const std::string name = std::filesystem::path(stem).filename().string();
   const std::string comment = "CREATOR: kestrel_slam " + numberText(map.resolution_m) + " m/pix";
-  writeFileAtomically(image_path.string(), encodePgm(imageOf(map), comment));
-  // The image is written first, so that it exists when a reader sees the new YAML file.
-  writeFileAtomically(stem + ".yaml", yamlOf(map, image_path.filename().string()));
+  return {encodePgm(imageOf(map), comment), yamlOf(map, name + ".pgm"),
+          yamlOf(map, name + kSavingEnding)};
+}
+
+std::set<std::string> namesOfMap(const std::string& name) {
+  return {name + ".pgm", name + ".yaml", name + kSavingEnding};
+}
+
+void writeMapFiles(OutputFolder& folder, const std::string& name, const MapFiles& files) {
+  const std::string yaml = name + ".yaml", image = name + ".pgm", saving = name + kSavingEnding;
+  // While an older YAML file names the image, the image must not be replaced. So the new YAML file
+  // first names a second copy. A process that was killed may have left it like that.
+  const bool in_use = imageNamedBy(folder.pathOf(yaml)) == saving;
+  if (folder.has(yaml) && !in_use) {
+    folder.write(saving, files.image);
+    folder.write(yaml, files.yaml_while_saving);
+  }
+  folder.write(image, files.image);
+  folder.write(yaml, files.yaml);
+  folder.remove(saving);
+}
+
+void writeMap(const std::string& stem, const MapSnapshot& map) {
+  const std::filesystem::path path(stem);
+  const std::string name = path.filename().string();
+  if (name.empty()) throw std::runtime_error("cannot write '" + stem + "': it does not name a map");
+  const MapFiles files = mapFilesOf(stem, map);
+  OutputFolder folder(path.parent_path().string());
+  writeMapFiles(folder, name, files);
 }
 
 MapSnapshot readMap(const std::string& yaml_path) {
-  const std::string text = readFile(yaml_path);
-  try {
-    const Keys keys = parseYaml(text);
-    MapSnapshot map;
-    constexpr double kMinResolution_m = 1e-4, kMaxResolution_m = 100.0;
-    map.resolution_m = numberWithin(keys, "resolution", kMinResolution_m, kMaxResolution_m);
-    readOrigin(keys, map);
-    const Classes classes = readClasses(keys);
-    // If the image path is absolute, the operator returns it unchanged.
-    const auto image_path =
-        std::filesystem::path(yaml_path).parent_path() / required(keys, "image");
-    readCells(image_path.string(), classes, map);
-    return map;
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error("cannot read the map " + yaml_path + ": " + error.what());
+  // The map may be saved again while it is read. Then its YAML file has changed.
+  for (int tries = kMaxTries;; --tries) {
+    const std::string text = readFile(yaml_path);
+    try {
+      MapSnapshot map = mapOf(yaml_path, text);
+      if (tries == 1 || readFile(yaml_path) == text) return map;
+    } catch (const std::runtime_error& error) {
+      if (tries > 1 && readFile(yaml_path) != text) continue;
+      throw std::runtime_error("cannot read the map " + yaml_path + ": " + error.what());
+    }
   }
 }
 

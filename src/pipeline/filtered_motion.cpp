@@ -29,7 +29,7 @@ FilteredMotionBuffer::FilteredMotionBuffer(const AttitudeBufferConfig& config)
     : history_s_(config.history_s), attitude_(config) {}
 
 bool FilteredMotionBuffer::add(const FilteredMotion& motion) {
-  if (!states_.empty() && motion.stamp < states_.back().stamp - history_s_) {
+  if (!states_.empty() && motion.stamp < states_.back().stamp) {
     states_.clear();
     attitude_.clear();
   }
@@ -48,7 +48,7 @@ bool FilteredMotionBuffer::add(const FilteredMotion& motion) {
 
 bool FilteredMotionBuffer::runs(double time) const {
   const std::optional<double> latest = attitude_.latest();
-  return latest && *latest > time - kSilent;
+  return latest && *latest > time - kSilent && *latest < time + history_s_;
 }
 
 std::optional<Pose2> FilteredMotionBuffer::odomPose(double time) const {

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 
 #include "kestrel_slam/geometry/pose3.h"
+#include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/recording/text_stream.h"
 
 namespace kestrel {
@@ -63,20 +63,18 @@ double yawOf(double qx, double qy, double qz, double qw) {
 
 }  // namespace
 
-void writeTum(const std::string& path, const Trajectory& trajectory) {
-  std::ofstream file(path);
+std::string tumText(const Trajectory& trajectory) {
+  std::string text;
   for (const StampedPose& entry : trajectory) {
     const Pose2& pose = entry.pose;
-    file << stampText(entry.stamp)
-         << format(" %.6f %.6f 0 0 0 %.9f %.9f\n", pose.x, pose.y, std::sin(pose.yaw / 2.0),
-                   std::cos(pose.yaw / 2.0));
+    text += stampText(entry.stamp) + format(" %.6f %.6f 0 0 0 %.9f %.9f\n", pose.x, pose.y,
+                                            std::sin(pose.yaw / 2.0), std::cos(pose.yaw / 2.0));
   }
-  file.close();
-  if (!file) {
-    throw std::runtime_error(path +
-                             ": cannot be written; check that the folder exists, that it "
-                             "is writable and that the disk is not full");
-  }
+  return text;
+}
+
+void writeTum(const std::string& path, const Trajectory& trajectory) {
+  writeFileAtomically(path, tumText(trajectory));
 }
 
 Trajectory readTum(const std::string& path) {

@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/map/atomic_file.h"
 
 namespace kestrel {
 namespace {
@@ -238,6 +239,11 @@ void drawPanel(cairo_t* cr, const PlotPanel& panel, Frame frame) {
   drawLegend(cr, panel, frame);
 }
 
+cairo_status_t append(void* png, const unsigned char* bytes, unsigned int count) {
+  static_cast<std::string*>(png)->append(reinterpret_cast<const char*>(bytes), count);
+  return CAIRO_STATUS_SUCCESS;
+}
+
 }  // namespace
 
 void writePlot(const std::string& path, const std::vector<PlotPanel>& panels) {
@@ -263,11 +269,12 @@ void writePlot(const std::string& path, const std::vector<PlotPanel>& panels) {
                {}});
     top += height;
   }
-  const cairo_status_t status = cairo_surface_write_to_png(surface.get(), path.c_str());
+  std::string png;
+  const cairo_status_t status = cairo_surface_write_to_png_stream(surface.get(), append, &png);
   if (status != CAIRO_STATUS_SUCCESS) {
-    throw std::runtime_error(path + ": cannot be written (" + cairo_status_to_string(status) +
-                             "); check that the folder exists and is writable");
+    throw std::runtime_error(path + ": cannot be drawn: " + cairo_status_to_string(status));
   }
+  writeFileAtomically(path, png);
 }
 
 }  // namespace kestrel

@@ -146,6 +146,23 @@ TEST_F(MapRecordingTest, WritesResultsAfterAnInterrupt) {
   for (const char* name : kOutputs) EXPECT_TRUE(fs::exists(folder_.file("out/") + name)) << name;
 }
 
+TEST_F(MapRecordingTest, AKilledRunLeavesAllFilesOfOneRun) {
+  const std::string short_run = "--scans 3 --quiet" + outputs("out") + " --set map_resolution=";
+  ASSERT_EQ(map(short_run + "0.05").code, 0);
+  for (int i = 0; i < 30; ++i) {
+    const std::string other = i % 2 == 0 ? "0.1" : "0.05";
+    runCommand("timeout -s KILL " + std::to_string(0.01 + 0.005 * (i % 13)) + " " + kTool + log_ +
+               " " + short_run + other);
+    const double resolution = readMap(folder_.file("out/map.yaml")).resolution_m;
+    EXPECT_EQ(nlohmann::json::parse(read("out/stats.json"))["parameters"]["map_resolution"],
+              resolution);
+    for (const char* name : kOutputs) EXPECT_TRUE(fs::exists(folder_.file("out/") + name)) << name;
+  }
+  ASSERT_EQ(map(short_run + "0.05").code, 0);
+  const fs::directory_iterator files(folder_.file("")), end;
+  EXPECT_EQ(std::distance(files, end), 2) << "a killed run left something beside log and output";
+}
+
 TEST_F(MapRecordingTest, BadInputIsOneLineAndExitCodeOne) {
   const std::string garbage = folder_.write("garbage.bag", "\x01\x02 nothing of use\n");
   const std::string bad_yaml = folder_.write("bad.yaml", "matcher: fast\n");

@@ -133,7 +133,8 @@ TEST_F(MapIoTest, ReportsAnUnwritableFolderWithTheReason) {
 TEST_F(MapIoTest, AFailureKeepsTheOlderFile) {
   writeMap(path("a"), smallMap());
   const std::string before = readFile(path("a.pgm"));
-  fs::create_directories(path("a.pgm.tmp"));  // a folder has the temporary name
+  fs::remove(path("a.yaml"));
+  fs::create_directories(path("a.yaml"));  // a folder has this name
   EXPECT_THROW(writeMap(path("a"), smallMap()), std::runtime_error);
   EXPECT_EQ(readFile(path("a.pgm")), before);
 }

@@ -3,6 +3,7 @@
 #include <ros/ros.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -127,6 +128,21 @@ TEST(TrajectoryLog, IsThinnedOutAndLimited) {
   EXPECT_LE(log.path("map").poses.size(), TrajectoryLog::kMaxPoses);
   log.clear();
   EXPECT_TRUE(log.path("map").poses.empty());
+}
+
+/// 5 km in steps of 5 cm: the first meters are drawn as exactly as the last ones.
+TEST(TrajectoryLog, IsThinnedOutEvenly) {
+  TrajectoryLog log;
+  for (int i = 0; i < 100000; ++i) log.add(ros::Time(5.0), Pose2(0.0501 * i, 0.0, 0.0));
+  const nav_msgs::Path path = log.path("map");
+  ASSERT_GT(path.poses.size(), TrajectoryLog::kMaxPoses / 2);
+  double shortest = 1e9, longest = 0.0;
+  for (std::size_t i = 1; i < path.poses.size(); ++i) {
+    const double step = path.poses[i].pose.position.x - path.poses[i - 1].pose.position.x;
+    shortest = std::min(shortest, step);
+    longest = std::max(longest, step);
+  }
+  EXPECT_LT(longest, 2.1 * shortest);
 }
 
 TEST(Conversions, CovarianceIsPositiveDefiniteForAnyInput) {

@@ -20,6 +20,8 @@ struct ScanCovariance {
 /// covariance (see UncertainPose). Both throw std::runtime_error with the name of the file, the
 /// line and the error.
 void writeCovariances(const std::string& path, const std::vector<ScanCovariance>& covariances);
+/// What writeCovariances writes.
+std::string covariancesText(const std::vector<ScanCovariance>& covariances);
 std::vector<ScanCovariance> readCovariances(const std::string& path);
 
 /// Errors of relations, compared with their covariances (see relativeCovariance()).

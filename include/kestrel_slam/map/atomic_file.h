@@ -5,12 +5,13 @@
 
 namespace kestrel {
 
-/// Writes `content` to a temporary file in the same folder and renames it to `path`. So a reader
-/// never sees an incomplete file, and an older file remains if writing fails. Throws
+/// Replaces a file in one step: a reader, or whoever looks after the process was killed or the
+/// power failed, finds the whole old or the whole new file. If the path is a symbolic link, the
+/// link is replaced and its target is not touched. Refuses pipes and devices. Throws
 /// std::runtime_error with the file and the reason.
 void writeFileAtomically(const std::string& path, const std::string& content);
 
-/// The content of a file. Throws std::runtime_error with the file and the reason.
+/// The content of a plain file. Throws std::runtime_error with the file and the reason.
 std::string readFile(const std::string& path);
 
 }  // namespace kestrel

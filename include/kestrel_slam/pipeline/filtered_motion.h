@@ -34,13 +34,14 @@ class FilteredMotionBuffer {
   explicit FilteredMotionBuffer(const AttitudeBufferConfig& config);
 
   /// Returns false if the attitude is not used: it is not known well enough, a value is not
-  /// finite, or its stamp is already stored. A stamp far in the past clears the buffer, because the
-  /// clock was set back.
+  /// finite, or its stamp is already stored. The states of a filter have ascending stamps: an older
+  /// stamp means that filter or recording started again, and clears the buffer.
   bool add(const FilteredMotion& motion);
 
   const AttitudeBuffer& attitude() const { return attitude_; }
 
-  /// True if the filter was running shortly before `time` (s).
+  /// True if the filter was running shortly before `time` (s). States far in the future do not
+  /// count: they come from a wrong stamp.
   bool runs(double time) const;
 
   /// Interpolated odom_T_base at `time` (s). Empty if the motion is not known well enough.

@@ -21,6 +21,7 @@ using Trajectory = std::vector<StampedPose>;
 /// least six decimals, so that reading gives the same stamp as was written. Both throw
 /// std::runtime_error with the name of the file, the line and the error.
 void writeTum(const std::string& path, const Trajectory& trajectory);
+std::string tumText(const Trajectory& trajectory);  // what writeTum writes
 Trajectory readTum(const std::string& path);
 
 }  // namespace kestrel

@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/common/mountings.h"
 
+#include <utility>
+
 #include "kestrel_slam/messages/conversions.h"
+#include "kestrel_slam/ros/common/names.h"
 
 namespace kestrel {
-namespace {
 
-// tf messages are processed on the thread of the node, so that no lookup runs while another thread
-// adds frames.
-constexpr bool kOwnTfThread = false;
-
-}  // namespace
-
-Mountings::Mountings(const ros::NodeHandle& nh, const std::string& base_frame)
-    : base_frame_(base_frame), listener_(buffer_, nh, kOwnTfThread) {}
+Mountings::Mountings(const ros::NodeHandle& nh, const std::string& base_frame,
+                     std::vector<OwnTransform> own)
+    : base_frame_(base_frame), input_(buffer_, nh, std::move(own)) {}
 
 std::optional<Eigen::Isometry3d> Mountings::lookup(const std::string& sensor_frame) const {
   // tf2 rejects frames that were never published, even for an identity transform.
@@ -23,16 +20,14 @@ std::optional<Eigen::Isometry3d> Mountings::lookup(const std::string& sensor_fra
   return fromMessage(buffer_.lookupTransform(base_frame_, sensor_frame, latest).transform);
 }
 
-std::string Mountings::missing(const std::string& sensor, const std::string& sensor_frame) const {
+std::string Mountings::missing(const std::string& sensor, const std::string& frame) const {
+  const std::string sensor_frame = clippedName(frame);
   if (sensor_frame.empty()) {
     return "the frame_id of the " + sensor + " is empty; the sensor driver must set it";
   }
   return "no transform from the " + sensor + "'s frame '" + sensor_frame + "' to the base frame '" +
-         base_frame_ +
-         "'. The robot's description should publish it; if both frames are the same, set "
-         "~base_frame to '" +
-         sensor_frame + "'; otherwise run for example: rosrun tf2_ros static_transform_publisher " +
-         "0 0 0 0 0 0 " + base_frame_ + " " + sensor_frame;
+         base_frame_ + "'. Publish it (rosrun tf2_ros static_transform_publisher 0 0 0 0 0 0 " +
+         base_frame_ + " " + sensor_frame + "), or set ~base_frame";
 }
 
 }  // namespace kestrel

@@ -4,8 +4,10 @@
 #include <ros/console.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <stdexcept>
 #include <variant>
 
@@ -105,6 +107,29 @@ void reportUnused(const ros::NodeHandle& private_nh, const std::vector<Parameter
   for (const auto& [reason, names] : names_by_reason) reportUnneeded(names, reason);
 }
 
+/// The number that replaces a text outside of the limits of a parameter: the nearest limit, or the
+/// default if the number has the wrong sign. Empty: the text must be refused.
+std::optional<double> limitedNumber(const Parameter& parameter, const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  const bool is_number = !text.empty() && *end == '\0' && std::isfinite(value);
+  if (!is_number || (value < 0.0 && parameter.min > 0.0)) return std::nullopt;
+  const double limit = std::clamp(value, parameter.min, parameter.max);
+  return limit == 0.0 ? std::strtod(valueText(parameter).c_str(), nullptr) : limit;
+}
+
+/// Sets a parameter of an older node. A number outside of the limits is limited.
+void setLimited(const Parameter& parameter, const std::string& text) {
+  try {
+    setValue(parameter, text);
+  } catch (const std::invalid_argument& error) {
+    const std::optional<double> number = limitedNumber(parameter, text);
+    if (!number) throw;
+    setValue(parameter, numberText(*number));
+    ROS_WARN("The parameter ~%s; %s is used.", error.what(), valueText(parameter).c_str());
+  }
+}
+
 void readOldNames(const ros::NodeHandle& private_nh, const Parameter& parameter) {
   for (const std::string& name : parameter.old_names) {
     XmlRpc::XmlRpcValue value;
@@ -124,12 +149,15 @@ void addUnneeded(const std::vector<Parameter>& table, const std::string& reason,
 
 void readPrivateParameters(const ros::NodeHandle& private_nh,
                            const std::vector<Parameter>& parameters,
-                           const UnneededParameters& unneeded) {
+                           const UnneededParameters& unneeded,
+                           const std::set<std::string>& limited) {
   reportUnused(private_nh, parameters, unneeded);
   for (const Parameter& parameter : parameters) {
     readOldNames(private_nh, parameter);
     XmlRpc::XmlRpcValue value;
-    if (private_nh.getParam(parameter.name, value)) setValue(parameter, textOf(parameter, value));
+    if (!private_nh.getParam(parameter.name, value)) continue;
+    const bool is_limited = limited.count(parameter.name) > 0;
+    (is_limited ? setLimited : setValue)(parameter, textOf(parameter, value));
   }
 }
 

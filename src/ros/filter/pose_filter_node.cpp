@@ -5,12 +5,16 @@
 
 #include <cmath>
 #include <exception>
+#include <vector>
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/pipeline_messages.h"
 #include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/ros/common/guarded.h"
+#include "kestrel_slam/ros/common/names.h"
+#include "kestrel_slam/ros/common/wall_throttle.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
 namespace kestrel {
@@ -54,39 +58,78 @@ void add(diagnostic_updater::DiagnosticStatusWrapper& status, const std::string&
   for (const auto& [reason, count] : counts.rejected) status.add(name + ": " + reason, count);
 }
 
+std::vector<OwnTransform> ownTransforms(const PoseFilterNodeConfig& config) {
+  std::vector<OwnTransform> own;
+  if (config.pub_map_odom_transform) {
+    own.push_back({config.map_frame, config.odom_frame,
+                   "Stop the other node, or set ~pub_map_odom_transform to false."});
+  }
+  if (config.pub_odom_base_transform) {
+    own.push_back({config.odom_frame, config.base_footprint_frame,
+                   "Stop the other node, or set ~pub_odom_base_transform to false."});
+  }
+  return own;
+}
+
 }  // namespace
 
 PoseFilterNode::PoseFilterNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
     : config_(loadPoseFilterParameters(private_nh)),
       filter_(config_.filter),
-      mountings_(nh, config_.base_frame),
+      mountings_(nh, config_.base_frame, ownTransforms(config_)),
+      range_mounting_(mountings_, config_.height_sensor_z),
       publisher_(nh, config_),
       updater_(nh, private_nh, private_nh.getNamespace()) {
-  const auto listen = [&](const std::string& topic, auto callback) {
-    if (topic.empty()) return;
-    subscribers_.push_back(
-        nh.subscribe(topic, kQueue, callback, this, ros::TransportHints().tcpNoDelay()));
-  };
-  imu_subscriber_ = nh.subscribe(config_.imu_topic, kImuQueue, &PoseFilterNode::onImu, this,
-                                 ros::TransportHints().tcpNoDelay());
-  listen(config_.mapper_topic, &PoseFilterNode::onMapperState);
-  listen(config_.pose_topic, &PoseFilterNode::onPose);
-  listen(config_.height_topic, &PoseFilterNode::onRange);
-  listen(config_.floor_height_topic, &PoseFilterNode::onRange);
-  listen(config_.pressure_topic, &PoseFilterNode::onPressure);
-  listen(config_.pressure_height_topic, &PoseFilterNode::onPressureHeight);
-  listen(config_.magnetometer_topic, &PoseFilterNode::onField);
-  listen(config_.fix_topic, &PoseFilterNode::onFix);
-  listen("initialpose", &PoseFilterNode::onInitialPose);
+  listen(nh);
   reset_server_ = nh.advertiseService("reset_filter", &PoseFilterNode::reset, this);
   updater_.setHardwareID(imu_subscriber_.getTopic());
   updater_.add("Pose filter",
                [this](diagnostic_updater::DiagnosticStatusWrapper& status) { report(status); });
-  timer_ = nh.createSteadyTimer(ros::WallDuration(kPeriod),
-                                [this](const ros::SteadyTimerEvent&) { updater_.force_update(); });
+  timer_ = nh.createSteadyTimer(ros::WallDuration(kPeriod), [this](const ros::SteadyTimerEvent&) {
+    guarded("diagnostics", [this] { updater_.force_update(); });
+  });
   ROS_INFO("Filtering %s; tf is %s -> %s -> %s.", imu_subscriber_.getTopic().c_str(),
            config_.map_frame.c_str(), config_.odom_frame.c_str(),
            config_.base_footprint_frame.c_str());
+}
+
+void PoseFilterNode::listen(ros::NodeHandle& nh) {
+  using geometry_msgs::PoseWithCovarianceStamped;
+  imu_subscriber_ = subscribeGuarded<sensor_msgs::Imu>(
+      nh, config_.imu_topic, kImuQueue,
+      [this](const sensor_msgs::ImuConstPtr& message) { onImu(message); },
+      [this](const std::string& reason) { refuse("IMU messages", "implausible stamp", reason); });
+  imu_watch_ = std::make_unique<SilenceWatch>(
+      "IMU message",
+      std::vector<NeededTopic>{
+          {imu_subscriber_.getTopic(), ros::message_traits::datatype<sensor_msgs::Imu>()}},
+      "~imu_topic");
+  listen(nh, config_.mapper_topic, &PoseFilterNode::onMapperState);
+  listen(nh, config_.pose_topic, &PoseFilterNode::onPose);
+  listen(nh, config_.height_topic, &PoseFilterNode::onRange);
+  listen(nh, config_.floor_height_topic, &PoseFilterNode::onRange);
+  listen(nh, config_.pressure_topic, &PoseFilterNode::onPressure);
+  listen(nh, config_.pressure_height_topic, &PoseFilterNode::onPressureHeight);
+  listen(nh, config_.magnetometer_topic, &PoseFilterNode::onField);
+  listen(nh, config_.fix_topic, &PoseFilterNode::onFix);
+  subscribers_.push_back(subscribeGuarded<PoseWithCovarianceStamped>(
+      nh, "initialpose", kQueue,
+      [this](const PoseWithCovarianceStamped::ConstPtr& message) { onInitialPose(*message); }, {},
+      Stamps::kIgnored));
+}
+
+template <typename Message>
+void PoseFilterNode::listen(ros::NodeHandle& nh, const std::string& topic,
+                            void (PoseFilterNode::*callback)(const Message&)) {
+  if (topic.empty()) return;
+  subscribers_.push_back(subscribeGuarded<Message>(
+      nh, topic, kQueue,
+      [this, callback](const boost::shared_ptr<const Message>& message) {
+        (this->*callback)(*message);
+      },
+      [this, topic](const std::string& reason) {
+        refuse("messages on " + topic, "implausible stamp", reason);
+      }));
 }
 
 void PoseFilterNode::onImu(const sensor_msgs::ImuConstPtr& message) {
@@ -94,7 +137,7 @@ void PoseFilterNode::onImu(const sensor_msgs::ImuConstPtr& message) {
   const std::optional<Eigen::Isometry3d> base_T_imu = mountings_.lookup(frame);
   if (!base_T_imu) {
     waiting_for_ = mountings_.missing("IMU", frame);
-    refuse("IMU messages", waiting_for_);
+    refuse("IMU messages", "no transform", waiting_for_);
     return;
   }
   waiting_for_.clear();
@@ -107,15 +150,19 @@ void PoseFilterNode::onImu(const sensor_msgs::ImuConstPtr& message) {
 }
 
 bool PoseFilterNode::isInMap(const std_msgs::Header& header, const char* what) {
-  const std::string frame = withoutSlash(header.frame_id);
+  const std::string frame = clippedName(withoutSlash(header.frame_id));
   if (frame == config_.map_frame) return true;
-  refuse(what, "the frame is '" + frame + "', but must be '" + config_.map_frame + "'");
+  refuse(what, "not in the map frame",
+         "the frame is '" + frame + "', but must be '" + config_.map_frame + "'");
   return false;
 }
 
-void PoseFilterNode::refuse(const std::string& what, const std::string& why) {
-  ++refused_[what + ": " + why];
-  ROS_WARN_THROTTLE(kComplainEvery, "Refused %s: %s.", what.c_str(), why.c_str());
+/// `reason` must be one of a fixed set, because the counts are kept by it; `why` may hold anything.
+void PoseFilterNode::refuse(const std::string& what, const std::string& reason,
+                            const std::string& why) {
+  ++refused_[what + ": " + reason];
+  last_refusal_ = what + ": " + why;
+  KESTREL_WARN_THROTTLE(kComplainEvery, "Refused %s: %s.", what.c_str(), why.c_str());
 }
 
 /// MapperState also tells when the pose must not be used as a measurement.
@@ -135,7 +182,7 @@ void PoseFilterNode::onPose(const geometry_msgs::PoseWithCovarianceStamped& mess
     filter_.addPose({toSeconds(message.header.stamp), planarFromMessage(message.pose.pose),
                      planarCovariance(message.pose)});
   } catch (const std::invalid_argument& error) {
-    refuse("poses", error.what());
+    refuse("poses", "invalid pose", error.what());
   }
 }
 
@@ -147,8 +194,9 @@ void PoseFilterNode::onRange(const sensor_msgs::Range& message) {
     filter_.addFloorHeight(toHeightSample(message, 0.0));
     return;
   }
-  const std::optional<Eigen::Isometry3d> base_T_sensor = mountings_.lookup(frame);
-  filter_.addRange(toHeightSample(message, base_T_sensor ? base_T_sensor->translation().z() : 0.0));
+  const std::optional<double> sensor_z = range_mounting_.sensorZ(frame);
+  if (!sensor_z) return refuse("heights", "no mounting that looks down", range_mounting_.error());
+  filter_.addRange(toHeightSample(message, *sensor_z));
 }
 
 void PoseFilterNode::onPressure(const sensor_msgs::FluidPressure& message) {
@@ -164,21 +212,21 @@ void PoseFilterNode::onField(const sensor_msgs::MagneticField& message) {
   const std::optional<FilterOutput>& output = filter_.output();
   if (!output) return;  // yaw from the magnetometer needs an attitude
   if (!base_T_sensor) {
-    refuse("magnetometer",
+    refuse("magnetometer", "no transform",
            mountings_.missing("magnetometer", withoutSlash(message.header.frame_id)));
     return;
   }
   const Eigen::Quaterniond tilt = withoutYaw(Eigen::Quaterniond(output->map_T_base.linear()));
   const auto yaw = toYaw(message, tilt * Eigen::Quaterniond(base_T_sensor->linear()),
                          config_.magnetic_declination);
-  if (!yaw) return refuse("magnetometer", "the field has no horizontal part");
+  if (!yaw) return refuse("magnetometer", "no horizontal field", "it is vertical or zero");
   filter_.addYaw(*yaw);
 }
 
 void PoseFilterNode::onFix(const sensor_msgs::NavSatFix& message) {
   if (!filter_.output()) return;  // the first fix needs a filter state as reference
   const auto position = fixes_.toPosition(message, filter_.output()->map_T_base.translation());
-  if (!position) return refuse("GPS fixes", "the message has no valid position");
+  if (!position) return refuse("GPS fixes", "no position", "the message has no valid position");
   filter_.addPosition(*position);
 }
 
@@ -188,10 +236,10 @@ void PoseFilterNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStampe
     Eigen::Matrix3d covariance = planarCovariance(message.pose);
     if (covariance.isZero()) covariance = kPlacedVariance.asDiagonal();
     if (!filter_.setPose(planarFromMessage(message.pose.pose), covariance)) {
-      refuse("initialpose", "the covariance is invalid");
+      refuse("initialpose", "invalid covariance", "the covariance is invalid");
     }
   } catch (const std::invalid_argument& error) {
-    refuse("initialpose", error.what());
+    refuse("initialpose", "invalid pose", error.what());
   }
 }
 
@@ -204,15 +252,20 @@ bool PoseFilterNode::reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Respo
   return true;
 }
 
+std::string PoseFilterNode::imuSilence() {
+  const double seconds = clockIsMissing() ? since_start_.wallSeconds() : since_start_.seconds();
+  return imu_watch_->check(seconds, imu_subscriber_.getNumPublishers());
+}
+
 void PoseFilterNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   const FilterStatus filter = filter_.status(now());
   status.summary(static_cast<unsigned char>(levelOf(filter.health)),
                  filter.message.empty() ? toString(filter.health) : filter.message);
   if (!waiting_for_.empty()) {
     status.summary(DiagnosticStatus::ERROR, waiting_for_);
-  } else if (filter.imu.received == 0 && imu_subscriber_.getNumPublishers() == 0) {
-    status.summary(DiagnosticStatus::ERROR, "no message on " + imu_subscriber_.getTopic() +
-                                                ": nobody publishes it (wrong imu_topic?)");
+  } else if (filter.imu.received == 0) {
+    const std::string silence = imuSilence();
+    if (!silence.empty()) status.summary(DiagnosticStatus::ERROR, silence);
   }
   status.add("health", toString(filter.health));
   status.add("IMU rate (Hz)", filter.imu_rate_hz);
@@ -221,6 +274,7 @@ void PoseFilterNode::report(diagnostic_updater::DiagnosticStatusWrapper& status)
     add(status, toString(static_cast<FilterSensor>(i)), filter.sensors[i]);
   }
   for (const auto& [reason, count] : refused_) status.add("refused: " + reason, count);
+  if (!last_refusal_.empty()) status.add("last refusal", last_refusal_);
   for (const auto& [reason, count] : filter.resets) status.add("resets: " + reason, count);
   status.add("jumps of the map", filter.reinitializations);
   status.add("started in the air", filter.started_in_air);

@@ -45,6 +45,10 @@ std::vector<Parameter> inputParametersOf(PoseFilterNodeConfig& config) {
            "mapper_topic; empty: none."),
       text("height_topic", &config.height_topic,
            "Topic of a range finder that looks down; empty: none."),
+      text(
+          "height_sensor_z", &config.height_sensor_z,
+          "Height of the range finder in base_frame (m), if it looks straight down and tf does not "
+          "have its mounting; empty: from tf."),
       text("floor_height_topic", &config.floor_height_topic,
            "Topic of the height that scan_projector_node measures with laser beams on the floor; "
            "empty: none."),

@@ -6,14 +6,15 @@
 #include <exception>
 #include <utility>
 
+#include "kestrel_slam/ros/common/wall_throttle.h"
+
 namespace kestrel {
 namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
 
-constexpr double kPeriod = 1.0;         // s
-constexpr double kSilentAfter = 2.0;    // s without a scan
-constexpr double kSilenceEvery = 15.0;  // s between two warnings
+constexpr double kPeriod = 1.0;          // s
+constexpr double kComplainEvery = 15.0;  // s
 constexpr double kBytesPerMegabyte = 1e6;
 
 unsigned char levelOf(const ScanReport& report) {
@@ -31,16 +32,17 @@ std::string summaryOf(const ScanReport& report) {
 }  // namespace
 
 Diagnostics::Diagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
-                         const std::string& scan_topic, ScanStatistics& statistics,
-                         std::function<unsigned()> publisher_count,
+                         const NeededTopic& scan_topic, const std::string& topic_parameter,
+                         ScanStatistics& statistics, std::function<unsigned()> publisher_count,
                          std::function<MapSize()> map_size)
-    : scan_topic_(scan_topic),
+    : scan_topic_(scan_topic.name),
       statistics_(statistics),
       publisher_count_(std::move(publisher_count)),
       map_size_(std::move(map_size)),
+      watch_("scan", {scan_topic}, topic_parameter),
       updater_(nh, private_nh,
                private_nh.getNamespace()) {  // a nodelet needs its own name
-  updater_.setHardwareID(scan_topic);
+  updater_.setHardwareID(scan_topic_);
   updater_.add("Scans", [this](Status& status) { fillScans(status); });
   updater_.add("Match", [this](Status& status) { fillMatch(status); });
   updater_.add("Map", [this](Status& status) { fillMap(status); });
@@ -51,28 +53,16 @@ Diagnostics::Diagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& priva
 void Diagnostics::update() {
   try {
     report_ = statistics_.take();
-    warnOfSilence();
+    silence_ = checkSilence();
     updater_.force_update();
   } catch (const std::exception& error) {
-    ROS_ERROR_THROTTLE(kSilenceEvery, "No diagnostics: %s", error.what());
+    KESTREL_ERROR_THROTTLE(kComplainEvery, "No diagnostics: %s", error.what());
   }
 }
 
-/// The reason why there are no scans; empty if scans arrive.
-std::string Diagnostics::silence() const {
+std::string Diagnostics::checkSilence() {
   const double waited = (ros::WallTime::now() - started_).toSec();
-  const double seconds = report_.silence_s ? *report_.silence_s : waited;
-  if (seconds < kSilentAfter) return "";
-  const unsigned publishers = publisher_count_();
-  return "no scan on " + scan_topic_ + " for " + std::to_string(static_cast<int>(seconds)) +
-         " s: " +
-         (publishers == 0 ? "nobody publishes it (wrong scan_topic?)"
-                          : std::to_string(publishers) + " publisher(s), but no message");
-}
-
-void Diagnostics::warnOfSilence() const {
-  const std::string text = silence();
-  if (!text.empty()) ROS_WARN_THROTTLE(kSilenceEvery, "There is %s", text.c_str());
+  return watch_.check(report_.silence_s.value_or(waited), publisher_count_());
 }
 
 void Diagnostics::fillScans(Status& status) const {
@@ -85,8 +75,7 @@ void Diagnostics::fillScans(Status& status) const {
   if (!report_.waiting_for.empty()) {
     status.summary(DiagnosticStatus::ERROR, report_.waiting_for);
   }
-  const std::string text = silence();
-  if (!text.empty()) status.summary(DiagnosticStatus::WARN, text);
+  if (!silence_.empty()) status.summary(DiagnosticStatus::WARN, silence_);
   status.add("topic", scan_topic_);
   status.add("received", report_.received);
   status.add("used", report_.used);

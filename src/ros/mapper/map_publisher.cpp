@@ -9,11 +9,11 @@
 #include <unistd.h>
 
 #include <exception>
-#include <filesystem>
 #include <utility>
 
 #include "kestrel_slam/map/map_io.h"
 #include "kestrel_slam/messages/conversions.h"
+#include "kestrel_slam/ros/common/wall_throttle.h"
 
 namespace kestrel {
 namespace {
@@ -37,6 +37,7 @@ MapPublisher::MapPublisher(const ros::NodeHandle& nh, const MapperNodeConfig& co
       map_frame_(config.map_frame),
       with_map_service_(config.advertise_map_service),
       period_(config.map_pub_period),
+      save_folder_(config.save_folder),
       mapper_(mapper),
       trajectory_(trajectory),
       replica_(config.slam.mapper.grid.resolution_m) {
@@ -76,7 +77,7 @@ void MapPublisher::tick() {
     publishUpdate();
     publishTrajectory();
   } catch (const std::exception& error) {
-    ROS_ERROR_THROTTLE(kComplainEvery, "The map was not published: %s", error.what());
+    KESTREL_ERROR_THROTTLE(kComplainEvery, "The map was not published: %s", error.what());
   }
 }
 
@@ -188,9 +189,7 @@ bool MapPublisher::saveMap(kestrel_slam::SaveMap::Request& request,
                            kestrel_slam::SaveMap::Response& response) {
   response.success = false;
   try {
-    if (request.path.empty())
-      throw std::runtime_error("the path is empty; set a path without file extension");
-    const std::string stem = std::filesystem::absolute(request.path).string();
+    const std::string stem = save_folder_.stemOf(request.path);
     refresh();
     writeMap(stem, replica_.snapshot());
     response.success = true;

@@ -5,6 +5,7 @@
 #include <ros/console.h>
 
 #include <chrono>
+#include <cmath>
 #include <exception>
 #include <stdexcept>
 #include <utility>
@@ -12,12 +13,16 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/planar_scan_message.h"
 #include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/ros/common/guarded.h"
+#include "kestrel_slam/ros/common/names.h"
+#include "kestrel_slam/ros/common/wall_throttle.h"
 
 namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kCommandQueue = 10;
-constexpr double kComplainEvery = 5.0;  // s
+constexpr double kComplainEvery = 5.0;    // s
+constexpr double kMaxDistance = 10000.0;  // m; there float has a resolution of 1 mm
 
 ProjectionStageConfig levelProjection(const MapperNodeConfig& config) {
   ProjectionStageConfig result;
@@ -32,6 +37,15 @@ std::string textOf(const Pose2& pose) {
   return text;
 }
 
+/// A pose that a user sets. Throws std::invalid_argument with the reason if it cannot be used.
+Pose2 placeFrom(const geometry_msgs::Pose& message) {
+  const Pose2 pose = planarFromMessage(message);
+  if (pose.distance() <= kMaxDistance) return pose;
+  throw std::invalid_argument("the pose (" + textOf(pose) + ") is more than " +
+                              std::to_string(std::lround(kMaxDistance)) +
+                              " m from the origin of the map; use a local map frame");
+}
+
 }  // namespace
 
 MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
@@ -40,10 +54,14 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
       queue_(static_cast<std::size_t>(config_.scan_subscriber_queue_size)),
       projection_(levelProjection(config_)),
       pose_publisher_(nh, config_) {
-  command_subscriber_ =
-      nh.subscribe(config_.sys_msg_topic, kCommandQueue, &MapperNode::onCommand, this);
-  initial_pose_subscriber_ =
-      nh.subscribe("initialpose", kCommandQueue, &MapperNode::onInitialPose, this);
+  command_subscriber_ = subscribeGuarded<std_msgs::String>(
+      nh, config_.sys_msg_topic, kCommandQueue,
+      [this](const std_msgs::StringConstPtr& message) { onCommand(*message); });
+  using geometry_msgs::PoseWithCovarianceStamped;
+  initial_pose_subscriber_ = subscribeGuarded<PoseWithCovarianceStamped>(
+      nh, "initialpose", kCommandQueue,
+      [this](const PoseWithCovarianceStamped::ConstPtr& message) { onInitialPose(*message); }, {},
+      Stamps::kIgnored);
   reset_server_ = nh.advertiseService("reset_map", &MapperNode::resetMap, this);
   pause_server_ = nh.advertiseService("pause_mapping", &MapperNode::pauseMapping, this);
   restart_server_ =
@@ -52,8 +70,9 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
   input_ = std::make_unique<ScanInput>(nh, config_, statistics_,
                                        [this](ReadyScan scan) { enqueue(std::move(scan)); });
   diagnostics_ = std::make_unique<Diagnostics>(
-      map_publisher_->nodeHandle(), private_nh, input_->topic(), statistics_,
-      [this] { return input_->publisherCount(); }, [this] { return map_publisher_->mapSize(); });
+      map_publisher_->nodeHandle(), private_nh, input_->neededTopic(), config_.inputParameter(),
+      statistics_, [this] { return input_->publisherCount(); },
+      [this] { return map_publisher_->mapSize(); });
   match_thread_ = std::thread([this] { matchLoop(); });
   pthread_setname_np(match_thread_.native_handle(), "match");
   ROS_INFO("Mapping scans on %s; %s.", input_->topic().c_str(),
@@ -77,7 +96,7 @@ void MapperNode::matchLoop() {
       handle(*scan);
     } catch (const std::exception& error) {
       statistics_.dropped("internal-error");
-      ROS_ERROR_THROTTLE(kComplainEvery, "A scan was not matched: %s", error.what());
+      KESTREL_ERROR_THROTTLE(kComplainEvery, "A scan was not matched: %s", error.what());
     }
   }
 }
@@ -144,8 +163,8 @@ std::optional<PlanarScan> MapperNode::planarOf(const kestrel_slam::PlanarScan& m
 
 void MapperNode::drop(const std::string& reason, const std::string& sentence) {
   statistics_.dropped(reason);
-  ROS_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped (%s): %s.", input_->topic().c_str(),
-                    reason.c_str(), sentence.c_str());
+  KESTREL_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped (%s): %s.",
+                        input_->topic().c_str(), reason.c_str(), sentence.c_str());
 }
 
 void MapperNode::restart(const Pose2& map_T_base) {
@@ -164,12 +183,12 @@ void MapperNode::onCommand(const std_msgs::String& message) {
 void MapperNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
   const std::string& frame = message.header.frame_id;
   if (frame != config_.map_frame && frame != "/" + config_.map_frame) {
-    ROS_ERROR("initialpose is refused: its frame is '%s', but must be '%s'.", frame.c_str(),
-              config_.map_frame.c_str());
+    ROS_ERROR("initialpose is refused: its frame is '%s', but must be '%s'.",
+              clippedName(frame).c_str(), config_.map_frame.c_str());
     return;
   }
   try {
-    const Pose2 pose = planarFromMessage(message.pose.pose);
+    const Pose2 pose = placeFrom(message.pose.pose);
     mapper_.setPose(pose);
     placed_ = true;
     ROS_INFO("The pose of the vehicle was set to %s.", textOf(pose).c_str());
@@ -197,14 +216,18 @@ bool MapperNode::pauseMapping(std_srvs::SetBool::Request& request,
 }
 
 bool MapperNode::restartMapping(kestrel_slam::ResetMapping::Request& request,
-                                kestrel_slam::ResetMapping::Response&) {
+                                kestrel_slam::ResetMapping::Response& response) {
+  response.success = false;
   try {
-    restart(planarFromMessage(request.initial_pose));
-    return true;
+    const Pose2 pose = placeFrom(request.initial_pose);
+    restart(pose);
+    response.success = true;
+    response.message = "the map was deleted; the new one starts at " + textOf(pose);
   } catch (const std::invalid_argument& error) {
+    response.message = error.what();
     ROS_ERROR("restart_mapping_with_new_pose is refused: %s.", error.what());
-    return false;
   }
+  return true;  // the service call worked; the response contains the result
 }
 
 }  // namespace kestrel

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/mapper/mapper_parameters.h"
 
+#include <ros/console.h>
+
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/parameters/parameter_table.h"
 #include "kestrel_slam/ros/common/private_parameters.h"
@@ -31,6 +33,47 @@ UnneededParameters unneededParameters() {
   return unneeded;
 }
 
+/// Parameters of hector_mapping that had no limits there.
+const std::set<std::string>& hectorNumbers() {
+  static const std::set<std::string> names = {"map_resolution",
+                                              "update_factor_free",
+                                              "update_factor_occupied",
+                                              "map_update_distance_thresh",
+                                              "map_update_angle_thresh",
+                                              "map_pub_period",
+                                              "laser_min_dist",
+                                              "laser_max_dist",
+                                              "laser_z_min_value",
+                                              "laser_z_max_value",
+                                              "scan_subscriber_queue_size"};
+  return names;
+}
+
+/// The prefix of a frame with its slash: "uav1/" for "uav1/base_link".
+std::string prefixOf(const std::string& frame) { return frame.substr(0, frame.rfind('/') + 1); }
+
+/// hector_mapping starts with frames that would make loops in tf. So does this node, without the
+/// transform that would be wrong.
+void resolveFrames(MapperNodeConfig& config) {
+  if (config.odom_frame == config.map_frame) {
+    ROS_WARN("odom_frame = %s is the same as map_frame: no odometry is used; tf is %s -> %s.",
+             config.odom_frame.c_str(), config.map_frame.c_str(), config.base_frame.c_str());
+    config.odom_frame.clear();
+  }
+  std::string& pose_frame = config.tf_map_scanmatch_transform_frame_name;
+  if (pose_frame.empty()) pose_frame = prefixOf(config.base_frame) + "scanmatcher_frame";
+  if (!config.pub_map_scanmatch_transform) return;
+  for (const std::string& other : {config.map_frame, config.base_frame, config.odom_frame}) {
+    if (pose_frame != other) continue;
+    config.pub_map_scanmatch_transform = false;
+    ROS_WARN(
+        "tf_map_scanmatch_transform_frame_name = %s is also another frame: this transform is "
+        "not published; the pose of the vehicle is in tf as %s.",
+        pose_frame.c_str(), config.base_frame.c_str());
+    return;
+  }
+}
+
 /// Removes leading slashes, which tf2 does not accept but launch files for tf1 still contain.
 void tidyFrames(MapperNodeConfig& config) {
   for (std::string* frame : {&config.base_frame, &config.map_frame, &config.odom_frame,
@@ -46,14 +89,6 @@ void validate(const MapperNodeConfig& config) {
   requireName("sys_msg_topic", config.sys_msg_topic);
   requireName("pose_update_topic", config.pose_update_topic);
   requireDistinct("map_frame", config.map_frame, config.base_frame);
-  requireDistinct("odom_frame", config.odom_frame, config.map_frame);
-  if (config.pub_map_scanmatch_transform) {
-    const std::string& frame = config.tf_map_scanmatch_transform_frame_name;
-    requireName("tf_map_scanmatch_transform_frame_name", frame);
-    for (const std::string& other : {config.map_frame, config.base_frame, config.odom_frame}) {
-      requireDistinct("tf_map_scanmatch_transform_frame_name", frame, other);
-    }
-  }
   validate(config.slam);
 }
 
@@ -66,7 +101,8 @@ std::vector<Parameter> frameParametersOf(MapperNodeConfig& config) {
       text("odom_frame", &config.odom_frame,
            "Frame of an odometry whose motion predicts the pose; empty: there is no odometry."),
       text("tf_map_scanmatch_transform_frame_name", &config.tf_map_scanmatch_transform_frame_name,
-           "Frame of the pose that pub_map_scanmatch_transform publishes."),
+           "Frame of the pose that pub_map_scanmatch_transform publishes; empty: scanmatcher_frame "
+           "with the prefix of base_frame (uav1/base_link gives uav1/scanmatcher_frame)."),
   };
 }
 
@@ -106,6 +142,11 @@ std::vector<Parameter> outputParametersOf(MapperNodeConfig& config) {
       flag("pub_odometry", &config.pub_odometry, "Also publish the pose on scanmatch_odom."),
       flag("advertise_map_service", &config.advertise_map_service,
            "Offer the service dynamic_map."),
+      text(
+          "save_folder", &config.save_folder,
+          "Folder that save_map cannot leave; empty: a relative path stays in the working folder "
+          "of the node (~/.ros with roslaunch), an absolute one in this folder, the home folder or "
+          "/tmp."),
   };
 }
 
@@ -120,8 +161,9 @@ std::vector<Parameter> parametersOf(MapperNodeConfig& config) {
 
 MapperNodeConfig loadParameters(const ros::NodeHandle& private_nh) {
   MapperNodeConfig config;
-  readPrivateParameters(private_nh, parametersOf(config), unneededParameters());
+  readPrivateParameters(private_nh, parametersOf(config), unneededParameters(), hectorNumbers());
   tidyFrames(config);
+  resolveFrames(config);
   validate(config);
   return config;
 }

@@ -15,6 +15,7 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/pipeline_messages.h"
 #include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/ros/common/stamps.h"
 #include "kestrel_slam/ros/mapper/uncertainty_markers.h"
 
 namespace kestrel {
@@ -53,8 +54,8 @@ void PosePublisher::publish(const ros::Time& stamp, const MapperResult& result,
 
 void PosePublisher::repeatCorrection(const ros::Time& stamp) {
   if (!map_T_odom_ || !config_.pub_map_odom_transform) return;
-  broadcaster_.sendTransform(transform(stamp + ros::Duration(config_.transform_tolerance),
-                                       config_.odom_frame, *map_T_odom_));
+  broadcaster_.sendTransform(
+      transform(shifted(stamp, config_.transform_tolerance), config_.odom_frame, *map_T_odom_));
 }
 
 void PosePublisher::place(const Pose2& map_T_base, const std::optional<Pose2>& odom_T_base) {
@@ -76,8 +77,8 @@ void PosePublisher::publishTransforms(const ros::Time& stamp, const Pose2& map_T
     // would be late by the tolerance.
     transforms.push_back(transform(stamp, config_.base_frame, map_T_base));
   } else if (config_.pub_map_odom_transform && map_T_odom_) {
-    transforms.push_back(transform(stamp + ros::Duration(config_.transform_tolerance),
-                                   config_.odom_frame, *map_T_odom_));
+    transforms.push_back(
+        transform(shifted(stamp, config_.transform_tolerance), config_.odom_frame, *map_T_odom_));
   }
   if (config_.pub_map_scanmatch_transform) {
     transforms.push_back(
@@ -102,7 +103,8 @@ void PosePublisher::publishPose(const ros::Time& stamp, const MapperResult& resu
   update.header.stamp = stamp;
   update.header.frame_id = config_.map_frame;
   update.pose = toMessage(result.pose, result.covariance);
-  pose_update_publisher_.publish(update);
+  // Its readers take it as a measurement, and a lost pose is only a prediction.
+  if (result.state != MatchState::kLost) pose_update_publisher_.publish(update);
 
   geometry_msgs::PoseStamped pose;
   pose.header = update.header;

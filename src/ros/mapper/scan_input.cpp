@@ -2,13 +2,20 @@
 #include "kestrel_slam/ros/mapper/scan_input.h"
 
 #include <ros/console.h>
+#include <tf2_msgs/TF2Error.h>
 
 #include <boost/make_shared.hpp>
+#include <cmath>
 #include <utility>
+#include <vector>
 
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/ros/common/guarded.h"
+#include "kestrel_slam/ros/common/names.h"
+#include "kestrel_slam/ros/common/stamps.h"
+#include "kestrel_slam/ros/common/wall_throttle.h"
 #include "kestrel_slam/sensor/projection.h"
 
 namespace kestrel {
@@ -17,15 +24,32 @@ namespace {
 constexpr std::uint32_t kWaitingScans = 50;  // may wait for tf; more than one second of scans
 constexpr double kExplainAfter = 1.0;        // s; waiting time before a warning
 constexpr double kComplainEvery = 5.0;       // s
-// tf messages are processed on the thread of the scans. tf2 is not thread-safe if a message filter
-// looks up frames while another thread adds them.
-constexpr bool kOwnTfThread = false;
-constexpr double kRemindEvery = 60.0;  // s; for problems that persist
 // A larger jump back means that a recording was restarted, not that a scan is late.
-constexpr double kClockJump = 2.0;  // s
+constexpr double kClockJump = 2.0;     // s
+constexpr double kRemindEvery = 30.0;  // s; for problems that persist
+constexpr double kHour = 3600.0;       // s
+constexpr double kOtherClock = kHour;  // late tf is late by seconds
 
 std::string publishHint(const std::string& parent, const std::string& child) {
   return "rosrun tf2_ros static_transform_publisher 0 0 0 0 0 0 " + parent + " " + child;
+}
+
+/// The transforms that the mapper publishes.
+std::vector<OwnTransform> ownTransforms(const MapperNodeConfig& config) {
+  std::vector<OwnTransform> own;
+  if (config.pub_map_odom_transform && config.usesOdometry()) {
+    own.push_back({config.map_frame, config.odom_frame,
+                   "Stop the other node, or set ~pub_map_odom_transform to false."});
+  } else if (config.pub_map_odom_transform) {
+    own.push_back({config.map_frame, config.base_frame,
+                   "If it is an odometry, set ~odom_frame to its parent frame; else set "
+                   "~base_frame to the topmost frame of the vehicle."});
+  }
+  if (config.pub_map_scanmatch_transform) {
+    own.push_back({config.map_frame, config.tf_map_scanmatch_transform_frame_name,
+                   "Set ~tf_map_scanmatch_transform_frame_name to another name."});
+  }
+  return own;
 }
 
 }  // namespace
@@ -35,7 +59,7 @@ ScanInput::ScanInput(ros::NodeHandle nh, const MapperNodeConfig& config, ScanSta
     : config_(config),
       statistics_(statistics),
       on_ready_(std::move(on_ready)),
-      listener_(buffer_, nh, kOwnTfThread),
+      transforms_(buffer_, nh, ownTransforms(config)),
       filter_(buffer_, config.base_frame, kWaitingScans, nh) {
   if (config.usesOdometry()) filter_.setTargetFrames({config.base_frame, config.odom_frame});
   filter_.registerCallback(&ScanInput::onReady, this);
@@ -44,11 +68,27 @@ ScanInput::ScanInput(ros::NodeHandle nh, const MapperNodeConfig& config, ScanSta
         onFailure(scan, reason);
       });
   const auto queue = static_cast<std::uint32_t>(config.scan_subscriber_queue_size);
-  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-  subscriber_ =
-      config.usesPlanarScans()
-          ? nh.subscribe(config.inputTopic(), queue, &ScanInput::onPlanarScan, this, hints)
-          : nh.subscribe(config.inputTopic(), queue, &ScanInput::onLaserScan, this, hints);
+  const Refuse refuse_stamp = [this](const std::string& reason) {
+    statistics_.received();
+    refuse(toString(ScanError::kBadStamp), reason);
+  };
+  if (config.usesPlanarScans()) {
+    subscriber_ = subscribeGuarded<kestrel_slam::PlanarScan>(
+        nh, config.inputTopic(), queue,
+        [this](const kestrel_slam::PlanarScanConstPtr& message) { onPlanarScan(message); },
+        refuse_stamp);
+  } else {
+    subscriber_ = subscribeGuarded<sensor_msgs::LaserScan>(
+        nh, config.inputTopic(), queue,
+        [this](const sensor_msgs::LaserScanConstPtr& message) { onLaserScan(message); },
+        refuse_stamp);
+  }
+}
+
+NeededTopic ScanInput::neededTopic() const {
+  return {topic(), config_.usesPlanarScans()
+                       ? ros::message_traits::datatype<kestrel_slam::PlanarScan>()
+                       : ros::message_traits::datatype<sensor_msgs::LaserScan>()};
 }
 
 void ScanInput::onLaserScan(const sensor_msgs::LaserScanConstPtr& message) {
@@ -68,12 +108,12 @@ void ScanInput::receive(const ReceivedScan& scan, std::size_t beams) {
   if (!acceptable(scan, beams)) return;
   noticeJump(scan.stamp);
   last_stamp_ = scan.stamp;
-  if (needsTransform(scan)) {
-    filter_.add(boost::make_shared<const ReceivedScan>(scan));
-    explainWaiting(scan);
-  } else {
-    handOver(scan);
-  }
+  const bool other_clock = hasOtherClock(scan);
+  if (!needsTransform(scan) || (other_clock && !config_.usesOdometry())) return handOver(scan);
+  ReceivedScan waiting = scan;
+  if (other_clock) waiting.frame = config_.base_frame;  // waits only for the odometry
+  filter_.add(boost::make_shared<const ReceivedScan>(waiting));
+  explainWaiting(scan);
 }
 
 /// Checks what must hold before a scan waits for its transforms. The matching thread does the other
@@ -98,18 +138,19 @@ bool ScanInput::acceptable(const ReceivedScan& scan, std::size_t beams) {
 
 void ScanInput::refuse(const std::string& reason, const std::string& sentence) {
   statistics_.dropped(reason);
-  ROS_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped: %s.", topic().c_str(),
-                    sentence.c_str());
+  KESTREL_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped: %s.", topic().c_str(),
+                        sentence.c_str());
 }
 
 /// Handles a recording that starts again. The old data in tf are now in the future and would hide
 /// new data.
 void ScanInput::noticeJump(const ros::Time& stamp) {
-  if (last_stamp_.isZero() || stamp + ros::Duration(kClockJump) >= last_stamp_) return;
+  const double jump = secondsBetween(stamp, last_stamp_);
+  if (last_stamp_.isZero() || jump <= kClockJump) return;
   ROS_WARN(
       "The stamps of %s jump back by %.3f s (did a recording start again?): tf is cleared, "
       "the map is kept, and the motion model is reset.",
-      topic().c_str(), (last_stamp_ - stamp).toSec());
+      topic().c_str(), jump);
   filter_.clear();
   buffer_.clear();
   ++epoch_;
@@ -120,30 +161,67 @@ bool ScanInput::needsTransform(const ReceivedScan& scan) const {
   return config_.usesOdometry() || scan.frame != config_.base_frame;
 }
 
+/// The frame whose mounting is needed; the base frame for planar scans.
+std::string ScanInput::laserFrameOf(const ReceivedScan& scan) const {
+  const sensor_msgs::LaserScanConstPtr& message = scan.message.laser_scan;
+  return message ? withoutSlash(message->header.frame_id) : config_.base_frame;
+}
+
+/// Whether the stamps of scans and of the mounting in tf come from different clocks, for example
+/// one since boot. A rigid mounting needs no time, so it is used as it is. Odometry needs one
+/// clock.
+bool ScanInput::hasOtherClock(const ReceivedScan& scan) const {
+  const double apart = clocksApart(config_.base_frame, laserFrameOf(scan), scan.stamp);
+  if (std::abs(apart) < kOtherClock) return false;
+  KESTREL_WARN_THROTTLE(
+      kRemindEvery,
+      "Scans and tf have different clocks (%.1f hours apart). The mounting is used "
+      "as it is; set the clock of the laser driver.",
+      apart / kHour);
+  return true;
+}
+
+/// Seconds from the newest transform between two frames to `stamp`; 0 if tf has none, or a static
+/// one.
+double ScanInput::clocksApart(const std::string& a, const std::string& b,
+                              const ros::Time& stamp) const {
+  ros::Time newest;
+  const auto target = buffer_._lookupFrameNumber(a);
+  const auto source = buffer_._lookupFrameNumber(b);
+  if (target == 0 || source == 0) return 0.0;
+  const int error = buffer_._getLatestCommonTime(target, source, newest, nullptr);
+  return error == tf2_msgs::TF2Error::NO_ERROR && !newest.isZero() ? secondsBetween(newest, stamp)
+                                                                   : 0.0;
+}
+
 void ScanInput::explainWaiting(const ReceivedScan& scan) {
   const ros::WallTime now = ros::WallTime::now();
   if (waiting_since_.isZero()) waiting_since_ = now;
   if ((now - waiting_since_).toSec() < kExplainAfter) return;
   const std::string text = missingTransform(scan);
   statistics_.setWaitingFor(text);
-  ROS_WARN_THROTTLE(kComplainEvery, "Scans on %s are waiting: %s", topic().c_str(), text.c_str());
+  KESTREL_WARN_THROTTLE(kRemindEvery, "Scans on %s are waiting: %s", topic().c_str(), text.c_str());
 }
 
 /// Describes the missing transform and who should publish it.
 std::string ScanInput::missingTransform(const ReceivedScan& scan) const {
   const std::string& laser = scan.frame;
   const std::string& base = config_.base_frame;
-  std::string error;
-  if (laser != base && !buffer_.canTransform(base, laser, scan.stamp, &error)) {
-    return "no transform from the laser's frame '" + laser + "' to the base frame '" + base +
-           "' (" + error +
-           "). The robot's description should publish it; if the laser frame is the vehicle frame, "
-           "set ~base_frame to '" +
-           laser + "'; otherwise run for example: " + publishHint(base, laser);
+  const double apart =
+      config_.usesOdometry() ? clocksApart(base, config_.odom_frame, scan.stamp) : 0.0;
+  if (std::abs(apart) >= kOtherClock) {
+    return "scans and odometry have different clocks (" +
+           std::to_string(std::lround(apart / kHour)) +
+           " hours apart). Set the clock of the driver";
+  }
+  if (laser != base && !buffer_.canTransform(base, laser, scan.stamp)) {
+    const std::string name = clippedName(laser);
+    return "no transform from the laser's frame '" + name + "' to the base frame '" + base +
+           "'. Publish it (" + publishHint(base, name) + "), or set ~base_frame to '" + name + "'";
   }
   return "no transform from '" + base + "' to the odometry's frame '" + config_.odom_frame +
-         "' at the time of the scan. The source of the odometry should publish it; without "
-         "odometry, set ~odom_frame to ''";
+         "' at the time of the scan. Its source should publish it; without odometry, set "
+         "~odom_frame to ''";
 }
 
 void ScanInput::onReady(const ReceivedScanPtr& scan) { handOver(*scan); }
@@ -154,25 +232,10 @@ void ScanInput::handOver(const ReceivedScan& scan) {
     statistics_.setWaitingFor("");
   }
   try {
-    warnOfOtherParent(scan.stamp);
     on_ready_(lookUp(scan));
   } catch (const std::exception& error) {
     refuse("no-transform", error.what());
   }
-}
-
-/// Without odometry the node publishes map -> base. If another node also publishes a parent of the
-/// base, tf jumps between both.
-void ScanInput::warnOfOtherParent(const ros::Time& stamp) const {
-  std::string parent;
-  if (config_.usesOdometry() || !config_.pub_map_odom_transform) return;
-  if (!buffer_._getParent(config_.base_frame, stamp, parent) || parent == config_.map_frame) return;
-  ROS_WARN_THROTTLE(kRemindEvery,
-                    "tf has '%s' as parent of the base frame '%s', so '%s' cannot be its parent "
-                    "too: if it is an odometry, set ~odom_frame to '%s'; else set ~base_frame to "
-                    "the topmost frame of the vehicle.",
-                    parent.c_str(), config_.base_frame.c_str(), config_.map_frame.c_str(),
-                    parent.c_str());
 }
 
 ReadyScan ScanInput::lookUp(const ReceivedScan& scan) const {
@@ -181,9 +244,10 @@ ReadyScan ScanInput::lookUp(const ReceivedScan& scan) const {
   ready.stamp = scan.stamp;
   ready.epoch = epoch_;
   const std::string& base = config_.base_frame;
-  if (scan.frame != base) {
-    ready.base_T_laser =
-        fromMessage(buffer_.lookupTransform(base, scan.frame, scan.stamp).transform);
+  const std::string laser = laserFrameOf(scan);
+  if (laser != base) {
+    const ros::Time time = hasOtherClock(scan) ? ros::Time() : scan.stamp;  // zero: the newest
+    ready.base_T_laser = fromMessage(buffer_.lookupTransform(base, laser, time).transform);
   }
   if (config_.usesOdometry()) {
     ready.odom_T_base = toPose2(

@@ -13,7 +13,10 @@ void TrajectoryLog::add(const ros::Time& stamp, const Pose2& map_T_base) {
   const Lock lock(mutex_);
   if (!entries_.empty()) {
     const Pose2 motion = entries_.back().pose.inverse() * map_T_base;
-    if (motion.distance() < kMinDistance && std::abs(motion.yaw) < kMinAngle) return;
+    if (motion.distance() < spacing_ * kMinDistance &&
+        std::abs(motion.yaw) < spacing_ * kMinAngle) {
+      return;
+    }
   }
   if (entries_.size() >= kMaxPoses) halve();
   entries_.push_back({stamp, map_T_base});
@@ -23,6 +26,7 @@ void TrajectoryLog::add(const ros::Time& stamp, const Pose2& map_T_base) {
 void TrajectoryLog::clear() {
   const Lock lock(mutex_);
   entries_.clear();
+  spacing_ = 1.0;
   ++version_;
 }
 
@@ -49,6 +53,7 @@ void TrajectoryLog::halve() {
   const std::size_t half = entries_.size() / 2;
   for (std::size_t i = 0; i < half; ++i) entries_[i] = entries_[2 * i];
   entries_.resize(half);
+  spacing_ *= 2.0;
 }
 
 }  // namespace kestrel

@@ -5,6 +5,8 @@
 
 #include <vector>
 
+#include "kestrel_slam/ros/common/stamps.h"
+
 namespace kestrel {
 namespace {
 
@@ -27,8 +29,7 @@ AttitudePublisher::AttitudePublisher(const ProjectorNodeConfig& config)
     : base_frame_(config.base_frame),
       stabilized_frame_(config.base_stabilized_frame),
       footprint_frame_(config.base_footprint_frame),
-      // If the attitude comes from tf, the base already has a parent.
-      publishes_stabilized_(config.pub_stabilized_transform && !config.usesTf()),
+      publishes_stabilized_(config.publishesStabilized()),
       publishes_footprint_(config.pub_footprint_transform) {}
 
 void AttitudePublisher::publish(const ros::Time& stamp, const Eigen::Quaterniond& stabilized_R_base,
@@ -52,7 +53,7 @@ void AttitudePublisher::publish(const ros::Time& stamp, const Eigen::Quaterniond
 }
 
 bool AttitudePublisher::isNew(const ros::Time& stamp) const {
-  return stamp > last_ || stamp + ros::Duration(kClockJump) < last_;
+  return stamp > last_ || secondsBetween(stamp, last_) > kClockJump;
 }
 
 }  // namespace kestrel

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "kestrel_slam/messages/pipeline_messages.h"
+#include "kestrel_slam/ros/common/guarded.h"
 
 namespace kestrel {
 namespace {
@@ -17,8 +18,9 @@ FilterInput::FilterInput(ros::NodeHandle nh, const ProjectorNodeConfig& config,
                          std::function<void(const ros::Time&)> on_state)
     : projection_(projection), on_state_(std::move(on_state)) {
   if (config.filter_topic.empty() || !config.usesImu()) return;
-  subscriber_ = nh.subscribe(config.filter_topic, kQueue, &FilterInput::onMotion, this,
-                             ros::TransportHints().tcpNoDelay());
+  subscriber_ = subscribeGuarded<kestrel_slam::FilteredMotion>(
+      nh, config.filter_topic, kQueue,
+      [this](const kestrel_slam::FilteredMotionConstPtr& message) { onMotion(message); });
 }
 
 void FilterInput::onMotion(const kestrel_slam::FilteredMotionConstPtr& message) {

@@ -2,11 +2,14 @@
 #include "kestrel_slam/ros/projector/height_input.h"
 
 #include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/ros/common/guarded.h"
+#include "kestrel_slam/ros/common/wall_throttle.h"
 
 namespace kestrel {
 namespace {
 
 constexpr std::uint32_t kQueue = 20;
+constexpr double kComplainEvery = 30.0;  // s
 
 }  // namespace
 
@@ -14,11 +17,12 @@ HeightInput::HeightInput(ros::NodeHandle nh, const ProjectorNodeConfig& config,
                          const Mountings& mountings, ProjectionStage& projection)
     : stabilized_frame_(config.base_stabilized_frame),
       footprint_frame_(config.base_footprint_frame),
-      mountings_(mountings),
+      mounting_(mountings, config.height_sensor_z),
       projection_(projection) {
   if (config.height_topic.empty() || config.hasMirror()) return;
-  subscriber_ = nh.subscribe(config.height_topic, kQueue, &HeightInput::onRange, this,
-                             ros::TransportHints().tcpNoDelay());
+  subscriber_ = subscribeGuarded<sensor_msgs::Range>(
+      nh, config.height_topic, kQueue,
+      [this](const sensor_msgs::RangeConstPtr& message) { onRange(message); });
 }
 
 /// A range finder on the vehicle measures along its tilted axis. A height in a level frame is
@@ -26,12 +30,12 @@ HeightInput::HeightInput(ros::NodeHandle nh, const ProjectorNodeConfig& config,
 void HeightInput::onRange(const sensor_msgs::RangeConstPtr& message) {
   const std::string frame = withoutSlash(message->header.frame_id);
   const bool is_upright = frame == stabilized_frame_ || frame == footprint_frame_;
-  double sensor_z = 0.0;
-  if (!is_upright) {
-    const std::optional<Eigen::Isometry3d> base_T_sensor = mountings_.lookup(frame);
-    if (base_T_sensor) sensor_z = base_T_sensor->translation().z();
+  const std::optional<double> sensor_z = is_upright ? std::optional(0.0) : mounting_.sensorZ(frame);
+  if (!sensor_z) {
+    KESTREL_WARN_THROTTLE(kComplainEvery, "Height: %s.", mounting_.error().c_str());
+    return;
   }
-  is_unusable_ = !projection_.addRange(toHeightSample(*message, sensor_z), is_upright);
+  is_unusable_ = !projection_.addRange(toHeightSample(*message, *sensor_z), is_upright);
 }
 
 void HeightInput::describe(double time, ProjectorReport& report) const {
@@ -39,7 +43,9 @@ void HeightInput::describe(double time, ProjectorReport& report) const {
   report.height_counts = heights.counts();
   report.height_m = heights.height(time);
   report.height_source = toString(heights.source(time));
-  if (is_unusable_) {
+  if (!mounting_.error().empty()) {
+    report.height_error = mounting_.error();
+  } else if (is_unusable_) {
     report.height_error =
         "the last reading on " + subscriber_.getTopic() +
         " is not used (see the counts for the reason); it must be a finite distance to the "

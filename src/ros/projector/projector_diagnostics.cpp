@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/ros/common/wall_throttle.h"
 
 namespace kestrel {
 namespace {
@@ -16,19 +17,22 @@ using diagnostic_msgs::DiagnosticStatus;
 
 constexpr double kPeriod = 1.0;       // s
 constexpr double kSilentAfter = 2.0;  // s without a message
-constexpr double kWarnEvery = 15.0;   // s
+constexpr double kWarnEvery = 30.0;   // s
 
 }  // namespace
 
 ProjectorDiagnostics::ProjectorDiagnostics(const ros::NodeHandle& nh,
                                            const ros::NodeHandle& private_nh,
-                                           const std::string& hardware_id,
+                                           const std::vector<NeededTopic>& lasers,
+                                           const std::vector<NeededTopic>& imu,
                                            std::function<ProjectorReport()> report,
                                            std::function<void()> on_reported)
     : take_report_(std::move(report)),
       on_reported_(std::move(on_reported)),
+      laser_watch_("scan", lasers, "~scan_topics or ~cloud_topic"),
+      imu_watch_("IMU message", imu, "~imu_topic"),
       updater_(nh, private_nh, private_nh.getNamespace()) {  // a nodelet needs its own name
-  updater_.setHardwareID(hardware_id);
+  updater_.setHardwareID(lasers.empty() ? "none" : lasers.front().name);
   updater_.add("Scans", [this](Status& status) { fillScans(status); });
   updater_.add("Attitude", [this](Status& status) { fillAttitude(status); });
   updater_.add("Height", [this](Status& status) { fillHeight(status); });
@@ -39,31 +43,33 @@ ProjectorDiagnostics::ProjectorDiagnostics(const ros::NodeHandle& nh,
 void ProjectorDiagnostics::update() {
   try {
     report_ = take_report_();
+    checkSilence();
     warn();
     updater_.force_update();
     on_reported_();
   } catch (const std::exception& error) {
-    ROS_ERROR_THROTTLE(kWarnEvery, "No diagnostics: %s", error.what());
+    KESTREL_ERROR_THROTTLE(kWarnEvery, "No diagnostics: %s", error.what());
   }
 }
 
-/// The reason why there are no scans; empty if scans arrive.
-std::string ProjectorDiagnostics::silence() const {
-  const double seconds =
-      std::min(report_.statistics.since_received.seconds(), since_start_.seconds());
-  if (seconds < kSilentAfter) return "";
-  return "no scan on " + report_.topics + " for " + std::to_string(static_cast<int>(seconds)) +
-         " s: " +
-         (report_.publishers == 0
-              ? "nobody publishes it (wrong scan_topics or cloud_topic?)"
-              : std::to_string(report_.publishers) + " publisher(s), but no message");
+/// A paused replay is not silent: its clock stands still too. Without any clock, wall time counts.
+void ProjectorDiagnostics::checkSilence() {
+  const bool wall = clockIsMissing();
+  const auto since = [wall](const WaitingTime& start) {
+    return wall ? start.wallSeconds() : start.seconds();
+  };
+  const double seconds = std::min(since(report_.statistics.since_received), since(since_start_));
+  silence_ = laser_watch_.check(seconds, report_.publishers);
+  imu_silence_.clear();
+  if (report_.imu && report_.imu->health == ImuHealth::kNoData && report_.imu->received == 0) {
+    imu_silence_ = imu_watch_.check(since(since_start_), report_.imu_publishers);
+  }
 }
 
 void ProjectorDiagnostics::warn() const {
-  const std::string text = silence();
-  if (!text.empty()) ROS_WARN_THROTTLE(kWarnEvery, "There is %s", text.c_str());
+  if (!imu_silence_.empty()) return;  // the watch logs it
   if (!report_.attitude_error.empty() && since_start_.seconds() > kSilentAfter) {
-    ROS_WARN_THROTTLE(kWarnEvery, "Attitude: %s", report_.attitude_error.c_str());
+    KESTREL_WARN_THROTTLE(kWarnEvery, "Attitude: %s", report_.attitude_error.c_str());
   }
 }
 
@@ -74,8 +80,7 @@ void ProjectorDiagnostics::fillScans(Status& status) const {
     status.summaryf(DiagnosticStatus::WARN, "%zu scans dropped recently, the last one: %s",
                     statistics.dropped_lately, statistics.last_drop.c_str());
   }
-  const std::string text = silence();
-  if (!text.empty()) status.summary(DiagnosticStatus::WARN, text);
+  if (!silence_.empty()) status.summary(DiagnosticStatus::WARN, silence_);
   if (!report_.waiting_for.empty()) status.summary(DiagnosticStatus::ERROR, report_.waiting_for);
   status.add("topics", report_.topics);
   status.add("received", statistics.received);
@@ -95,6 +100,7 @@ void ProjectorDiagnostics::fillAttitude(Status& status) const {
   status.summary(DiagnosticStatus::OK, "ok");
   if (!report_.attitude_error.empty()) {
     status.summary(DiagnosticStatus::ERROR, report_.attitude_error);
+    if (!imu_silence_.empty()) status.add("reason", imu_silence_);
   }
   status.add("source", report_.attitude_hint);
   if (report_.tilt_rad) status.add("tilt (deg)", radToDeg(*report_.tilt_rad));

@@ -2,11 +2,11 @@
 #include "kestrel_slam/ros/projector/projector_parameters.h"
 
 #include <algorithm>
-#include <sstream>
 #include <stdexcept>
 
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/parameters/parameter_table.h"
+#include "kestrel_slam/ros/common/names.h"
 #include "kestrel_slam/ros/common/private_parameters.h"
 
 namespace kestrel {
@@ -53,6 +53,10 @@ std::vector<Parameter> inputParametersOf(ProjectorNodeConfig& config) {
       text("height_topic", &config.height_topic,
            "Topic of a range finder that looks down; with mirror_angles the node publishes its "
            "height there; empty: none."),
+      text(
+          "height_sensor_z", &config.height_sensor_z,
+          "Height of the range finder in base_frame (m), if it looks straight down and tf does not "
+          "have its mounting; empty: from tf."),
       text("odom_topic", &config.odom_topic,
            "Topic of an odometry whose velocity corrects the motion during a scan; empty: none."),
       text("filter_topic", &config.filter_topic,
@@ -127,17 +131,6 @@ void validate(const ProjectorNodeConfig& config) {
 }
 
 }  // namespace
-
-std::vector<std::string> splitNames(const std::string& text) {
-  std::string spaced = text;
-  std::replace(spaced.begin(), spaced.end(), ',', ' ');
-  std::istringstream stream(spaced);
-  std::vector<std::string> names;
-  for (std::string name; stream >> name;) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  }
-  return names;
-}
 
 std::vector<Parameter> parametersOf(ProjectorNodeConfig& config) {
   std::vector<Parameter> attitude = attitudeParametersOf(config.slam);

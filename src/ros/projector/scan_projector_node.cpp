@@ -3,21 +3,38 @@
 
 #include <ros/console.h>
 
+#include <cmath>
 #include <exception>
 #include <utility>
+#include <vector>
 
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/ros/common/wall_throttle.h"
 
 namespace kestrel {
 namespace {
 
 constexpr double kPatrolPeriod = 0.01;  // s; period of checking the waiting sweeps
 constexpr double kComplainEvery = 5.0;  // s
+constexpr double kHour = 3600.0;        // s
 
 ProjectionStageConfig projectionConfigOf(const ProjectorNodeConfig& config) {
   return {config.slam.projector, config.slam.attitude, config.isLevel(),
           config.without_imu == "level", config.max_wait_s};
+}
+
+std::vector<OwnTransform> ownTransforms(const ProjectorNodeConfig& config) {
+  std::vector<OwnTransform> own;
+  if (config.publishesStabilized()) {
+    own.push_back({config.base_stabilized_frame, config.base_frame,
+                   "Stop the other one, or set ~base_frame to the topmost frame of the vehicle."});
+  }
+  if (config.pub_footprint_transform) {
+    own.push_back({config.base_footprint_frame, config.base_stabilized_frame,
+                   "Stop the other node, or set ~pub_footprint_transform to false."});
+  }
+  return own;
 }
 
 }  // namespace
@@ -26,7 +43,7 @@ ScanProjectorNode::ScanProjectorNode(ros::NodeHandle nh, ros::NodeHandle private
     : config_(loadProjectorParameters(private_nh)),
       projection_(projectionConfigOf(config_)),
       queue_(static_cast<std::size_t>(config_.queue_size)),
-      mountings_(nh, config_.base_frame),
+      mountings_(nh, config_.base_frame, ownTransforms(config_)),
       tf_attitude_(mountings_.buffer(), config_.attitude_frame, config_.base_frame,
                    projection_.tracker()),
       filter_(nh, config_, projection_,
@@ -45,7 +62,7 @@ ScanProjectorNode::ScanProjectorNode(ros::NodeHandle nh, ros::NodeHandle private
   input_ = std::make_unique<SweepInput>(nh, config_, statistics_,
                                         [this](Sweep sweep) { enqueue(std::move(sweep)); });
   diagnostics_ = std::make_unique<ProjectorDiagnostics>(
-      nh, private_nh, input_->topics(), [this] { return report(); },
+      nh, private_nh, input_->neededTopics(), imuTopics(), [this] { return report(); },
       [this] { statistics_.dropped_lately = 0; });
   timer_ = nh.createSteadyTimer(ros::WallDuration(kPatrolPeriod),
                                 [this](const ros::SteadyTimerEvent&) { processQueue(); });
@@ -53,6 +70,11 @@ ScanProjectorNode::ScanProjectorNode(ros::NodeHandle nh, ros::NodeHandle private
   describeAttitude(start);
   ROS_INFO("Projecting %s; attitude from %s.", input_->topics().c_str(),
            start.attitude_hint.c_str());
+}
+
+std::vector<NeededTopic> ScanProjectorNode::imuTopics() const {
+  if (!imu_) return {};
+  return {{imu_->topic(), ros::message_traits::datatype<sensor_msgs::Imu>()}};
 }
 
 void ScanProjectorNode::enqueue(Sweep sweep) {
@@ -101,6 +123,12 @@ SweepDecision ScanProjectorNode::judge(const Sweep& sweep) {
   if (decision.kind == SweepDecision::kDrop && imu_ && !imu_->waitingFor().empty()) {
     decision.reason = "imu-no-transform";
     decision.message = imu_->waitingFor();
+  } else if (decision.kind == SweepDecision::kDrop && imu_ &&
+             imu_->hasOtherClock(sweep.times.last)) {
+    decision.reason = "other-clock";
+    decision.message = "laser and IMU have different clocks (" +
+                       std::to_string(std::lround((sweep.times.last - now) / kHour)) +
+                       " hours apart); set the clock of the drivers";
   }
   return decision;
 }
@@ -137,8 +165,8 @@ void ScanProjectorNode::project(const Sweep& sweep, const Eigen::Isometry3d& bas
 void ScanProjectorNode::drop(const Sweep& sweep, const std::string& reason,
                              const std::string& sentence) {
   statistics_.drop(reason, sentence);
-  ROS_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped (%s): %s", sweep.topic.c_str(),
-                    reason.c_str(), sentence.c_str());
+  KESTREL_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped (%s): %s", sweep.topic.c_str(),
+                        reason.c_str(), sentence.c_str());
 }
 
 void ScanProjectorNode::onAttitude(const ros::Time& stamp) {

@@ -8,6 +8,8 @@
 
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/ros/common/names.h"
+#include "kestrel_slam/ros/common/wall_throttle.h"
 
 namespace kestrel {
 namespace {
@@ -24,20 +26,30 @@ SweepInput::SweepInput(ros::NodeHandle nh, const ProjectorNodeConfig& config,
       is_level_(config.isLevel()),
       statistics_(statistics),
       on_sweep_(std::move(on_sweep)) {
-  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   for (const std::string& name : splitNames(config.scan_topics)) {
     const std::string topic = nh.resolveName(name);
-    const boost::function<void(const sensor_msgs::LaserScanConstPtr&)> callback =
-        [this, topic](const sensor_msgs::LaserScanConstPtr& message) { onScan(message, topic); };
-    subscribers_.push_back(
-        nh.subscribe<sensor_msgs::LaserScan>(name, kQueue, callback, ros::VoidConstPtr(), hints));
+    needed_.push_back({topic, ros::message_traits::datatype<sensor_msgs::LaserScan>()});
+    subscribers_.push_back(subscribeGuarded<sensor_msgs::LaserScan>(
+        nh, name, kQueue,
+        [this, topic](const sensor_msgs::LaserScanConstPtr& message) { onScan(message, topic); },
+        refusalOf(topic)));
   }
   if (config.cloud_topic.empty()) return;
   const std::string topic = nh.resolveName(config.cloud_topic);
-  const boost::function<void(const sensor_msgs::PointCloud2ConstPtr&)> callback =
-      [this, topic](const sensor_msgs::PointCloud2ConstPtr& message) { onCloud(message, topic); };
-  subscribers_.push_back(nh.subscribe<sensor_msgs::PointCloud2>(
-      config.cloud_topic, kQueue, callback, ros::VoidConstPtr(), hints));
+  needed_.push_back({topic, ros::message_traits::datatype<sensor_msgs::PointCloud2>()});
+  subscribers_.push_back(subscribeGuarded<sensor_msgs::PointCloud2>(
+      nh, config.cloud_topic, kQueue,
+      [this, topic](const sensor_msgs::PointCloud2ConstPtr& message) { onCloud(message, topic); },
+      refusalOf(topic)));
+}
+
+/// What is done with a message whose stamp cannot be right.
+Refuse SweepInput::refusalOf(const std::string& topic) {
+  return [this, topic](const std::string& reason) {
+    ++statistics_.received;
+    statistics_.since_received = WaitingTime();
+    refuse(topic, toString(ScanError::kBadStamp), reason);
+  };
 }
 
 std::string SweepInput::topics() const {
@@ -116,8 +128,8 @@ bool SweepInput::accept(const std_msgs::Header& header, const std::string& topic
 void SweepInput::refuse(const std::string& topic, const std::string& reason,
                         const std::string& sentence) {
   statistics_.drop(reason, sentence);
-  ROS_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped (%s): %s.", topic.c_str(),
-                    reason.c_str(), sentence.c_str());
+  KESTREL_WARN_THROTTLE(kComplainEvery, "A scan on %s is dropped (%s): %s.", topic.c_str(),
+                        reason.c_str(), sentence.c_str());
 }
 
 void SweepInput::pass(Sweep sweep, const std_msgs::Header& header, const std::string& topic) {

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/ros/common/guarded.h"
+#include "kestrel_slam/ros/common/wall_throttle.h"
 
 namespace kestrel {
 namespace {
@@ -20,16 +22,17 @@ VelocityInput::VelocityInput(ros::NodeHandle nh, const ProjectorNodeConfig& conf
                              ProjectionStage& projection)
     : base_frame_(config.base_frame), projection_(projection) {
   if (config.odom_topic.empty()) return;
-  subscriber_ = nh.subscribe(config.odom_topic, kQueue, &VelocityInput::onOdometry, this,
-                             ros::TransportHints().tcpNoDelay());
+  subscriber_ = subscribeGuarded<nav_msgs::Odometry>(
+      nh, config.odom_topic, kQueue,
+      [this](const nav_msgs::OdometryConstPtr& message) { onOdometry(message); });
 }
 
 void VelocityInput::onOdometry(const nav_msgs::OdometryConstPtr& message) {
   const geometry_msgs::Vector3& linear = message->twist.twist.linear;
   Eigen::Vector3d velocity(linear.x, linear.y, linear.z);
   if (!(velocity.norm() < kMaxSpeed)) {  // false for NaN
-    ROS_WARN_THROTTLE(kComplainEvery, "A velocity on %s is not used: %g m/s.",
-                      subscriber_.getTopic().c_str(), velocity.norm());
+    KESTREL_WARN_THROTTLE(kComplainEvery, "A velocity on %s is not used: %g m/s.",
+                          subscriber_.getTopic().c_str(), velocity.norm());
     return;
   }
   const AttitudeBuffer& attitudes = projection_.tracker().buffer();

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/gravity.h"
 #include "node_watcher.h"
 #include "tilting_flight.h"
@@ -35,10 +36,12 @@ class PoseFilterGarbage : public ::testing::Test {
     const boost::function<void(const nav_msgs::Odometry&)> keep =
         [this](const nav_msgs::Odometry& message) { states_.push_back(message); };
     subscriber_ = nh_.subscribe<nav_msgs::Odometry>("odom/filtered", 1000, keep);
-    for (const char* frame : {"imu_link", "range_link"}) {
-      mountings_.sendTransform(
-          transformMessage("base_link", frame, Eigen::Isometry3d::Identity(), now_));
-    }
+    mountings_.sendTransform(
+        transformMessage("base_link", "imu_link", Eigen::Isometry3d::Identity(), now_));
+    const Eigen::Isometry3d nose_down(Eigen::AngleAxisd(kPi / 2.0, Eigen::Vector3d::UnitY()));
+    mountings_.sendTransform(transformMessage("base_link", "range_link", nose_down, now_));
+    mountings_.sendTransform(
+        transformMessage("base_link", "forward_link", Eigen::Isometry3d::Identity(), now_));
     ASSERT_TRUE(watcher_.waitFor(
         [&] {
           return imu_.getNumSubscribers() > 0 && pose_.getNumSubscribers() > 0 &&
@@ -138,9 +141,9 @@ TEST_F(PoseFilterGarbage, ReadingsThatAreNotFinite) {
 }
 
 TEST_F(PoseFilterGarbage, InvalidPoses) {
-  expectDiagnosis("refused: poses: the frame is 'odom', but must be 'map'",
+  expectDiagnosis("last refusal: poses: the frame is 'odom', but must be 'map'",
                   [&] { pose_.publish(poseAt(now_, "odom")); });
-  expectDiagnosis("refused: poses: the pose has a value that is not finite", [&] {
+  expectDiagnosis("refused: poses: invalid pose", [&] {
     auto pose = poseAt(now_);
     pose.pose.pose.position.x = kNan;
     pose_.publish(pose);
@@ -171,12 +174,41 @@ TEST_F(PoseFilterGarbage, InvalidHeights) {
   });
 }
 
+TEST_F(PoseFilterGarbage, RangeFindersThatDoNotLookDown) {
+  for (const char* frame : {"forward_link", "nowhere_link"}) {
+    expectDiagnosis("refused: heights: no mounting that looks down", [&] {
+      sensor_msgs::Range range;
+      range.header.frame_id = frame;
+      range.header.stamp = ros::Time(now_);
+      range.range = 1.0F;
+      range_.publish(range);
+    });
+  }
+}
+
 TEST_F(PoseFilterGarbage, ImuWithoutTransform) {
   expectDiagnosis("nowhere_link", [&] {
     sensor_msgs::Imu strange = reading();
     strange.header.frame_id = "nowhere_link";
     imu_.publish(strange);
   });
+}
+
+TEST_F(PoseFilterGarbage, DiagnosticsDoNotGrowWithTheNamesOfFrames) {
+  for (int i = 0; i < 300; ++i) {
+    const std::string frame = std::to_string(i) + std::string(1000, 'x');
+    sensor_msgs::Imu strange = reading();
+    strange.header.frame_id = frame;
+    imu_.publish(strange);
+    pose_.publish(poseAt(now_, frame));
+    if (i % 50 == 0) stand(0.05);
+  }
+  watcher_.wait(1.5);
+  std::size_t bytes = 0;
+  for (const auto& [key, value] : watcher_.report("Pose filter"))
+    bytes += key.size() + value.size();
+  EXPECT_GT(bytes, 100U);
+  EXPECT_LT(bytes, 4000U);
 }
 
 TEST_F(PoseFilterGarbage, AFrozenImuIsReported) {

@@ -130,6 +130,8 @@ TEST_F(LiveServices, RestartStartsAtTheGivenPose) {
   kestrel_slam::ResetMapping service;
   service.request.initial_pose = toMessage(start);
   ASSERT_TRUE(ros::service::call("restart_mapping_with_new_pose", service));
+  EXPECT_TRUE(service.response.success);
+  EXPECT_NE(service.response.message.find("x 3.00 m"), std::string::npos);
   EXPECT_FALSE(hasMap());
   const Pose2 motion = flight_->truth(50).inverse() * flight_->truth(99);
   expectNear(fly(50, 100), start * motion);
@@ -140,10 +142,17 @@ TEST_F(LiveServices, RestartRefusesNan) {
   kestrel_slam::ResetMapping service;
   service.request.initial_pose.orientation.w = 1.0;
   service.request.initial_pose.position.x = kNan;
-  EXPECT_FALSE(ros::service::call("restart_mapping_with_new_pose", service));
+  ASSERT_TRUE(ros::service::call("restart_mapping_with_new_pose", service));
+  EXPECT_FALSE(service.response.success);
+  EXPECT_NE(service.response.message.find("not finite"), std::string::npos);
   service.request.initial_pose.position.x = 0.0;
   service.request.initial_pose.orientation.w = 0.0;  // not a valid rotation
-  EXPECT_FALSE(ros::service::call("restart_mapping_with_new_pose", service));
+  ASSERT_TRUE(ros::service::call("restart_mapping_with_new_pose", service));
+  EXPECT_FALSE(service.response.success);
+  service.request.initial_pose = toMessage(Pose2(500000.0, 0.0, 0.0));
+  ASSERT_TRUE(ros::service::call("restart_mapping_with_new_pose", service));
+  EXPECT_FALSE(service.response.success);
+  EXPECT_NE(service.response.message.find("more than 10000 m"), std::string::npos);
   EXPECT_TRUE(hasMap()) << "a refused restart must not delete the map";
 }
 
@@ -169,6 +178,16 @@ TEST_F(LiveServices, InitialPoseMovesTheVehicleWithinTheMap) {
   }
 }
 
+TEST_F(LiveServices, ALostPoseIsNotPublishedAsAMeasurement) {
+  fly(0, 100);
+  place("map", flight_->truth(99) * Pose2(300.0, 200.0, 1.0));  // nothing is mapped there
+  const sensor_msgs::LaserScan scan = message(100);
+  client_->publish(scan);
+  ASSERT_TRUE(client_->waitFor([&] { return client_->pose.header.stamp == scan.header.stamp; }));
+  ASSERT_EQ(client_->diagnosis("Match", "state"), "lost");
+  EXPECT_LT(client_->pose_update.header.stamp, client_->pose.header.stamp);
+}
+
 TEST_F(LiveServices, InvalidInitialPosesAreRefused) {
   fly(0, 50);
   place("odom", Pose2(5.0, 5.0, 1.0));
@@ -176,6 +195,7 @@ TEST_F(LiveServices, InvalidInitialPosesAreRefused) {
   Pose2 nan;
   nan.x = kNan;
   place("map", nan);
+  place("map", Pose2(500000.0, 0.0, 0.0));
   expectNear(fly(50, 51), flight_->truth(50));
 }
 
@@ -197,16 +217,36 @@ TEST_F(LiveServices, SavedMapEqualsThePublishedOne) {
   std::filesystem::remove_all(folder);
 }
 
+TEST_F(LiveServices, OddNamesOfMapsAreQuotedOrCompleted) {
+  fly(0, 20);
+  char folder[] = "/tmp/kestrel_save_map_XXXXXX";
+  ASSERT_NE(mkdtemp(folder), nullptr);
+  const std::pair<const char*, const char*> names[] = {
+      {"#1", "#1.yaml"},        {"a: b", "a: b.yaml"}, {"[a] b", "[a] b.yaml"},
+      {"new/", "new/map.yaml"}, {"m.pgm", "m.yaml"},   {"deep/er/m", "deep/er/m.yaml"}};
+  for (const auto& [name, file] : names) {
+    kestrel_slam::SaveMap service;
+    service.request.path = std::string(folder) + "/" + name;
+    ASSERT_TRUE(ros::service::call("save_map", service));
+    EXPECT_TRUE(service.response.success) << service.response.message;
+    EXPECT_NO_THROW(readMap(std::string(folder) + "/" + file)) << name;
+  }
+  std::filesystem::remove_all(folder);
+}
+
 TEST_F(LiveServices, SaveMapSaysWhyItFails) {
   kestrel_slam::SaveMap service;
   ASSERT_TRUE(ros::service::call("save_map", service));
   EXPECT_FALSE(service.response.success);
-  EXPECT_NE(service.response.message.find("path is empty"), std::string::npos);
+  EXPECT_NE(service.response.message.find("is empty"), std::string::npos);
   fly(0, 2);
-  service.request.path = "/nowhere/at/all";
-  ASSERT_TRUE(ros::service::call("save_map", service));
-  EXPECT_FALSE(service.response.success);
-  EXPECT_NE(service.response.message.find("/nowhere/at/all"), std::string::npos);
+  for (const char* path : {"/nowhere/at/all", "/dev/null.pgm", "../../escape"}) {
+    service.request.path = path;
+    ASSERT_TRUE(ros::service::call("save_map", service));
+    EXPECT_FALSE(service.response.success);
+    EXPECT_NE(service.response.message.find("save_folder"), std::string::npos)
+        << service.response.message;
+  }
 }
 
 }  // namespace

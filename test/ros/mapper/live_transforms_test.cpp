@@ -169,6 +169,23 @@ TEST(LiveTransforms, OdometryFrameEqualToTheBaseMeansNoOdometry) {
   EXPECT_EQ(client.parents["same_base"], std::set<std::string>{"map"});
 }
 
+/// The laser counts from its start, tf has the time of day. A rigid mounting needs no time.
+TEST(LiveTransforms, AMountingOnAnotherClockIsUsed) {
+  MapperClient client("clock");
+  const TestFlight flight = laboratoryFlight(20);
+  ASSERT_TRUE(client.connect());
+  std::optional<Pose2> pose;
+  std::size_t used = 0;
+  for (std::size_t i = 0; i < flight.scans.size(); ++i) {
+    const ros::Time now(1700000000.0 + 0.1 * static_cast<double>(i));
+    client.broadcaster.sendTransform(transformOf("clock_base", "clock_laser", Pose2(), now));
+    pose = client.match(messageOf(flight.scans[i].scan, "clock_laser"), 1.0);
+    if (pose) ++used;
+  }
+  EXPECT_GE(used, 15U);
+  expectNear(pose, flight.truth(flight.scans.size() - 1));
+}
+
 TEST(LiveTransforms, TransformsCanBeSwitchedOff) {
   MapperClient client("silent");
   const TestFlight flight = laboratoryFlight(5);

@@ -3,11 +3,13 @@
 
 #include <ros/node_handle.h>
 #include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_listener.h>
 
 #include <Eigen/Geometry>
 #include <optional>
 #include <string>
+#include <vector>
+
+#include "kestrel_slam/ros/common/transform_input.h"
 
 namespace kestrel {
 
@@ -15,7 +17,9 @@ namespace kestrel {
 /// one thread.
 class Mountings {
  public:
-  Mountings(const ros::NodeHandle& nh, const std::string& base_frame);
+  /// `own`: the transforms that the node publishes.
+  Mountings(const ros::NodeHandle& nh, const std::string& base_frame,
+            std::vector<OwnTransform> own = {});
 
   /// base_T_sensor. Empty while tf does not have it.
   std::optional<Eigen::Isometry3d> lookup(const std::string& sensor_frame) const;
@@ -29,7 +33,7 @@ class Mountings {
  private:
   std::string base_frame_;
   tf2_ros::Buffer buffer_;
-  tf2_ros::TransformListener listener_;
+  TransformInput input_;
 };
 
 }  // namespace kestrel

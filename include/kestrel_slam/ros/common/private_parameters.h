@@ -4,6 +4,7 @@
 #include <ros/node_handle.h>
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -25,9 +26,13 @@ void addUnneeded(const std::vector<Parameter>& table, const std::string& reason,
 /// and unknown parameters with the nearest valid name. Throws std::invalid_argument if a parameter
 /// has a wrong type or is out of range. The message contains the name, the value and the allowed
 /// values.
+///
+/// `limited`: names of parameters of an older node that had no limits. A number outside of the
+/// limits is limited, with a warning, so that old launch files start.
 void readPrivateParameters(const ros::NodeHandle& private_nh,
                            const std::vector<Parameter>& parameters,
-                           const UnneededParameters& unneeded);
+                           const UnneededParameters& unneeded,
+                           const std::set<std::string>& limited = {});
 
 /// Both functions throw std::invalid_argument with the name of the parameter.
 void requireName(const std::string& parameter, const std::string& value);

@@ -22,6 +22,8 @@
 #include "kestrel_slam/filter/pose_filter.h"
 #include "kestrel_slam/messages/aiding_messages.h"
 #include "kestrel_slam/ros/common/mountings.h"
+#include "kestrel_slam/ros/common/range_mounting.h"
+#include "kestrel_slam/ros/common/silence_watch.h"
 #include "kestrel_slam/ros/common/waiting_time.h"
 #include "kestrel_slam/ros/filter/filter_publisher.h"
 #include "kestrel_slam/ros/filter/pose_filter_parameters.h"
@@ -39,6 +41,10 @@ class PoseFilterNode {
   PoseFilterNode& operator=(const PoseFilterNode&) = delete;
 
  private:
+  void listen(ros::NodeHandle& nh);
+  template <typename Message>
+  void listen(ros::NodeHandle& nh, const std::string& topic,
+              void (PoseFilterNode::*callback)(const Message&));
   void onImu(const sensor_msgs::ImuConstPtr& message);
   void onMapperState(const kestrel_slam::MapperState& message);
   void onPose(const geometry_msgs::PoseWithCovarianceStamped& message);
@@ -51,20 +57,25 @@ class PoseFilterNode {
   bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
   bool isInMap(const std_msgs::Header& header, const char* what);
-  void refuse(const std::string& what, const std::string& why);
+  void refuse(const std::string& what, const std::string& reason, const std::string& why);
+  std::string imuSilence();
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
   double now() const { return last_stamp_ + since_last_.seconds(); }
 
   const PoseFilterNodeConfig config_;
   PoseFilter filter_;
   Mountings mountings_;
+  RangeMounting range_mounting_;
   FilterPublisher publisher_;
   LocalFixes fixes_;
   std::string waiting_for_;                     ///< message about a mounting that is missing in tf
   std::map<std::string, std::size_t> refused_;  ///< messages by reason
-  double mapper_stamp_ = 0.0;                   ///< of the last MapperState, s
-  double last_stamp_ = 0.0;                     ///< of the IMU, s
+  std::string last_refusal_;
+  double mapper_stamp_ = 0.0;  ///< of the last MapperState, s
+  double last_stamp_ = 0.0;    ///< of the IMU, s
   WaitingTime since_last_;
+  WaitingTime since_start_;
+  std::unique_ptr<SilenceWatch> imu_watch_;
   std::vector<ros::Subscriber> subscribers_;
   ros::Subscriber imu_subscriber_;
   ros::ServiceServer reset_server_;

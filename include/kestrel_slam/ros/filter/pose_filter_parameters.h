@@ -22,6 +22,7 @@ struct PoseFilterNodeConfig {
   std::string mapper_topic = "mapper_state";  ///< of our own mapper
   std::string pose_topic = "poseupdate";      ///< of another mapper
   std::string height_topic = "height";
+  std::string height_sensor_z;                            ///< m; empty: from tf
   std::string floor_height_topic = "floor_height";        ///< of the projector
   std::string pressure_topic = "imu/pressure";            ///< pressure of a barometer
   std::string pressure_height_topic = "pressure_height";  ///< height of a barometer

@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 
+#include "kestrel_slam/ros/common/silence_watch.h"
 #include "kestrel_slam/ros/mapper/scan_statistics.h"
 
 namespace kestrel {
@@ -24,11 +25,12 @@ struct MapSize {
 /// Uses a wall timer, so that a paused or finished replay is still reported.
 class Diagnostics {
  public:
-  /// `nh`: the timer runs on its queue. `publisher_count`: returns the number of publishers of
-  /// `scan_topic`.
+  /// `nh`: the timer runs on its queue. `topic_parameter`: the parameter with the name of
+  /// `scan_topic`. `publisher_count`: returns the number of its publishers.
   Diagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
-              const std::string& scan_topic, ScanStatistics& statistics,
-              std::function<unsigned()> publisher_count, std::function<MapSize()> map_size);
+              const NeededTopic& scan_topic, const std::string& topic_parameter,
+              ScanStatistics& statistics, std::function<unsigned()> publisher_count,
+              std::function<MapSize()> map_size);
 
  private:
   using Status = diagnostic_updater::DiagnosticStatusWrapper;
@@ -37,13 +39,14 @@ class Diagnostics {
   void fillScans(Status& status) const;
   void fillMatch(Status& status) const;
   void fillMap(Status& status) const;
-  std::string silence() const;
-  void warnOfSilence() const;
+  std::string checkSilence();
 
   std::string scan_topic_;
   ScanStatistics& statistics_;
   std::function<unsigned()> publisher_count_;
   std::function<MapSize()> map_size_;
+  SilenceWatch watch_;
+  std::string silence_;  ///< why there are no scans; empty if scans arrive
   ScanReport report_;
   ros::WallTime started_ = ros::WallTime::now();
   diagnostic_updater::Updater updater_;

@@ -15,6 +15,7 @@
 #include "kestrel_slam/map/map_replica.h"
 #include "kestrel_slam/ros/mapper/diagnostics.h"
 #include "kestrel_slam/ros/mapper/mapper_parameters.h"
+#include "kestrel_slam/ros/mapper/save_folder.h"
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
 #include "kestrel_slam/ros/mapper/trajectory_log.h"
 
@@ -55,6 +56,7 @@ class MapPublisher {
   std::string map_frame_;
   bool with_map_service_;
   ros::WallDuration period_;
+  SaveFolder save_folder_;
   SharedMapper& mapper_;
   TrajectoryLog& trajectory_;
 

@@ -25,14 +25,18 @@ struct MapperNodeConfig {
   double transform_tolerance = 0.1;  ///< s; time that is added to the stamp of map -> odom
   bool pub_map_odom_transform = true;
   bool pub_map_scanmatch_transform = true;
-  std::string tf_map_scanmatch_transform_frame_name = "scanmatcher_frame";
+  std::string tf_map_scanmatch_transform_frame_name;  ///< empty: derived from the base frame
   bool pub_odometry = false;
   bool advertise_map_service = true;
+  std::string save_folder;  ///< empty: the working, home and temporary folder
   SlamConfig slam;
 
   bool usesPlanarScans() const { return input == "planar_scan"; }
   const std::string& inputTopic() const {
     return usesPlanarScans() ? planar_scan_topic : scan_topic;
+  }
+  std::string inputParameter() const {
+    return usesPlanarScans() ? "~planar_scan_topic" : "~scan_topic";
   }
   bool usesOdometry() const { return !odom_frame.empty() && odom_frame != base_frame; }
 };

@@ -6,7 +6,6 @@
 #include <sensor_msgs/LaserScan.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/message_filter.h>
-#include <tf2_ros/transform_listener.h>
 
 #include <Eigen/Geometry>
 #include <cstddef>
@@ -16,6 +15,8 @@
 
 #include "kestrel_slam/PlanarScan.h"
 #include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/ros/common/silence_watch.h"
+#include "kestrel_slam/ros/common/transform_input.h"
 #include "kestrel_slam/ros/mapper/mapper_parameters.h"
 #include "kestrel_slam/ros/mapper/scan_statistics.h"
 
@@ -72,6 +73,7 @@ class ScanInput {
             Callback on_ready);
 
   std::string topic() const { return subscriber_.getTopic(); }
+  NeededTopic neededTopic() const;
   unsigned publisherCount() const { return subscriber_.getNumPublishers(); }
 
  private:
@@ -87,9 +89,11 @@ class ScanInput {
   void refuse(const std::string& reason, const std::string& sentence);
   void noticeJump(const ros::Time& stamp);
   bool needsTransform(const ReceivedScan& scan) const;
+  std::string laserFrameOf(const ReceivedScan& scan) const;
+  bool hasOtherClock(const ReceivedScan& scan) const;
+  double clocksApart(const std::string& a, const std::string& b, const ros::Time& stamp) const;
   void explainWaiting(const ReceivedScan& scan);
   std::string missingTransform(const ReceivedScan& scan) const;
-  void warnOfOtherParent(const ros::Time& stamp) const;
   ReadyScan lookUp(const ReceivedScan& scan) const;
 
   MapperNodeConfig config_;
@@ -100,7 +104,7 @@ class ScanInput {
   ros::WallTime waiting_since_;  ///< start of waiting for a transform; zero: not waiting
 
   tf2_ros::Buffer buffer_;
-  tf2_ros::TransformListener listener_;
+  TransformInput transforms_;
   tf2_ros::MessageFilter<ReceivedScan> filter_;
   ros::Subscriber subscriber_;
 };

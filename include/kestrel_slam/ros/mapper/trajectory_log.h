@@ -13,7 +13,8 @@
 
 namespace kestrel {
 
-/// The path of the vehicle, thinned out and with limited size. Thread-safe.
+/// The path of the vehicle, thinned out evenly and with limited size, so that publishing it costs
+/// the same after hours. Thread-safe.
 class TrajectoryLog {
  public:
   /// Stores the pose if the vehicle moved or turned enough since the last stored pose.
@@ -25,9 +26,10 @@ class TrajectoryLog {
 
   nav_msgs::Path path(const std::string& frame) const;
 
-  static constexpr double kMinDistance = 0.05;     ///< m
-  static constexpr double kMinAngle = 0.1;         ///< rad
-  static constexpr std::size_t kMaxPoses = 20000;  ///< if exceeded, every second pose is removed
+  static constexpr double kMinDistance = 0.05;  ///< m
+  static constexpr double kMinAngle = 0.1;      ///< rad
+  /// If exceeded, every second pose is removed, and from then on poses are stored half as often.
+  static constexpr std::size_t kMaxPoses = 5000;
 
  private:
   struct Entry {
@@ -39,6 +41,7 @@ class TrajectoryLog {
 
   mutable std::mutex mutex_;
   std::vector<Entry> entries_;
+  double spacing_ = 1.0;  ///< doubles whenever the poses are halved
   std::uint64_t version_ = 0;
 };
 

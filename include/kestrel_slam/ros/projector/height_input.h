@@ -8,7 +8,7 @@
 #include <string>
 
 #include "kestrel_slam/pipeline/projection_stage.h"
-#include "kestrel_slam/ros/common/mountings.h"
+#include "kestrel_slam/ros/common/range_mounting.h"
 #include "kestrel_slam/ros/projector/projector_diagnostics.h"
 #include "kestrel_slam/ros/projector/projector_parameters.h"
 
@@ -27,7 +27,7 @@ class HeightInput {
   void onRange(const sensor_msgs::RangeConstPtr& message);
 
   std::string stabilized_frame_, footprint_frame_;
-  const Mountings& mountings_;
+  RangeMounting mounting_;
   ProjectionStage& projection_;
   bool is_unusable_ = false;  ///< the last reading of the range finder was not used
   ros::Subscriber subscriber_;

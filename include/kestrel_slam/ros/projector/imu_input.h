@@ -29,6 +29,9 @@ class ImuInput {
     return last_stamp_ + since_last_.seconds();
   }  ///< on the clock of the IMU stamps, s
 
+  /// Whether a stamp of another sensor (s) is hours away from the stamps of the IMU.
+  bool hasOtherClock(double stamp) const;
+
   /// Message about the missing transform of the IMU; empty if none is missing.
   const std::string& waitingFor() const { return waiting_for_; }
 
@@ -43,6 +46,7 @@ class ImuInput {
   ProjectionStage& projection_;
   std::function<void(const ros::Time&)> on_attitude_;
   std::string waiting_for_;
+  std::size_t refused_stamps_ = 0;
   double last_stamp_ = 0.0;  ///< s
   WaitingTime since_last_;
   ros::Subscriber subscriber_;

@@ -9,7 +9,9 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "kestrel_slam/ros/common/silence_watch.h"
 #include "kestrel_slam/ros/common/waiting_time.h"
 #include "kestrel_slam/ros/projector/projector_statistics.h"
 #include "kestrel_slam/sensor/attitude_tracker.h"
@@ -37,16 +39,17 @@ struct ProjectorReport {
 /// Publishes /diagnostics of the scan projector: items for the scans, the attitude and the height.
 class ProjectorDiagnostics {
  public:
-  /// `report` is called once per second on the queue of `nh`, then `on_reported`.
+  /// `report` is called once per second on the queue of `nh`, then `on_reported`. `lasers`, `imu`:
+  /// the topics that the node needs; `imu` may be empty.
   ProjectorDiagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
-                       const std::string& hardware_id, std::function<ProjectorReport()> report,
-                       std::function<void()> on_reported);
+                       const std::vector<NeededTopic>& lasers, const std::vector<NeededTopic>& imu,
+                       std::function<ProjectorReport()> report, std::function<void()> on_reported);
 
  private:
   using Status = diagnostic_updater::DiagnosticStatusWrapper;
 
   void update();
-  std::string silence() const;
+  void checkSilence();
   void warn() const;
   void fillScans(Status& status) const;
   void fillAttitude(Status& status) const;
@@ -55,6 +58,9 @@ class ProjectorDiagnostics {
 
   std::function<ProjectorReport()> take_report_;
   std::function<void()> on_reported_;
+  SilenceWatch laser_watch_, imu_watch_;
+  std::string silence_;      ///< why there are no scans; empty if scans arrive
+  std::string imu_silence_;  ///< why no IMU message ever came; empty if one came
   ProjectorReport report_;
   WaitingTime since_start_;
   diagnostic_updater::Updater updater_;

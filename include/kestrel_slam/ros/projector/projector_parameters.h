@@ -19,6 +19,7 @@ struct ProjectorNodeConfig {
   std::string cloud_topic = "points";
   std::string imu_topic = "imu/data";
   std::string height_topic = "height";
+  std::string height_sensor_z;  ///< m; empty: from tf
   std::string odom_topic = "odom/slam";
   std::string filter_topic;              ///< topic of a pose filter; empty: none
   std::string attitude_source = "auto";  ///< auto, orientation, raw: IMU; tf; none: level
@@ -34,14 +35,13 @@ struct ProjectorNodeConfig {
   bool isLevel() const { return attitude_source == "none"; }
   bool usesTf() const { return attitude_source == "tf"; }
   bool usesImu() const { return !isLevel() && !usesTf(); }
+  /// If the attitude comes from tf, the base already has a parent.
+  bool publishesStabilized() const { return pub_stabilized_transform && !usesTf(); }
   bool hasMirror() const { return !slam.projector.mirror_angles.empty(); }
 };
 
 /// The table of the node's parameters and those of the projector, bound to `config`.
 std::vector<Parameter> parametersOf(ProjectorNodeConfig& config);
-
-/// Splits a text with comma-separated names.
-std::vector<std::string> splitNames(const std::string& text);
 
 /// Reads the private parameters; see readPrivateParameters. Throws std::invalid_argument.
 ProjectorNodeConfig loadProjectorParameters(const ros::NodeHandle& private_nh);

@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "kestrel_slam/pipeline/projection_stage.h"
 #include "kestrel_slam/pipeline/waiting_queue.h"
@@ -38,6 +39,7 @@ class ScanProjectorNode {
   ScanProjectorNode& operator=(const ScanProjectorNode&) = delete;
 
  private:
+  std::vector<NeededTopic> imuTopics() const;
   void enqueue(Sweep sweep);
   void processQueue();
   bool handle(const Sweep& sweep);

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "kestrel_slam/ros/common/guarded.h"
+#include "kestrel_slam/ros/common/silence_watch.h"
 #include "kestrel_slam/ros/projector/projector_parameters.h"
 #include "kestrel_slam/ros/projector/projector_statistics.h"
 #include "kestrel_slam/ros/projector/sweep.h"
@@ -26,11 +28,13 @@ class SweepInput {
              Callback on_sweep);
 
   std::string topics() const;
+  std::vector<NeededTopic> neededTopics() const { return needed_; }
   unsigned publisherCount() const;
 
  private:
   void onScan(const sensor_msgs::LaserScanConstPtr& message, const std::string& topic);
   void onCloud(const sensor_msgs::PointCloud2ConstPtr& message, const std::string& topic);
+  Refuse refusalOf(const std::string& topic);
   bool accept(const std_msgs::Header& header, const std::string& topic);
   void refuse(const std::string& topic, const std::string& reason, const std::string& sentence);
   void pass(Sweep sweep, const std_msgs::Header& header, const std::string& topic);
@@ -40,6 +44,7 @@ class SweepInput {
   ProjectorStatistics& statistics_;
   Callback on_sweep_;
   std::map<std::string, ros::Time> last_stamps_;  ///< by topic
+  std::vector<NeededTopic> needed_;
   std::vector<ros::Subscriber> subscribers_;
 };
 
