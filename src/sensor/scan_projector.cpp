@@ -254,7 +254,7 @@ Projection ScanProjector::projectCorrected(const LaserScan& scan,
   const Slice slice = sliceOf(config_, height, surfaces_.ceilingHeight(scan.stamp, height),
                               frames.frame(0).origin.z());
   BeamProjector(scan, config_, frames, slice, maskOf(scan, ignored_, mirror_), result).run();
-  const std::string wrong_unit = unitProblem(scan, result.counts);
+  const std::string wrong_unit = unitProblem(scan, result.counts, config_.beams.min_range_m);
   if (!wrong_unit.empty()) return refused(ScanError::kWrongUnit, wrong_unit);
   result.warnings = warningsOf(scan);
   if (result.scan.rays.empty()) {

@@ -85,13 +85,13 @@ struct BeyondLimit {
   }
 };
 
-std::string tooFarText(const LaserScan& scan) {
+std::string tooFarText(const LaserScan& scan, double min_range_m) {
   const double max =
       scan.range_max > 0.0 ? std::min(scan.range_max, kMaxLaserRange) : kMaxLaserRange;
   BeyondLimit far(scan, [max](float range) { return range > max; });
   if (!far.most() || far.isOneNumber()) return "";
   const double median = far.median(), meters = median / kMillimetersPerMeter;
-  if (meters < scan.range_min || meters > max) return "";
+  if (meters < std::max(scan.range_min, min_range_m) || meters > max) return "";
   return far.text("beyond range_max", max) + ": millimeters? The median is " + numberText(median) +
          "; the driver must send m";
 }
@@ -115,9 +115,9 @@ std::vector<ScanWarning> warningsOf(const LaserScan& scan) {
   return warnings;
 }
 
-std::string unitProblem(const LaserScan& scan, const BeamCounts& counts) {
+std::string unitProblem(const LaserScan& scan, const BeamCounts& counts, double min_range_m) {
   if (2 * counts.hits >= scan.ranges.size()) return "";
-  const std::string text = tooFarText(scan);
+  const std::string text = tooFarText(scan, min_range_m);
   return text.empty() ? tooCloseText(scan) : text;
 }
 

@@ -16,7 +16,8 @@ bool hasUsableTimes(const LaserScan& scan);
 std::vector<ScanWarning> warningsOf(const LaserScan& scan);
 
 /// Checks a projected scan that has few returns within its limits: ranges, range_min and range_max
-/// must have the same unit, m. Returns what contradicts this, or an empty text.
-std::string unitProblem(const LaserScan& scan, const BeamCounts& counts);
+/// must have the same unit, m. Returns what contradicts this, or an empty text. `min_range_m`: the
+/// smallest range that is used.
+std::string unitProblem(const LaserScan& scan, const BeamCounts& counts, double min_range_m);
 
 }  // namespace kestrel

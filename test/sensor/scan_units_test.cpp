@@ -110,6 +110,16 @@ TEST(ScanUnits, CodesForNoReturnAreNoRanges) {
   }
 }
 
+/// A SICK LMS in a CARMEN log, which gives no minimum range.
+TEST(ScanUnits, TwoCodesForNoReturnAreNoRanges) {
+  LaserScan scan = roomScan();
+  scan.range_min = 0.0;
+  scan.range_max = 80.0;
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i)
+    scan.ranges[i] = i % 3 == 0 ? 81.83F : 81.91F;
+  EXPECT_EQ(project(scan).error, ScanError::kNone);
+}
+
 TEST(ScanUnits, ALongRangeLaserInTheOpenIsAccepted) {
   LaserScan scan = scaled(roomScan(), 40.0);  // 60 to 200 m
   scan.range_max = 250.0;
