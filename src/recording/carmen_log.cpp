@@ -171,6 +171,8 @@ void CarmenLog::survey() {
     ++survey.counts[name];
     if (name == "PARAM") surveyParameter(line);
     if (name == kFrontLaser || name == kRobotLaser) surveyLaser(line, survey);
+    const bool swallows = line.find("LASER", name.size()) != std::string::npos;
+    if (swallows) ++survey.unknown[name];  // a damaged end of line
   }
   laser_message_ = survey.counts.count(kFrontLaser) > 0 ? kFrontLaser : kRobotLaser;
   scan_count_ = survey.counts[laser_message_];
@@ -226,8 +228,9 @@ void CarmenLog::reportDamage(const Survey& survey) {
   }
   for (const auto& [name, count] : names) unknown += count;
   if (unknown > 0) {
-    warnings_.push_back(std::to_string(unknown) + " lines with unknown message names skipped, " +
-                        "among them '" + names.begin()->first + "'");
+    warnings_.push_back(std::to_string(unknown) +
+                        " lines with damaged message names or ends skipped, " + "among them '" +
+                        names.begin()->first + "'");
   }
   for (const auto& [mounting, count] : survey.mountings) {
     if (logged_mounting_ && mounting == *logged_mounting_) wrong_poses -= count;

@@ -8,7 +8,7 @@ namespace {
 
 /// Colors for 0, 1/3, 2/3 and 1.
 constexpr std::array<std::array<double, 3>, 4> kHeatColors = {
-    {{1.0, 1.0, 1.0}, {1.0, 0.93, 0.65}, {0.97, 0.62, 0.25}, {0.70, 0.12, 0.12}}};
+    {{1.0, 1.0, 1.0}, {1.0, 0.93, 0.65}, {0.99, 0.70, 0.40}, {0.88, 0.36, 0.27}}};
 
 void setHeatColor(cairo_t* cr, double value) {
   const double place = std::clamp(value, 0.0, 1.0) * (kHeatColors.size() - 1);

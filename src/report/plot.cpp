@@ -26,7 +26,7 @@ constexpr double kUnitHeight = 290.0;
 constexpr double kPadLeft = 75.0, kPadRight = 25.0, kPadTop = 40.0, kPadBottom = 55.0;
 constexpr double kTickLength = 5.0, kLabelGap = 8.0;
 constexpr double kFontSize = 14.0, kTitleSize = 16.0;
-constexpr double kDotRadius = 1.5, kSingleDotRadius = 4.0, kLineWidth = 1.3;
+constexpr double kDotRadius = 1.5, kSingleDotRadius = 2.5, kLineWidth = 1.3, kContourWidth = 2.2;
 constexpr double kWantedTicks = 7.0;
 constexpr double kMargin = 0.04;  // margin around the data, relative to its extent
 
@@ -114,16 +114,16 @@ void drawTickY(cairo_t* cr, const Frame& frame, double value, const std::string&
   drawText(cr, frame.left - kLabelGap, y + kFontSize / 3.0, text, Align::kRight);
 }
 
-/// Ticks of a logarithmic axis: a line for every multiple of a power of ten. Labels at the powers;
-/// also at 2 and 5 times a power if there are few decades.
+/// Ticks of a logarithmic axis: the powers of ten. If there are few decades, also their multiples,
+/// with labels at 2 and 5.
 void drawPowers(cairo_t* cr, const Frame& frame) {
   constexpr double kFewDecades = 3.0;
   for (double decade = std::floor(frame.y.min); decade <= frame.y.max; ++decade) {
     for (int factor = 1; factor < 10; ++factor) {
       const double value = factor * std::pow(10.0, decade), y = std::log10(value);
       if (y < frame.y.min || y > frame.y.max) continue;
-      const bool labeled =
-          factor == 1 || (frame.y.size() <= kFewDecades && (factor == 2 || factor == 5));
+      if (factor > 1 && frame.y.size() > kFewDecades) continue;
+      const bool labeled = factor == 1 || factor == 2 || factor == 5;
       drawTickY(cr, frame, value, labeled ? tickText(value, std::pow(10.0, decade)) : "");
     }
   }
@@ -186,7 +186,8 @@ void setColor(cairo_t* cr, const PlotSeries& series, std::size_t index) {
 }
 
 void drawSeries(cairo_t* cr, const PlotSeries& series, const Frame& frame) {
-  cairo_set_line_width(cr, kLineWidth);
+  const bool is_contour = series.style == PlotSeries::Style::kSegments;
+  cairo_set_line_width(cr, is_contour ? kContourWidth : kLineWidth);
   const double radius = series.points.size() > 1 ? kDotRadius : kSingleDotRadius;
   for (std::size_t i = 0; i < series.points.size(); ++i) {
     const double x = frame.px(series.points[i].x()), y = frame.py(series.points[i].y());
@@ -195,7 +196,7 @@ void drawSeries(cairo_t* cr, const PlotSeries& series, const Frame& frame) {
       cairo_new_sub_path(cr);
       cairo_arc(cr, x, y, radius, 0.0, 2.0 * kPi);
       cairo_fill(cr);
-    } else if (series.style == PlotSeries::Style::kSegments && i % 2 == 0) {
+    } else if (is_contour && i % 2 == 0) {
       cairo_move_to(cr, x, y);
     } else {
       cairo_line_to(cr, x, y);
