@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 #include <vector>
@@ -119,9 +120,11 @@ void readRanges(Fields& fields, std::size_t beams, double no_return_m, LaserScan
     scan.ranges.push_back(range >= no_return_m ? std::numeric_limits<float>::infinity()
                                                : static_cast<float>(range));
   }
-  // If no beam has a return, the recorded numbers show whether they are millimeters.
+  // If no beam has a return although they differ, the projector finds whether they are millimeters.
   const auto is_return = [](float range) { return std::isfinite(range); };
-  if (std::any_of(scan.ranges.begin(), scan.ranges.end(), is_return)) return;
+  const bool differ =
+      std::adjacent_find(recorded.begin(), recorded.end(), std::not_equal_to<>()) != recorded.end();
+  if (!differ || std::any_of(scan.ranges.begin(), scan.ranges.end(), is_return)) return;
   std::copy(recorded.begin(), recorded.end(), scan.ranges.begin());
 }
 
