@@ -278,6 +278,7 @@ void writeSvg(const std::string& path, const std::vector<PlotPanel>& panels, int
   std::string bytes;
   const Surface surface(cairo_svg_surface_create_for_stream(append, &bytes, kWidth, height),
                         cairo_surface_destroy);
+  cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PX);
   drawPanels(Context(cairo_create(surface.get()), cairo_destroy).get(), panels);
   cairo_surface_finish(surface.get());
   requireSuccess(path, cairo_surface_status(surface.get()));
