@@ -73,7 +73,7 @@ std::optional<TableColumns> columnsByName(const std::vector<std::string_view>& f
     if (!isRangeName(name)) continue;
     if (columns.beams++ == 0) columns.first_range = i;
   }
-  if (columns.beams < kMinBeams) return std::nullopt;
+  if (columns.beams < (columns.angle_increment ? 1 : kMinBeams)) return std::nullopt;
   if (!columns.stamp && plainName(fields[0]) == "time") columns.stamp = 0;
   const bool is_rostopic = !fields[0].empty() && fields[0].front() == '%';
   columns.stamp_unit_s = is_rostopic ? kNanosecond : 1.0;

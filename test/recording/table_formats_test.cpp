@@ -248,6 +248,17 @@ TEST_F(TableFormats, RostopicEchoOfTheRangesAlone) {
   expectTheRoom(tableOf(style), 50.0);
 }
 
+TEST_F(TableFormats, RostopicEchoOfFourBeams) {
+  const auto recording = open(
+      "%time,field.header.stamp,field.angle_min,field.angle_increment,field.range_max,"
+      "field.ranges0,field.ranges1,field.ranges2,field.ranges3\n"
+      "5000000000,5000000000,0.0,1.57,4.0,1.0,2.0,inf,3.0\n");
+  const std::vector<RecordedScan> scans = readAll(*recording);
+  ASSERT_EQ(scans.size(), 1U);
+  EXPECT_EQ(scans[0].time, 5.0);
+  EXPECT_EQ(scans[0].scan.ranges[3], 3.0F);
+}
+
 TEST_F(TableFormats, Ros2TopicEcho) {
   Style style;
   style.prefix = [](int i) {
