@@ -39,7 +39,7 @@ std::string timeText(const LaserScan& scan) {
 std::string fewBeamsText(const LaserScan& scan) {
   return "the scan has " + std::to_string(scan.ranges.size()) + " beams: fewer than " +
          std::to_string(kMinBeamsToMatch) +
-         " cannot be matched reliably, the pose follows odometry or motion prediction";
+         " cannot be matched reliably; use odometry (offline: --odometry use)";
 }
 
 std::string numberText(double value) {
