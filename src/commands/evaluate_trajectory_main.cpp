@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
@@ -153,7 +154,8 @@ void run(const Options& options) {
   printUnmatched(results);
   if (!options.json.empty()) writeJson(options.json, results);
   if (!options.plot.empty()) {
-    plotEvaluation(options.plot, results.trajectory, results.relations, results.reference);
+    plotEvaluation(options.plot, std::filesystem::path(options.trajectory).filename().string(),
+                   results.trajectory, results.relations, results.reference);
   }
   requireOverlap(results);
 }
@@ -184,7 +186,8 @@ int main(int argc, char** argv) {
   app.add_option("--reference-topic", options.reference_topic,
                  "topic in a rosbag: PoseStamped, PoseWithCovarianceStamped or Odometry");
   app.add_option("--json", options.json, "write all statistics to this file");
-  app.add_option("--plot", options.plot, "write a plot (PNG) of trajectory and errors");
+  app.add_option("--plot", options.plot,
+                 "write a plot of trajectory and errors (PNG, and SVG beside it)");
   return runTool(
       "evaluate_trajectory", app, argc, argv, [&] { run(options); }, [&] { check(options); });
 }

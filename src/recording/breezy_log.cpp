@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/recording/breezy_log.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <sstream>
 #include <vector>
 
@@ -42,6 +44,21 @@ bool isScan(const std::vector<double>& columns) {
   return columns.size() >= kMinColumns && columns.size() <= kMaxColumns;
 }
 
+std::size_t countColumns(const std::string& line) {
+  std::istringstream fields(line);
+  std::size_t count = 0;
+  for (std::string field; fields >> field;) ++count;
+  return count;
+}
+
+constexpr double kMetersPerTick = 2.0 * kPi * kWheelRadius / kTicksPerTurn;
+
+/// A rover does not drive so far between two scans; a damaged digit looks so.
+bool isJump(const std::array<double, 2>& from, const std::array<double, 2>& to) {
+  constexpr double kMaxStep = 2.0;  // m
+  return kMetersPerTick * std::max(std::abs(to[0] - from[0]), std::abs(to[1] - from[1])) > kMaxStep;
+}
+
 }  // namespace
 
 bool looksLikeBreezyLog(const std::string& path) {
@@ -52,20 +69,28 @@ bool looksLikeBreezyLog(const std::string& path) {
 
 BreezyLog::BreezyLog(const std::string& path) : path_(path) {
   const std::unique_ptr<std::istream> stream = openText(path_);
-  for (std::string line; std::getline(*stream, line);) {
-    scan_count_ += line.find_first_not_of(" \t\r") == std::string::npos ? 0U : 1U;
+  std::map<std::size_t, std::size_t> lines;  // by number of columns
+  for (std::string line; readLine(*stream, line);) {
+    const std::size_t columns = countColumns(line);
+    if (columns == 0) continue;
+    ++scan_count_;
+    ++lines[columns];
+  }
+  for (const auto& [columns, count] : lines) {
+    if (10 * count >= 9 * scan_count_) columns_ = columns;
   }
   stream_ = openText(path_);
 }
 
 bool BreezyLog::next(RecordedScan& scan) {
-  for (std::string line; std::getline(*stream_, line);) {
+  for (std::string line; readLine(*stream_, line);) {
     ++line_number_;
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     if (fill(line, scan)) return true;
     if (++skipped_["broken line"] > 1) continue;
     warnings_.push_back("line " + std::to_string(line_number_) + ": broken line skipped: a scan " +
-                        "has " + std::to_string(kMinColumns) + " numbers");
+                        "has " + std::to_string(columns_ > 0 ? columns_ : kMinColumns) +
+                        " numbers, and the wheels do not jump");
   }
   if (stream_->bad()) reportCutOff();
   return false;
@@ -79,8 +104,14 @@ void BreezyLog::reportCutOff() {
 
 bool BreezyLog::fill(const std::string& line, RecordedScan& scan) {
   const std::vector<double> columns = columnsOf(line);
-  if (!isScan(columns)) return false;
-  drive({columns[kLeftTicks], columns[kRightTicks]});
+  if (!isScan(columns) || (columns_ > 0 && columns.size() != columns_)) return false;
+  const std::array<double, 2> ticks = {columns[kLeftTicks], columns[kRightTicks]};
+  const bool jumps = last_ticks_ && isJump(*last_ticks_, ticks);
+  const bool stays = seen_ticks_ && !isJump(*seen_ticks_, ticks);
+  seen_ticks_ = ticks;
+  if (jumps && !stays) return false;
+  if (jumps) last_ticks_ = ticks;  // the encoders were reset
+  drive(ticks);
   scan = RecordedScan();
   scan.scan = scanOf(fanOf(kBeams), kBeams, kRateHz);
   scan.scan.stamp = columns[kTime] / kMicrosecondsPerSecond;
@@ -98,7 +129,6 @@ bool BreezyLog::fill(const std::string& line, RecordedScan& scan) {
 /// Dead reckoning of a differential drive, along the chord of each arc.
 void BreezyLog::drive(const std::array<double, 2>& ticks) {
   if (last_ticks_) {
-    constexpr double kMetersPerTick = 2.0 * kPi * kWheelRadius / kTicksPerTurn;
     const double left = kMetersPerTick * (ticks[0] - (*last_ticks_)[0]);
     const double right = kMetersPerTick * (ticks[1] - (*last_ticks_)[1]);
     const double turn = (right - left) / (2.0 * kHalfAxle);

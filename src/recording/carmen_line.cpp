@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 #include <vector>
@@ -111,12 +112,20 @@ void roundAngles(LaserScan& scan) {
 }
 
 void readRanges(Fields& fields, std::size_t beams, double no_return_m, LaserScan& scan) {
+  std::vector<float> recorded;
+  scan.range_max = roundToFloat(no_return_m);
   for (std::size_t i = 0; i < beams; ++i) {
     const double range = fields.number("ranges");
+    recorded.push_back(static_cast<float>(range));
     scan.ranges.push_back(range >= no_return_m ? std::numeric_limits<float>::infinity()
                                                : static_cast<float>(range));
   }
-  scan.range_max = roundToFloat(no_return_m);
+  // If no beam has a return although they differ, the projector finds whether they are millimeters.
+  const auto is_return = [](float range) { return std::isfinite(range); };
+  const bool differ =
+      std::adjacent_find(recorded.begin(), recorded.end(), std::not_equal_to<>()) != recorded.end();
+  if (!differ || std::any_of(scan.ranges.begin(), scan.ranges.end(), is_return)) return;
+  std::copy(recorded.begin(), recorded.end(), scan.ranges.begin());
 }
 
 void readStamp(Fields& fields, LaserScan& scan) {

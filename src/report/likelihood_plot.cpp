@@ -3,7 +3,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
@@ -15,35 +14,54 @@
 namespace kestrel {
 namespace {
 
-/// Levels that are shown, relative to the best score.
-constexpr std::array<float, 4> kLevels = {0.5F, 0.7F, 0.85F, 0.95F};
 constexpr double kEllipseSigmas = 3.0;
 constexpr double kSquare = 3.4;  // height that makes a panel about square
+constexpr std::size_t kBlue = 0, kTeal = 5;
 
-/// Adds the poses between each level and the next higher one.
-std::vector<PlotSeries> levelsOf(const LikelihoodSurface& surface) {
-  const std::vector<float> image = bestOverYaws(surface);
-  const float best = *std::max_element(image.begin(), image.end());
-  std::vector<PlotSeries> levels;
-  for (const float level : kLevels) {
-    const std::string name = std::to_string(std::lround(100.0F * level)) + " %";
-    levels.push_back({name, {}, PlotSeries::Style::kDots});
+/// The likelihood of every position, relative to the best one.
+PlotHeat heatOf(const LikelihoodSurface& surface) {
+  PlotHeat heat;
+  heat.columns = heat.rows = surface.side();
+  heat.first = surface.pose(-surface.linear_steps, -surface.linear_steps, 0).translation();
+  heat.step = surface.step_m;
+  heat.values = bestOverYaws(surface);
+  const float best = *std::max_element(heat.values.begin(), heat.values.end());
+  for (float& value : heat.values) value /= best;
+  return heat;
+}
+
+/// Where the line between two neighboring cells crosses the level.
+void addCrossing(const PlotHeat& heat, const Eigen::Vector2i& a, const Eigen::Vector2i& b,
+                 float level, std::vector<Eigen::Vector2d>& points) {
+  const auto valueAt = [&heat](const Eigen::Vector2i& cell) {
+    return heat.values[static_cast<std::size_t>(cell.y() * heat.columns + cell.x())];
+  };
+  const float from = valueAt(a), to = valueAt(b);
+  if ((from < level) == (to < level)) return;
+  const double share = static_cast<double>((level - from) / (to - from));
+  points.emplace_back(heat.first +
+                      heat.step * ((1.0 - share) * a.cast<double>() + share * b.cast<double>()));
+}
+
+/// The contour of a level, found in each square of four cells. A square with four crossings (a
+/// saddle) gives two lines.
+PlotSeries contourOf(const PlotHeat& heat, float level, std::size_t color) {
+  PlotSeries contour{
+      std::to_string(std::lround(100.0F * level)) + " %", {}, PlotSeries::Style::kSegments, color};
+  for (int y = 0; y + 1 < heat.rows; ++y) {
+    for (int x = 0; x + 1 < heat.columns; ++x) {
+      const Eigen::Vector2i corners[] = {{x, y}, {x + 1, y}, {x + 1, y + 1}, {x, y + 1}, {x, y}};
+      std::vector<Eigen::Vector2d> points;
+      for (int i = 0; i < 4; ++i) addCrossing(heat, corners[i], corners[i + 1], level, points);
+      contour.points.insert(contour.points.end(), points.begin(), points.end());
+    }
   }
-  for (std::size_t i = 0; i < image.size(); ++i) {
-    const auto above = std::upper_bound(kLevels.begin(), kLevels.end(), image[i] / best);
-    if (above == kLevels.begin()) continue;
-    const int column = static_cast<int>(i) % surface.side();
-    const int row = static_cast<int>(i) / surface.side();
-    const Pose2 pose = surface.pose(column - surface.linear_steps, row - surface.linear_steps, 0);
-    levels[static_cast<std::size_t>(above - kLevels.begin()) - 1].points.push_back(
-        pose.translation());
-  }
-  return levels;
+  return contour;
 }
 
 PlotSeries ellipseOf(const MapperResult& result) {
   constexpr int kCorners = 72;
-  PlotSeries ellipse{"3 sigma ellipse", {}, PlotSeries::Style::kLine};
+  PlotSeries ellipse{"3 sigma ellipse", {}, PlotSeries::Style::kLine, kTeal};
   const Eigen::Matrix2d covariance = result.match.covariance.topLeftCorner<2, 2>();
   const Eigen::Matrix2d root = covariance.llt().matrixL();
   for (int i = 0; i <= kCorners; ++i) {
@@ -82,10 +100,11 @@ void LikelihoodRecorder::write(const std::string& path) const {
   panel.title = "likelihood of scan " + std::to_string(wanted_) + ", relative to the best pose";
   panel.x_label = "x in map (m)";
   panel.y_label = "y in map (m)";
-  panel.series = levelsOf(surface_);
-  panel.series.push_back(ellipseOf(result_));
+  panel.heat = heatOf(surface_);
+  panel.series = {contourOf(panel.heat, 0.85F, kPlotBlack), contourOf(panel.heat, 0.95F, kBlue),
+                  ellipseOf(result_)};
   panel.series.push_back(
-      {"matched pose", {result_.match.pose.translation()}, PlotSeries::Style::kDots});
+      {"matched pose", {result_.match.pose.translation()}, PlotSeries::Style::kDots, kPlotBlack});
   panel.equal_axes = true;
   panel.height = kSquare;
   writePlot(path, {panel});

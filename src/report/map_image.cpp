@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <memory>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 namespace kestrel {
 namespace {
@@ -39,6 +41,20 @@ cairo_status_t append(void* target, const unsigned char* data, unsigned int leng
   return CAIRO_STATUS_SUCCESS;
 }
 
+/// The indices between which all but a few of the counted cells lie.
+std::pair<int, int> coreOf(const std::vector<std::size_t>& counts, std::size_t total) {
+  constexpr double kLeftOut = 0.005;  // on each side: what is seen far away through a window
+  const auto few = static_cast<std::size_t>(kLeftOut * static_cast<double>(total));
+  const auto skip = [few](auto from, auto end) {
+    std::size_t sum = 0;
+    const auto first =
+        std::find_if(from, end, [&](std::size_t count) { return (sum += count) > few; });
+    return static_cast<int>(first - from);
+  };
+  return {skip(counts.begin(), counts.end()),
+          static_cast<int>(counts.size()) - skip(counts.rbegin(), counts.rend())};
+}
+
 }  // namespace
 
 MapImage renderMap(const MapSnapshot& map, int max_side_pixels) {
@@ -65,6 +81,26 @@ MapImage renderMap(const MapSnapshot& map, int max_side_pixels) {
   cairo_surface_mark_dirty(surface.get());
   check(cairo_surface_write_to_png_stream(surface.get(), append, &image.png));
   return image;
+}
+
+std::optional<Eigen::AlignedBox2d> wallBox(const MapSnapshot& map) {
+  std::vector<std::size_t> columns(static_cast<std::size_t>(map.width));
+  std::vector<std::size_t> rows(static_cast<std::size_t>(map.height));
+  std::size_t total = 0;
+  for (int row = 0; row < map.height; ++row) {
+    for (int column = 0; column < map.width; ++column) {
+      if (map.at(column, row) != MapSnapshot::kOccupied) continue;
+      ++columns[static_cast<std::size_t>(column)];
+      ++rows[static_cast<std::size_t>(row)];
+      ++total;
+    }
+  }
+  if (total == 0) return std::nullopt;
+  const auto [left, right] = coreOf(columns, total);
+  const auto [low, high] = coreOf(rows, total);
+  const Eigen::Vector2d origin(map.origin_x, map.origin_y);
+  return Eigen::AlignedBox2d(origin + map.resolution_m * Eigen::Vector2d(left, low),
+                             origin + map.resolution_m * Eigen::Vector2d(right, high));
 }
 
 std::string base64(const std::string& bytes) {

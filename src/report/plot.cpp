@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/report/plot.h"
 
+#include <cairo-svg.h>
 #include <cairo.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <stdexcept>
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/map/atomic_file.h"
+#include "plot_frame.h"
 
 namespace kestrel {
 namespace {
@@ -23,7 +26,7 @@ constexpr double kUnitHeight = 290.0;
 constexpr double kPadLeft = 75.0, kPadRight = 25.0, kPadTop = 40.0, kPadBottom = 55.0;
 constexpr double kTickLength = 5.0, kLabelGap = 8.0;
 constexpr double kFontSize = 14.0, kTitleSize = 16.0;
-constexpr double kDotRadius = 1.5, kLineWidth = 1.3;
+constexpr double kDotRadius = 1.5, kSingleDotRadius = 2.5, kLineWidth = 1.3, kContourWidth = 2.2;
 constexpr double kWantedTicks = 7.0;
 constexpr double kMargin = 0.04;  // margin around the data, relative to its extent
 
@@ -33,43 +36,15 @@ using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
 struct Color {
   double r, g, b;
 };
-constexpr std::array<Color, 8> kColors = {{{0.12, 0.40, 0.70},
+constexpr std::array<Color, 9> kColors = {{{0.12, 0.40, 0.70},
                                            {0.85, 0.37, 0.01},
                                            {0.17, 0.55, 0.25},
                                            {0.55, 0.30, 0.65},
                                            {0.80, 0.10, 0.25},
                                            {0.10, 0.65, 0.70},
                                            {0.50, 0.35, 0.15},
-                                           {0.45, 0.45, 0.45}}};
-
-struct Range {
-  double min = std::numeric_limits<double>::infinity();
-  double max = -std::numeric_limits<double>::infinity();
-
-  void include(double value) {
-    min = std::min(min, value);
-    max = std::max(max, value);
-  }
-  double size() const { return max - min; }
-  void grow(double by) {
-    min -= by / 2.0;
-    max += by / 2.0;
-  }
-};
-
-/// The position of a panel in the image and the data range that it shows.
-struct Frame {
-  double left = 0.0, top = 0.0, width = 0.0, height = 0.0;
-  Range x, y;
-  bool log_y = false;  ///< `y` is the range of the logarithms
-
-  /// Not finite if the value cannot be shown.
-  double onScale(double value) const { return log_y ? std::log10(value) : value; }
-  double px(double value) const { return left + (value - x.min) / x.size() * width; }
-  double py(double value) const {
-    return top + height - (onScale(value) - y.min) / y.size() * height;
-  }
-};
+                                           {0.45, 0.45, 0.45},
+                                           {0.0, 0.0, 0.0}}};
 
 void makeUsable(Range& range) {
   if (!(range.size() >= 0.0)) range = {0.0, 1.0};
@@ -86,6 +61,7 @@ void setRanges(const PlotPanel& panel, Frame& frame) {
       frame.y.include(y);
     }
   }
+  if (panel.heat.columns > 0) includeHeat(panel.heat, frame);
   if (panel.from_zero) frame.y.include(0.0);
   makeUsable(frame.x);
   makeUsable(frame.y);
@@ -138,17 +114,36 @@ void drawTickY(cairo_t* cr, const Frame& frame, double value, const std::string&
   drawText(cr, frame.left - kLabelGap, y + kFontSize / 3.0, text, Align::kRight);
 }
 
-/// Ticks of a logarithmic axis: powers of ten, and also their multiples by 2 and 5 if there are
-/// few.
+/// Ticks of a logarithmic axis: the powers of ten. If there are few decades, also their multiples,
+/// with labels at 2 and 5.
 void drawPowers(cairo_t* cr, const Frame& frame) {
   constexpr double kFewDecades = 3.0;
   for (double decade = std::floor(frame.y.min); decade <= frame.y.max; ++decade) {
-    for (const double factor : {1.0, 2.0, 5.0}) {
+    for (int factor = 1; factor < 10; ++factor) {
       const double value = factor * std::pow(10.0, decade), y = std::log10(value);
       if (y < frame.y.min || y > frame.y.max) continue;
-      if (factor > 1.0 && frame.y.size() > kFewDecades) continue;
-      drawTickY(cr, frame, value, tickText(value, std::pow(10.0, decade)));
+      if (factor > 1 && frame.y.size() > kFewDecades) continue;
+      const bool labeled = factor == 1 || factor == 2 || factor == 5;
+      drawTickY(cr, frame, value, labeled ? tickText(value, std::pow(10.0, decade)) : "");
     }
+  }
+}
+
+/// Less than half a decade may contain none of these labels.
+bool needsPowers(const Frame& frame) {
+  constexpr double kHalfDecade = 0.5;
+  return frame.log_y && frame.y.size() > kHalfDecade;
+}
+
+/// Evenly spaced ticks; on a logarithmic axis too, if it shows a small range.
+void drawEvenTicks(cairo_t* cr, const Frame& frame) {
+  const auto valueOf = [&](double y) { return frame.log_y ? std::pow(10.0, y) : y; };
+  Range values;
+  values.include(valueOf(frame.y.min));
+  values.include(valueOf(frame.y.max));
+  const double step = tickStep(values, kWantedTicks * std::sqrt(frame.height / frame.width));
+  for (double i = std::ceil(values.min / step); i * step <= values.max; ++i) {
+    if (!frame.log_y || i > 0.0) drawTickY(cr, frame, i * step, tickText(i * step, step));
   }
 }
 
@@ -162,13 +157,10 @@ void drawTicks(cairo_t* cr, const Frame& frame) {
     cairo_set_source_rgb(cr, 0.0, 0.0, 0.0);
     drawText(cr, x, bottom + kTickLength + kFontSize, tickText(i * x_step, x_step), Align::kCenter);
   }
-  if (frame.log_y) {
+  if (needsPowers(frame)) {
     drawPowers(cr, frame);
-    return;
-  }
-  const double y_step = tickStep(frame.y, kWantedTicks * std::sqrt(frame.height / frame.width));
-  for (double i = std::ceil(frame.y.min / y_step); i * y_step <= frame.y.max; ++i) {
-    drawTickY(cr, frame, i * y_step, tickText(i * y_step, y_step));
+  } else {
+    drawEvenTicks(cr, frame);
   }
 }
 
@@ -181,27 +173,31 @@ void drawLabels(cairo_t* cr, const PlotPanel& panel, const Frame& frame) {
   cairo_save(cr);
   cairo_translate(cr, kFontSize + kLabelGap / 2.0, frame.top + frame.height / 2.0);
   cairo_rotate(cr, -kPi / 2.0);
-  drawText(cr, 0.0, 0.0, panel.y_label, Align::kCenter);
+  drawText(cr, 0.0, 0.0, panel.y_label + (panel.log_y ? " (log scale)" : ""), Align::kCenter);
   cairo_restore(cr);
   cairo_set_font_size(cr, kTitleSize);
   drawText(cr, frame.left, frame.top - kLabelGap, panel.title, Align::kLeft);
   cairo_set_font_size(cr, kFontSize);
 }
 
-void setColor(cairo_t* cr, std::size_t index) {
-  const Color& color = kColors[index % kColors.size()];
+void setColor(cairo_t* cr, const PlotSeries& series, std::size_t index) {
+  const Color& color = kColors[series.color.value_or(index % kPlotBlack)];
   cairo_set_source_rgb(cr, color.r, color.g, color.b);
 }
 
 void drawSeries(cairo_t* cr, const PlotSeries& series, const Frame& frame) {
-  cairo_set_line_width(cr, kLineWidth);
-  for (const Eigen::Vector2d& point : series.points) {
-    const double x = frame.px(point.x()), y = frame.py(point.y());
+  const bool is_contour = series.style == PlotSeries::Style::kSegments;
+  cairo_set_line_width(cr, is_contour ? kContourWidth : kLineWidth);
+  const double radius = series.points.size() > 1 ? kDotRadius : kSingleDotRadius;
+  for (std::size_t i = 0; i < series.points.size(); ++i) {
+    const double x = frame.px(series.points[i].x()), y = frame.py(series.points[i].y());
     if (!std::isfinite(x) || !std::isfinite(y)) continue;
     if (series.style == PlotSeries::Style::kDots) {
       cairo_new_sub_path(cr);
-      cairo_arc(cr, x, y, kDotRadius, 0.0, 2.0 * kPi);
+      cairo_arc(cr, x, y, radius, 0.0, 2.0 * kPi);
       cairo_fill(cr);
+    } else if (is_contour && i % 2 == 0) {
+      cairo_move_to(cr, x, y);
     } else {
       cairo_line_to(cr, x, y);
     }
@@ -214,7 +210,7 @@ void drawLegend(cairo_t* cr, const PlotPanel& panel, const Frame& frame) {
   constexpr double kGap = 20.0;
   double right = frame.left + frame.width;
   for (std::size_t i = panel.series.size(); i-- > 0;) {
-    setColor(cr, i);
+    setColor(cr, panel.series[i], i);
     cairo_text_extents_t extents;
     cairo_text_extents(cr, panel.series[i].name.c_str(), &extents);
     drawText(cr, right, frame.top - kLabelGap, panel.series[i].name, Align::kRight);
@@ -229,8 +225,9 @@ void drawPanel(cairo_t* cr, const PlotPanel& panel, Frame frame) {
   cairo_save(cr);
   cairo_rectangle(cr, frame.left, frame.top, frame.width, frame.height);
   cairo_clip(cr);
+  if (panel.heat.columns > 0) drawHeat(cr, panel.heat, frame);
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
-    setColor(cr, i);
+    setColor(cr, panel.series[i], i);
     drawSeries(cr, panel.series[i], frame);
   }
   cairo_restore(cr);
@@ -239,28 +236,15 @@ void drawPanel(cairo_t* cr, const PlotPanel& panel, Frame frame) {
   drawLegend(cr, panel, frame);
 }
 
-cairo_status_t append(void* png, const unsigned char* bytes, unsigned int count) {
-  static_cast<std::string*>(png)->append(reinterpret_cast<const char*>(bytes), count);
-  return CAIRO_STATUS_SUCCESS;
-}
-
-}  // namespace
-
-void writePlot(const std::string& path, const std::vector<PlotPanel>& panels) {
-  double total = 0.0;
-  for (const PlotPanel& panel : panels) total += panel.height * kUnitHeight;
-  const Surface surface(
-      cairo_image_surface_create(CAIRO_FORMAT_RGB24, kWidth, static_cast<int>(std::ceil(total))),
-      cairo_surface_destroy);
-  const Context cr(cairo_create(surface.get()), cairo_destroy);
-  cairo_set_source_rgb(cr.get(), 1.0, 1.0, 1.0);
-  cairo_paint(cr.get());
-  cairo_select_font_face(cr.get(), "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(cr.get(), kFontSize);
+void drawPanels(cairo_t* cr, const std::vector<PlotPanel>& panels) {
+  cairo_set_source_rgb(cr, 1.0, 1.0, 1.0);
+  cairo_paint(cr);
+  cairo_select_font_face(cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(cr, kFontSize);
   double top = 0.0;
   for (const PlotPanel& panel : panels) {
     const double height = panel.height * kUnitHeight;
-    drawPanel(cr.get(), panel,
+    drawPanel(cr, panel,
               {kPadLeft,
                top + kPadTop,
                kWidth - kPadLeft - kPadRight,
@@ -269,12 +253,46 @@ void writePlot(const std::string& path, const std::vector<PlotPanel>& panels) {
                {}});
     top += height;
   }
-  std::string png;
-  const cairo_status_t status = cairo_surface_write_to_png_stream(surface.get(), append, &png);
-  if (status != CAIRO_STATUS_SUCCESS) {
-    throw std::runtime_error(path + ": cannot be drawn: " + cairo_status_to_string(status));
-  }
-  writeFileAtomically(path, png);
+}
+
+cairo_status_t append(void* bytes, const unsigned char* data, unsigned int count) {
+  static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), count);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+void requireSuccess(const std::string& path, cairo_status_t status) {
+  if (status == CAIRO_STATUS_SUCCESS) return;
+  throw std::runtime_error(path + ": cannot be drawn: " + cairo_status_to_string(status));
+}
+
+void writePng(const std::string& path, const std::vector<PlotPanel>& panels, int height) {
+  const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, kWidth, height),
+                        cairo_surface_destroy);
+  drawPanels(Context(cairo_create(surface.get()), cairo_destroy).get(), panels);
+  std::string bytes;
+  requireSuccess(path, cairo_surface_write_to_png_stream(surface.get(), append, &bytes));
+  writeFileAtomically(path, bytes);
+}
+
+void writeSvg(const std::string& path, const std::vector<PlotPanel>& panels, int height) {
+  std::string bytes;
+  const Surface surface(cairo_svg_surface_create_for_stream(append, &bytes, kWidth, height),
+                        cairo_surface_destroy);
+  cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PX);
+  drawPanels(Context(cairo_create(surface.get()), cairo_destroy).get(), panels);
+  cairo_surface_finish(surface.get());
+  requireSuccess(path, cairo_surface_status(surface.get()));
+  writeFileAtomically(path, bytes);
+}
+
+}  // namespace
+
+void writePlot(const std::string& path, const std::vector<PlotPanel>& panels) {
+  double total = 0.0;
+  for (const PlotPanel& panel : panels) total += panel.height * kUnitHeight;
+  const int height = static_cast<int>(std::ceil(total));
+  writePng(path, panels, height);
+  writeSvg(std::filesystem::path(path).replace_extension(".svg").string(), panels, height);
 }
 
 }  // namespace kestrel

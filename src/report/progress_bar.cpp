@@ -8,7 +8,7 @@ namespace kestrel {
 namespace {
 
 constexpr double kRedrawInterval_s = 0.1;
-constexpr std::size_t kTenths = 10;
+constexpr std::size_t kLines = 3;  // without a terminal
 constexpr double kSecondsPerMinute = 60.0;
 
 double shareOf(const OfflineProgress& progress) {
@@ -61,9 +61,9 @@ void ProgressBar::update(const OfflineProgress& progress) {
     std::fflush(stream_);
     return;
   }
-  const auto tenth = static_cast<std::size_t>(share * static_cast<double>(kTenths));
-  if (tenth <= last_tenth_) return;
-  last_tenth_ = tenth;
+  const auto line = static_cast<std::size_t>(share * static_cast<double>(kLines));
+  if (line <= last_line_) return;
+  last_line_ = line;
   std::fprintf(stream_, "%s\n", text(progress, elapsed_s).c_str());
 }
 

@@ -174,9 +174,17 @@ Json pathOf(const OfflineRun& run, const std::vector<double>& times) {
   return {{"t", t}, {"x", x}, {"y", y}, {"yaw", yaw}, {"state", state}};
 }
 
+/// The box around the walls: [x0, y0, x1, y1], m; null without walls.
+Json wallsOf(const MapSnapshot& map) {
+  const std::optional<Eigen::AlignedBox2d> box = wallBox(map);
+  if (!box) return nullptr;
+  return Json::array({box->min().x(), box->min().y(), box->max().x(), box->max().y()});
+}
+
 Json imageOf(const MapSnapshot& map) {
   const MapImage image = renderMap(map);
-  return {{"png", "data:image/png;base64," + base64(image.png)},
+  return {{"walls", wallsOf(map)},
+          {"png", "data:image/png;base64," + base64(image.png)},
           {"width", image.width},
           {"height", image.height},
           {"metersPerPixel", map.resolution_m * image.cells_per_pixel},

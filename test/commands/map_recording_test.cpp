@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "kestrel_slam/map/map_io.h"
 #include "kestrel_slam/offline/version.h"
@@ -207,6 +208,49 @@ TEST_F(MapRecordingTest, WrongUsageIsExitCodeTwo) {
   EXPECT_EQ(map("--output").code, 2);
   EXPECT_EQ(map("--drop-every 0").code, 2);
   EXPECT_EQ(map("--drop-beams 1.5").code, 2);
+}
+
+TEST_F(MapRecordingTest, HelpFitsIntoEightyColumns) {
+  std::istringstream help(runCommand(kTool + "--help").output);
+  int lines = 0;
+  for (std::string line; std::getline(help, line); ++lines) EXPECT_LE(line.size(), 80U) << line;
+  EXPECT_GT(lines, 30);
+}
+
+TEST_F(MapRecordingTest, PipedOutputHasThreeLinesOfProgress) {
+  const std::string output = map(outputs("out")).output;
+  std::size_t lines = 0;
+  for (std::size_t at = 0; (at = output.find(" left\n", at)) != std::string::npos; ++at) ++lines;
+  EXPECT_EQ(lines, 3U) << output;
+}
+
+TEST_F(MapRecordingTest, FieldOfViewOfATable) {
+  std::string table;
+  for (int i = 0; i < kScans; ++i) {
+    const LaserScan scan = RoomFlight::scan(i);
+    for (std::size_t b = 0; b < scan.ranges.size(); ++b) {
+      table += (b == 0 ? "" : ";") + std::to_string(scan.ranges[b]);
+    }
+    table += "\n";
+  }
+  const std::string path = folder_.write("room.csv", table);
+  const Outcome outcome = runCommand(kTool + path + " --fov 179 --rate 10" + outputs("out"));
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_NEAR(readTum(folder_.file("out/trajectory.tum")).back().pose.x, 2.0, 0.05);
+  EXPECT_EQ(runCommand(kTool + path + " --fov 400" + outputs("out")).code, 2);
+}
+
+TEST_F(MapRecordingTest, RangesInMillimetersAreTheReason) {
+  std::string log = "# CARMEN Logfile\n";
+  for (int i = 0; i < kScans; ++i) {
+    log += "FLASER 180";
+    for (const float range : RoomFlight::scan(i).ranges)
+      log += ' ' + std::to_string(1000.0F * range);
+    log += " 0 0 0 0 0 0 " + std::to_string(0.1 * i) + " host 0\n";
+  }
+  const Outcome outcome = runCommand(kTool + folder_.write("mm.clf", log) + outputs("out"));
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_CONTAINS(outcome.output, "41 of 41");
 }
 
 TEST_F(MapRecordingTest, HelpVersionAndParametersNeedNoRecording) {

@@ -144,12 +144,13 @@ TEST(Reference, DifferentClocksAreAnError) {
                   "same clock");
 }
 
-TEST(EvaluationPlot, WritesAPngForASinglePose) {
+TEST(EvaluationPlot, WritesAPngAndAnSvgForASinglePose) {
   const TemporaryFolder folder;
   const std::string path = folder.file("p.png");
-  plotEvaluation(path, {{1.0, Pose2()}}, RelationEvaluation(), std::nullopt);
+  plotEvaluation(path, "a.tum", {{1.0, Pose2()}}, RelationEvaluation(), std::nullopt);
   EXPECT_EQ(readMagic(path, 4), "\x89PNG");
-  EXPECT_CONTAINS(messageOf([&] { plotEvaluation(folder.file("no/p.png"), {}, {}, {}); }),
+  EXPECT_EQ(readMagic(folder.file("p.svg"), 5), "<?xml");
+  EXPECT_CONTAINS(messageOf([&] { plotEvaluation(folder.file("no/p.png"), "", {}, {}, {}); }),
                   "no/p.png: No such file");
 }
 

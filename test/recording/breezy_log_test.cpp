@@ -86,6 +86,32 @@ TEST(BreezyLog, BrokenLinesAreSkippedAndCounted) {
   EXPECT_CONTAINS(recording->warnings().at(0), "line 2: broken line skipped");
 }
 
+TEST(BreezyLog, DamagedDigitsOfTheWheelsAndSplitNumbersAreSkipped) {
+  const TemporaryFolder folder;
+  std::string text;
+  for (int i = 0; i < 20; ++i) {
+    std::string line = lineOf(100000 * (i + 1L), 20000 + 10 * i, 20000 + 10 * i);
+    if (i == 7) line.replace(line.find("20070"), 5, "60070");
+    if (i == 9) line.replace(line.find(" 1000 "), 6, " 1 00 ");
+    text += line;
+  }
+  const auto recording = openRecording(folder.write("a.dat", text));
+  const std::vector<RecordedScan> scans = readAll(*recording);
+  ASSERT_EQ(scans.size(), 18U);
+  EXPECT_EQ(recording->skipped().at("broken line"), 2U);
+  EXPECT_NEAR(scans.back().odom_T_base->x, 2.0 * kPi * kWheelRadius * 190.0 / 2000.0, 1e-9);
+}
+
+TEST(BreezyLog, EncodersThatStartAgainAreFollowed) {
+  const TemporaryFolder folder;
+  std::string text;
+  for (int i = 0; i < 10; ++i) text += lineOf(100000 * (i + 1L), 90000 + 100 * i, 90000 + 100 * i);
+  for (int i = 10; i < 20; ++i) text += lineOf(100000 * (i + 1L), 100 * i, 100 * i);
+  const std::vector<RecordedScan> scans = readAll(*openRecording(folder.write("a.dat", text)));
+  ASSERT_EQ(scans.size(), 19U);
+  EXPECT_NEAR(scans.back().odom_T_base->x, 2.0 * kPi * kWheelRadius * 1700.0 / 2000.0, 1e-9);
+}
+
 TEST(RealBreezyLog, DriveInTheMinesIsPlausible) {
   const std::string data = dataFolder();
   SKIP_WITHOUT_DATA(data);

@@ -37,6 +37,7 @@ TEST(LikelihoodRecorder, BestPoseIsTheTruePose) {
   const TemporaryFolder folder;
   recorder.write(folder.file("surface.png"));
   EXPECT_GT(std::filesystem::file_size(folder.file("surface.png")), 1000U);
+  EXPECT_GT(std::filesystem::file_size(folder.file("surface.svg")), 1000U);
 }
 
 TEST(LikelihoodRecorder, ErrorsDescribeTheProblem) {

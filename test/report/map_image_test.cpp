@@ -77,6 +77,26 @@ TEST(MapImageTest, EmptyMapGivesNoImage) {
   EXPECT_EQ(image.width, 0);
 }
 
+TEST(WallBoxTest, EnclosesTheWallsButNotFreeSpaceOrAFarCell) {
+  MapSnapshot map = mapOf(1000, 500, std::vector<std::int8_t>(500000, kF));
+  map.resolution_m = 0.1;
+  map.origin_x = -50.0;
+  const auto occupy = [&map](int column, int row) {
+    map.cells[static_cast<std::size_t>(1000 * row + column)] = kO;
+  };
+  EXPECT_FALSE(wallBox(map));
+  for (int column = 300; column < 700; ++column) {
+    for (const int row : {100, 199}) occupy(column, row);
+  }
+  occupy(990, 490);
+  const std::optional<Eigen::AlignedBox2d> box = wallBox(map);
+  ASSERT_TRUE(box);
+  EXPECT_NEAR(box->min().x(), -20.0, 0.5);
+  EXPECT_NEAR(box->max().x(), 20.0, 0.5);
+  EXPECT_NEAR(box->min().y(), 10.0, 1e-9);
+  EXPECT_NEAR(box->max().y(), 20.0, 1e-9);
+}
+
 TEST(Base64Test, MatchesTheVectorsOfRfc4648) {
   EXPECT_EQ(base64(""), "");
   EXPECT_EQ(base64("f"), "Zg==");

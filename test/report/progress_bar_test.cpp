@@ -30,11 +30,11 @@ TEST(ProgressBarTest, ShowsProgressSpeedAndRemainingTime) {
   EXPECT_EQ(ProgressBar::text({0, 0, 0.0}, 0.0), "100 %  0 of 0 scans  0 x real time  0:00 left");
 }
 
-TEST(ProgressBarTest, PrintsALineForEveryTenPercentWithoutATerminal) {
+TEST(ProgressBarTest, PrintsThreeLinesWithoutATerminal) {
   const std::string output = outputOf(false, 1000);
-  EXPECT_EQ(std::count(output.begin(), output.end(), '\n'), 10);
+  EXPECT_EQ(std::count(output.begin(), output.end(), '\n'), 3);
   EXPECT_EQ(output.find('\r'), std::string::npos);
-  EXPECT_EQ(output.rfind(" 10 %  100 of 1000 scans", 0), 0U);
+  EXPECT_EQ(output.rfind(" 33 %  334 of 1000 scans", 0), 0U);
   EXPECT_CONTAINS(output, "\n100 %  1000 of 1000 scans");
 }
 

@@ -102,6 +102,19 @@ TEST(ReportTest, MarksChangedParameters) {
   }
 }
 
+TEST(ReportTest, OpensOnTheWalls) {
+  EXPECT_EQ(dataOf(reportHtml(runOf(2), infoOf(true)))["map"]["walls"].dump(),
+            "[-0.5,-2.0,0.0,-1.5]");
+  EXPECT_TRUE(dataOf(reportHtml(OfflineRun(), infoOf(true)))["map"]["walls"].is_null());
+}
+
+TEST(ReportTest, UnchangedParametersAreFoldedAndThePageCanBePrinted) {
+  const std::string html = reportHtml(runOf(2), infoOf(true));
+  EXPECT_LT(html.find("<table id=\"changed\""), html.find("<details>"));
+  EXPECT_LT(html.find("<details>"), html.find("<table id=\"parameters\""));
+  EXPECT_CONTAINS(html, "@media print");
+}
+
 TEST(ReportTest, FileNameCannotBreakThePage) {
   RunInfo info = infoOf(true);
   info.recording = "</script><b>\"&\xff.bag";

@@ -3,6 +3,7 @@
 """Each check of the repository (scripts/check_*) finds errors planted in a copy of it."""
 
 import pathlib
+import re
 import shutil
 import subprocess
 import tempfile
@@ -44,6 +45,17 @@ class PlantedErrors(unittest.TestCase):
         self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
         for message in messages:
             self.assertIn(message, result.stdout)
+
+
+class Setup(unittest.TestCase):
+    def test_messages_of_the_nodes_can_be_shown(self):
+        """rostopic echo needs the Python package of every message that the nodes publish."""
+        packages = {"diagnostic_msgs", "std_msgs", "tf2_msgs"}
+        for file in (ROOT / "src/ros").rglob("*.cpp"):
+            packages |= set(re.findall(r"advertise<(\w+)::", file.read_text()))
+        setup = (ROOT / "scripts/setup").read_text()
+        for package in packages - {"kestrel_slam"}:
+            self.assertRegex(setup, rf"\bpython3-{package.replace('_', '-')}\b")
 
 
 class Includes(PlantedErrors):

@@ -36,7 +36,9 @@ class BreezyLog : public Recording {
   std::unique_ptr<std::istream> stream_;
   std::size_t line_number_ = 0;
   std::size_t scan_count_ = 0;
-  bool cut_off_ = false;  ///< the compressed data are cut off, and the warning is given
+  bool cut_off_ = false;     ///< the compressed data are cut off, and the warning is given
+  std::size_t columns_ = 0;  ///< of nearly all lines; 0: the lines differ
+  std::optional<std::array<double, 2>> seen_ticks_;  ///< of the last line, also if it was skipped
   std::optional<std::array<double, 2>> last_ticks_;  ///< of the left and the right wheel
   Pose2 odom_T_base_;
   MonotoneTime monotone_time_;

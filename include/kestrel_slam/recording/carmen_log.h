@@ -32,8 +32,10 @@ class CarmenLog : public Recording {
 
   void survey();
   void surveyParameter(const std::string& line);
-  void surveyMounting(const std::string& line, Survey& survey);
+  void surveyLaser(const std::string& line, Survey& survey);
   void chooseMounting(const Survey& survey);
+  void reportDamage(const Survey& survey);
+  bool hasDamagedGeometry(const std::string& line) const;
   bool nextLaserLine(std::string& line);
   void fill(const CarmenScan& source, RecordedScan& scan);
   void skipBrokenLine(const std::string& reason);
@@ -47,7 +49,9 @@ class CarmenLog : public Recording {
   std::size_t scan_count_ = 0;
   bool has_odometry_ = false;
   double no_return_m_ = kCarmenDefaultMaxRange;
-  std::optional<double> offset_parameter_;  ///< robot_frontlaser_offset, m
+  std::optional<double> offset_parameter_;         ///< robot_frontlaser_offset, m
+  std::optional<Pose2> logged_mounting_;           ///< as the poses of nearly all lines say
+  std::map<std::string, std::size_t> geometries_;  ///< of ROBOTLASER1 lines, with their number
   Pose2 base_T_laser_;
   bool at_end_ = false;
   std::set<std::size_t> unknown_fans_;  ///< numbers of beams already warned about

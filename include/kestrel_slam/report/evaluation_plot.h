@@ -8,8 +8,9 @@
 
 namespace kestrel {
 
-/// Writes a PNG with the trajectory (and the reference, if there is one) and the errors over time.
-void plotEvaluation(const std::string& path, const Trajectory& trajectory,
+/// Writes a PNG and an SVG with the trajectory (and the reference, if there is one) and the errors
+/// over time. `name`: of the trajectory's file.
+void plotEvaluation(const std::string& path, const std::string& name, const Trajectory& trajectory,
                     const std::optional<RelationEvaluation>& relations,
                     const std::optional<ReferenceEvaluation>& reference);
 

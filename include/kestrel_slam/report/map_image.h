@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
+#include <optional>
 #include <string>
 
 #include "kestrel_slam/map/map_snapshot.h"
@@ -19,6 +21,9 @@ struct MapImage {
 /// occupied if one of them is occupied, else free if one is free, else unknown. Throws
 /// std::runtime_error if the image cannot be created.
 MapImage renderMap(const MapSnapshot& map, int max_side_pixels = 8192);
+
+/// The box around the walls, m, without the few that lie far outside. Empty without walls.
+std::optional<Eigen::AlignedBox2d> wallBox(const MapSnapshot& map);
 
 /// Encodes `bytes` in base64, for data URLs.
 std::string base64(const std::string& bytes);

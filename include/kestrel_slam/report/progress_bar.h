@@ -9,8 +9,8 @@
 
 namespace kestrel {
 
-/// Shows the progress of a run: on a terminal as a bar that is updated in place, otherwise as a
-/// line after every 10 %.
+/// Shows the progress of a run: on a terminal as a bar that is updated in place, otherwise as
+/// three lines.
 class ProgressBar {
  public:
   /// `stream` must outlive the bar. `terminal`: the stream is a terminal.
@@ -30,7 +30,7 @@ class ProgressBar {
   bool terminal_;
   Clock::time_point start_ = Clock::now();
   double last_drawn_s_ = -1.0;
-  std::size_t last_tenth_ = 0;
+  std::size_t last_line_ = 0;
 };
 
 }  // namespace kestrel
