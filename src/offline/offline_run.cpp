@@ -158,6 +158,7 @@ class Runner {
 
   void drop(const DroppedSweep& sweep) {
     if (run_.dropped[sweep.reason]++ > 0) return;
+    run_.drop_messages[sweep.reason] = sweep.message;
     run_.warnings.push_back("scans dropped (" + sweep.reason + "), the first " +
                             placeOf(sweep.input) + ": " + sweep.message);
   }
@@ -220,7 +221,11 @@ class Runner {
   }
 
   void finish() {
-    for (const auto& [reason, count] : recording_.skipped()) run_.dropped[reason] += count;
+    for (const auto& [reason, count] : recording_.skipped()) {
+      run_.dropped[reason] += count;
+      const std::string message = recording_.warningOf(reason);
+      if (!message.empty()) run_.drop_messages.emplace(reason, message);
+    }
     const auto& read_warnings = recording_.warnings();
     run_.warnings.insert(run_.warnings.begin(), read_warnings.begin(), read_warnings.end());
     warn(lost_, "did not match the map and were not inserted", "");
@@ -256,6 +261,21 @@ std::size_t OfflineRun::droppedCount() const {
   std::size_t count = 0;
   for (const auto& entry : dropped) count += entry.second;
   return count;
+}
+
+std::string OfflineRun::mainProblem() const {
+  if (dropped.empty()) return warnings.empty() ? "it has no scans" : warnings.front();
+  const auto is_rarer = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const auto& [reason, count] = *std::max_element(dropped.begin(), dropped.end(), is_rarer);
+  const std::string start =
+      std::to_string(count) + " of " + std::to_string(droppedCount()) + " dropped (" + reason + ")";
+  const auto message = drop_messages.find(reason);
+  if (message != drop_messages.end()) return start + ": " + message->second;
+  // The recording itself skipped them, and its warnings say why.
+  for (const std::string& warning : warnings) {
+    if (warning.find(reason) != std::string::npos) return start + ": " + warning;
+  }
+  return start + (warnings.empty() ? "" : ": " + warnings.front());
 }
 
 double OfflineRun::speedFactor() const {
