@@ -36,7 +36,7 @@ struct BagFiles::File {
   explicit File(const std::string& name, const StopRequest& stop)
       : path(name), content(name, stop) {
     try {
-      checkBagStructure(content.path());
+      contradictions = checkBagStructure(content.path());
       bag.open(content.path(), rosbag::bagmode::Read);
     } catch (const rosbag::BagUnindexedException&) {
       throw std::runtime_error(path + ": the bag has no index (its recording was cut off)" +
@@ -53,7 +53,8 @@ struct BagFiles::File {
   std::string path;
   UnpackedBag content;
   rosbag::Bag bag;
-  double begin = 0.0, end = 0.0;  ///< record times, s
+  std::size_t contradictions = 0;  ///< between records
+  double begin = 0.0, end = 0.0;   ///< record times, s
 };
 
 BagFiles::BagFiles(const std::vector<std::string>& paths, StopRequest stop)
@@ -122,9 +123,7 @@ std::size_t BagFiles::forEach(const std::vector<std::string>& topics, const Visi
 }
 
 bool BagFiles::isLost(const rosbag::MessageInstance& message) const {
-  if (lost_keys_.empty() || lost_keys_.count(keyOf(message)) == 0) return false;
-  ++lost_;
-  return true;
+  return !lost_keys_.empty() && lost_keys_.count(keyOf(message)) > 0;
 }
 
 void BagFiles::noteFailure(const rosbag::MessageInstance& message) const {
@@ -165,11 +164,21 @@ std::vector<std::string> BagFiles::gapWarnings() const {
   return warnings;
 }
 
-std::string BagFiles::damageWarning() const {
-  if (lost_chunks_ == 0) return "";
-  return std::to_string(lost_chunks_) + " compressed chunk" +
-         (lost_chunks_ == 1 ? " is" : "s are") + " damaged, and the messages in it were skipped (" +
-         std::to_string(lost_) + " besides the first of each chunk); copy or record the bag again";
+std::vector<std::string> BagFiles::damageWarnings() const {
+  constexpr const char* kAdvice = "; copy or record the bag again";
+  std::vector<std::string> warnings;
+  for (const auto& file : files_) {
+    if (file->contradictions == 0) continue;
+    warnings.push_back(file->path + " is damaged: " + std::to_string(file->contradictions) +
+                       " of its records contradict its index, so the result may be wrong" +
+                       kAdvice);
+  }
+  if (lost_chunks_ > 0) {
+    warnings.push_back(std::to_string(lost_chunks_) + " compressed chunk" +
+                       (lost_chunks_ == 1 ? " is" : "s are") +
+                       " damaged, and all messages in it were skipped" + kAdvice);
+  }
+  return warnings;
 }
 
 BagMessages::BagMessages(const BagFiles& files, const std::vector<std::string>& topics)

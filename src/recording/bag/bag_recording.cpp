@@ -136,8 +136,7 @@ bool BagRecording::next(RecordedScan& scan) {
   while (state_->scans->next(message)) {
     if (place(message, scan)) return true;
   }
-  const std::string damage = state_->files.damageWarning();
-  if (!damage.empty()) warn({damage});
+  warn(state_->files.damageWarnings());
   return false;
 }
 

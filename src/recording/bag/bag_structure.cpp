@@ -24,6 +24,7 @@ constexpr std::uint64_t kIndexTimeBytes = 8;
 constexpr std::uint64_t kNanosecondsPerSecond = 1000000000;
 
 enum Op : unsigned char {
+  kMessageData = 2,
   kBagHeader = 3,
   kIndexData = 4,
   kChunk = 5,
@@ -54,6 +55,7 @@ class Walker {
       : file_(path, std::ios::binary), size_(std::filesystem::file_size(path)) {}
 
   void walk();
+  std::size_t contradictions() const { return contradictions_; }
   /// Walks through a bag without index as far as possible.
   bool findsWholeChunk();
   std::vector<std::set<BagMessageKey>> compressedChunks();
@@ -68,6 +70,8 @@ class Walker {
   void enterChunk(const Record& chunk);
   void checkIndex(Record& index);
   void noteTimes(const Record& index, const std::string& entries);
+  std::string sourceOf(const Record& message);
+  void noteConnection(const Record& connection);
   void noteTopic(const Record& connection);
   void checkPosition(const Record& record, const std::string& field,
                      const std::set<std::uint64_t>& allowed) const;
@@ -77,8 +81,11 @@ class Walker {
   std::uint64_t size_;
   std::set<std::uint64_t> records_, chunks_;
   std::uint64_t chunk_size_ = 0;  ///< uncompressed size of the last chunk
-  std::optional<std::set<std::uint64_t>>
-      in_chunk_;  ///< positions of its messages, if it is not compressed
+  /// Connection and time of the messages in the last chunk by position, if it is not compressed;
+  /// other records have none.
+  std::optional<std::map<std::uint64_t, std::string>> in_chunk_;
+  std::map<std::uint64_t, std::string> connections_;  ///< their records in the chunks
+  std::size_t contradictions_ = 0;
   std::vector<ChunkIndex> compressed_;
   std::map<std::uint64_t, std::string> topics_;  ///< by connection
 };
@@ -155,8 +162,10 @@ void Walker::enterChunk(const Record& chunk) {
   if (chunk_size_ != chunk.end - chunk.data_begin) fail(chunk.start);
   in_chunk_.emplace();
   for (std::uint64_t at = chunk.data_begin; at < chunk.end;) {
-    in_chunk_->insert(at - chunk.data_begin);
-    at = readRecord(at, chunk.end).end;
+    const Record record = readRecord(at, chunk.end);
+    (*in_chunk_)[at - chunk.data_begin] = record.is(kMessageData) ? sourceOf(record) : "";
+    if (record.is(kConnection)) noteConnection(record);
+    at = record.end;
   }
   chunks_.insert(chunk.start);
 }
@@ -171,6 +180,10 @@ void Walker::checkIndex(Record& index) {
     const std::uint64_t at = i * kIndexEntryBytes + kIndexTimeBytes;
     std::uint32_t offset = 0;
     std::memcpy(&offset, entries.data() + at, sizeof offset);
+    if (in_chunk_ && in_chunk_->count(offset) > 0) {
+      const std::string time = entries.substr(at - kIndexTimeBytes, kIndexTimeBytes);
+      if (in_chunk_->at(offset) != index.fields.at("conn") + time) ++contradictions_;
+    }
     const bool possible = in_chunk_ ? in_chunk_->count(offset) > 0 : offset < chunk_size_;
     if (!possible) fail(index.data_begin + at);
   }
@@ -186,6 +199,24 @@ void Walker::noteTimes(const Record& index, const std::string& entries) {
     std::memcpy(&nanoseconds, entries.data() + at + sizeof seconds, sizeof nanoseconds);
     times.insert(seconds * kNanosecondsPerSecond + nanoseconds);
   }
+}
+
+/// Connection and time of a message, as bytes.
+std::string Walker::sourceOf(const Record& message) {
+  const auto connection = message.fields.find("conn"), time = message.fields.find("time");
+  if (connection == message.fields.end() || time == message.fields.end()) fail(message.start);
+  return connection->second + time->second;
+}
+
+/// A connection is recorded in a chunk and again at the end of the bag. Both must be equal.
+void Walker::noteConnection(const Record& connection) {
+  const auto topic = connection.fields.find("topic");
+  const std::string content =
+      (topic == connection.fields.end() ? "" : topic->second) + '\n' +
+      readBytes(connection.data_begin, connection.end - connection.data_begin);
+  const std::uint64_t number_of = number(connection, "conn", sizeof(std::uint32_t));
+  const auto known = connections_.emplace(number_of, content).first;
+  if (known->second != content) ++contradictions_;
 }
 
 void Walker::noteTopic(const Record& connection) {
@@ -244,7 +275,10 @@ void Walker::walk() {
     if (record.is(kChunk)) enterChunk(record);
     if (record.is(kIndexData)) checkIndex(record);
     if (record.is(kChunkInfo)) checkPosition(record, "chunk_pos", chunks_);
-    if (record.is(kConnection)) noteTopic(record);
+    if (record.is(kConnection)) {
+      noteTopic(record);
+      noteConnection(record);
+    }
     at = record.end;
   }
   records_.insert(size_);  // the index position of a bag without messages
@@ -253,7 +287,11 @@ void Walker::walk() {
 
 }  // namespace
 
-void checkBagStructure(const std::string& path) { Walker(path).walk(); }
+std::size_t checkBagStructure(const std::string& path) {
+  Walker walker(path);
+  walker.walk();
+  return walker.contradictions();
+}
 
 bool hasWholeChunk(const std::string& path) { return Walker(path).findsWholeChunk(); }
 

@@ -229,6 +229,7 @@ TEST_F(BagRecordingTest, DifferentVersionOfTheMessageIsAnError) {
 
 TEST_F(BagRecordingTest, CutOffBagSuggestsReindex) {
   writeBag([](rosbag::Bag& bag) {
+    bag.setChunkThreshold(1000);
     for (int i = 1; i < 500; ++i) record(bag, "/scan", i, scanAt(i));
   });
   std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2);

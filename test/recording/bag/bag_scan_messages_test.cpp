@@ -265,7 +265,8 @@ class BagCloudRecording : public ::testing::Test {
     sensor_msgs::LaserScan scan;
     scan.header.stamp = ros::Time(1.0);
     scan.header.frame_id = "laser";
-    scan.ranges = {1.0F};
+    scan.angle_increment = 0.5F;
+    scan.ranges = {1.0F, 2.0F, 3.0F};
     return scan;
   }
 

@@ -39,8 +39,8 @@ class BagFiles {
 
   /// Long gaps between the files.
   std::vector<std::string> gapWarnings() const;
-  /// The number of damaged chunks that were found so far; "" if there are none.
-  std::string damageWarning() const;
+  /// The damage that was found so far.
+  std::vector<std::string> damageWarnings() const;
 
  private:
   friend class BagMessages;
@@ -56,7 +56,7 @@ class BagFiles {
   // would cost a decompression of the chunk.
   mutable std::optional<std::vector<std::set<BagMessageKey>>> chunks_;
   mutable std::set<BagMessageKey> lost_keys_;
-  mutable std::size_t lost_ = 0, lost_chunks_ = 0;
+  mutable std::size_t lost_chunks_ = 0;
 };
 
 /// Reads the messages on some topics one by one, in the order of their record times.

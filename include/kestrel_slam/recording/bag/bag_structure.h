@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <set>
@@ -29,8 +30,9 @@ using StopRequest = std::function<bool()>;
 
 /// Checks that all lengths and positions in the records of a rosbag (format 2.0) are valid. The
 /// rosbag library does not check them: with a few damaged bytes it allocates gigabytes or reads
-/// outside of its memory. Throws BagDamage with the position of the damage.
-void checkBagStructure(const std::string& path);
+/// outside of its memory. Throws BagDamage with the position of the damage. Returns the number of
+/// records that contradict each other: the bag is damaged there, but can be read.
+std::size_t checkBagStructure(const std::string& path);
 
 /// True if the bag has at least one complete chunk, which `rosbag reindex` can save.
 bool hasWholeChunk(const std::string& path);
