@@ -31,7 +31,11 @@ constexpr int kPoseNumbers = 3;  // x, y, yaw
 
 volatile std::sig_atomic_t stop_requested = 0;
 
-void requestStop(int /*signal*/) { stop_requested = 1; }
+/// A second signal ends the program at once.
+void requestStop(int signal) {
+  stop_requested = 1;
+  std::signal(signal, SIG_DFL);
+}
 
 void addTopicOptions(CLI::App& app, RecordingOptions& topics) {
   app.add_option("--scan-topic", topics.scan_topic,

@@ -31,6 +31,11 @@ void requireContent(const std::string& path) {
   if (std::filesystem::is_regular_file(path) && std::filesystem::file_size(path) == 0) {
     throw std::runtime_error(path + ": the file is empty (0 bytes); record or copy it again");
   }
+  if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path) &&
+      !std::filesystem::is_directory(path)) {
+    throw std::runtime_error(path +
+                             ": is a pipe or a device, not a file; save the recording first");
+  }
   const std::string kind = foreignKind(path);
   if (!kind.empty()) throw std::runtime_error(path + ": " + kind);
 }

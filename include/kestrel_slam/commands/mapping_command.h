@@ -66,7 +66,9 @@ std::string nameOf(const std::string& recording);
 /// Throws std::runtime_error.
 void prepareOutput(const std::filesystem::path& folder);
 
-/// After this call, SIGINT and SIGTERM only stop the mapping. The results so far are still written.
+/// After this call, the first SIGINT or SIGTERM only stops the mapping, and the results so far are
+/// still written; while a recording is being opened, it ends the program with a message. A second
+/// one ends the program at once.
 void stopOnSignals();
 /// True after such a signal.
 bool stopRequested();

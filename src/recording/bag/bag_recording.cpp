@@ -100,8 +100,8 @@ void BagRecording::explainFrames() {
   }
   if (transforms.has("map", "odom")) {
     warn(
-        {"the bag has tf map -> odom of another localization. It is not used here; when the bag "
-         "is played to a mapper node, it disturbs: replay.launch removes it"});
+        {"the bag has tf map -> odom of another localization. It is not used here; in a replay to "
+         "a node it would fight with the mapper's: use replay.launch, which leaves it out"});
   }
 }
 
