@@ -120,13 +120,29 @@ std::vector<std::string> allTypes() {
   return types;
 }
 
+/// What to do with messages from which scans can be made.
+std::string adviceFor(const BagTopics& topics) {
+  static const std::pair<const char*, const char*> kAdvice[] = {
+      {"livox_ros_driver/CustomMsg", "record with xfer_format 0 (PointCloud2) of the Livox driver"},
+      {"livox_ros_driver2/CustomMsg",
+       "record with xfer_format 0 (PointCloud2) of the Livox driver"},
+      {"velodyne_msgs/VelodyneScan",
+       "record the clouds of velodyne_pointcloud while it is replayed"},
+      {"ouster_ros/PacketMsg", "record the clouds of ouster_ros while it is replayed"},
+      {"sensor_msgs/Image", "from depth images, record the scans of depthimage_to_laserscan"}};
+  for (const auto& [type, advice] : kAdvice) {
+    if (countOfType(topics, type) > 0) return std::string("; ") + type + ": " + advice;
+  }
+  return "";
+}
+
 [[noreturn]] void failWithoutTopic(const BagTopics& topics) {
   std::string types;
   for (const std::string& type : allTypes()) {
     types += (types.empty() ? "has no " : " and no ") + type;
   }
-  throw std::runtime_error(
-      types + " messages, so there is nothing to map; its topics: " + listTopics(topics, ""));
+  throw std::runtime_error(types + " messages, so there is nothing to map" + adviceFor(topics) +
+                           "; its topics: " + listTopics(topics, ""));
 }
 
 ScanTopic wantedTopic(const BagFiles& files, const BagTopics& topics,

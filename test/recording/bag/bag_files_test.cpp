@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/recording/bag/bag_files.h"
 
+#include <sys/stat.h>
+
 #include <boost/iostreams/copy.hpp>
 #include <boost/iostreams/filter/bzip2.hpp>
 #include <boost/iostreams/filter/gzip.hpp>
@@ -115,6 +117,8 @@ TEST_F(BagFilesTest, OtherFormatsAreNamedWithWhatToDo) {
   std::filesystem::create_directory(folder_.file("ros2"));
   folder_.write("ros2/metadata.yaml", "rosbag2_bagfile_information:\n");
   EXPECT_CONTAINS(problem(folder_.file("ros2")), "is the folder of a ROS 2 bag; convert it with");
+  ASSERT_EQ(mkfifo(folder_.file("pipe").c_str(), 0600), 0);
+  EXPECT_CONTAINS(problem(folder_.file("pipe")), "is a pipe or a device, not a file");
   std::filesystem::create_directory(folder_.file("parts"));
   EXPECT_CONTAINS(problem(folder_.file("parts")), "is a folder");
 }
