@@ -98,11 +98,11 @@ void BagRecording::explainFrames() {
           (transforms.empty() ? "" : " of frame " + state.topic.frame) +
           ": the laser frame is used as the base frame"});
   }
-  if (transforms.has("map", "odom")) {
-    warn(
-        {"the bag has tf map -> odom of another localization. It is not used here; in a replay to "
-         "a node it would fight with the mapper's: use replay.launch, which leaves it out"});
-  }
+  const std::string localization = transforms.localizationOf(state.base_frame);
+  if (localization.empty()) return;
+  warn({"the bag has tf " + localization +
+        " of another localization. It is not used here; in a replay to a node it would fight with "
+        "the mapper's: use replay.launch, which leaves it out"});
 }
 
 void BagRecording::readImu(const RecordingOptions& options) {

@@ -32,10 +32,10 @@ bool isUsable(const geometry_msgs::TransformStamped& transform) {
 
 const std::string kBaseName = "base_link";
 
-/// True for base_link and namespace/base_link.
-bool isBaseName(const std::string& frame) {
-  return frame.substr(frame.rfind('/') + 1) == kBaseName;
-}
+/// The name of a frame without its namespace.
+std::string lastPart(const std::string& frame) { return frame.substr(frame.rfind('/') + 1); }
+
+bool isBaseName(const std::string& frame) { return lastPart(frame) == kBaseName; }
 
 }  // namespace
 
@@ -110,9 +110,13 @@ std::string BagTransforms::listFrames() const {
   return text.empty() ? "none" : text;
 }
 
-bool BagTransforms::has(const std::string& parent, const std::string& child) const {
-  const auto edge = edges_.find(child);
-  return edge != edges_.end() && edge->second.parent == parent;
+std::string BagTransforms::localizationOf(const std::string& frame) const {
+  std::string child = frame;
+  for (const std::string& parent : ancestors(frame)) {
+    if (lastPart(parent) == "map") return parent + " -> " + child;
+    child = parent;
+  }
+  return "";
 }
 
 bool BagTransforms::rigid(const std::string& a, const std::string& b) const {

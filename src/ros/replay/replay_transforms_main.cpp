@@ -18,8 +18,8 @@ constexpr const char* kHelp =
     "publishes itself. Otherwise two nodes would publish the same transform, and it would jump.\n"
     "\n"
     "Subscribes tf_recorded and tf_static_recorded; publishes /tf and /tf_static.\n"
-    "Left out: all transforms from map_frame, and where odom_frame is empty those to base_frame\n"
-    "that are not static.\n"
+    "Left out: all transforms from map_frame, and those to odom_frame. Where odom_frame is empty:\n"
+    "those to base_frame that are not static.\n"
     "\n"
     "Parameters: ~map_frame (map), ~odom_frame (empty), ~base_frame (base_link)\n"
     "Usual start: roslaunch kestrel_slam replay.launch bag:=/absolute/path.bag\n";
@@ -61,8 +61,9 @@ class ReplayTransforms {
     for (const auto& transform : recorded.transforms) {
       const std::string parent = withoutSlash(transform.header.frame_id);
       const std::string child = withoutSlash(transform.child_frame_id);
-      const bool to_base = odom_frame_.empty() && child == base_frame_ && !is_static;
-      if (parent != map_frame_ && !to_base) {
+      const bool replaced =
+          odom_frame_.empty() ? child == base_frame_ && !is_static : child == odom_frame_;
+      if (parent != map_frame_ && !replaced) {
         kept.transforms.push_back(transform);
       } else if (named_.insert(parent + " -> " + child).second) {
         ROS_WARN("the recording has tf %s -> %s, which the mapper replaces: it is left out",

@@ -41,8 +41,9 @@ class BagTransforms {
 
   /// Names of all frames, for messages.
   std::string listFrames() const;
-  /// True if tf has the transform from `child` to its parent `parent`.
-  bool has(const std::string& parent, const std::string& child) const;
+  /// The transform above `frame` by which another program has localized it in a map, as
+  /// "map -> odom"; "" if there is none.
+  std::string localizationOf(const std::string& frame) const;
   /// The stamp of the first transform that is not static, s.
   std::optional<double> firstStamp() const { return first_stamp_; }
 
