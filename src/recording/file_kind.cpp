@@ -81,10 +81,19 @@ bool isCompressed(const std::string& path) {
          startsWith(magic, bytes("\xfd\x37zXZ\0"));
 }
 
+std::string startOf(const std::string& path) {
+  if (!isCompressed(path)) return readMagic(path, kMagicBytes);
+  const std::unique_ptr<std::istream> stream = openText(path);
+  std::string start;
+  // One by one: damaged data farther on must not hide the first bytes.
+  for (char byte = 0; start.size() < kMagicBytes && stream->get(byte);) start += byte;
+  return start;
+}
+
 std::string foreignKind(const std::string& path) {
   std::error_code error;
   if (fs::is_directory(path, error)) return folderKind(path);
-  const std::string head = isCompressed(path) ? readHead(path) : readMagic(path, kMagicBytes);
+  const std::string head = startOf(path);
   const auto kind = std::find_if(kinds().begin(), kinds().end(),
                                  [&](const Kind& k) { return startsWith(head, k.magic); });
   if (kind != kinds().end()) return kind->text;

@@ -13,8 +13,7 @@ namespace kestrel {
 
 bool isBag(const std::string& path) {
   static const std::string kMagic = "#ROSBAG";
-  if (!isCompressed(path)) return readMagic(path, kMagic.size()) == kMagic;
-  return readHead(path).compare(0, kMagic.size(), kMagic) == 0;
+  return startOf(path).compare(0, kMagic.size(), kMagic) == 0;
 }
 
 Trajectory readReference(const std::string& path, const std::string& topic) {
