@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <istream>
+#include <memory>
 #include <vector>
 
 #include "kestrel_slam/recording/text_stream.h"

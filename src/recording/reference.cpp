@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include "kestrel_slam/recording/file_kind.h"
-#include "kestrel_slam/recording/text_stream.h"
 #ifdef KESTREL_WITH_ROS
 #include "kestrel_slam/recording/bag/bag_reference.h"
 #endif
