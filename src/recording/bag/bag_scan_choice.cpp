@@ -4,6 +4,7 @@
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/recording/bag/bag_scans.h"
@@ -24,6 +25,7 @@ struct View {
 struct Candidate {
   ScanTopic topic;
   View view;
+  double scans = 0.0;  ///< on the topic
 };
 
 View viewOf(const LaserScan& scan) {
@@ -99,10 +101,13 @@ std::vector<Candidate> rank(const BagFiles& files, const BagTopics& topics, bool
     for (const auto& [name, topic] : topics) {
       if (topic.type != type || topic.messages == 0) continue;
       candidates.push_back(examine(files, name, clouds, transforms));
+      Candidate& candidate = candidates.back();
+      candidate.scans = static_cast<double>(topic.messages) / candidate.topic.messages_per_scan;
     }
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const auto& a, const auto& b) { return a.view.size() > b.view.size(); });
+  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.view.size(), a.scans) > std::pair(b.view.size(), b.scans);
+  });
   return candidates;
 }
 
