@@ -89,7 +89,8 @@ void compare(const Arguments& arguments, const SlamConfig& config) {
     comparison = compareRuns(runs, relations, SlamConfig().mapper.matcher.method);
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(arguments.relations + ": " + error.what() +
-                             "; check that the relations belong to " + arguments.mapping.recording);
+                             "; check that the relations belong to " +
+                             arguments.mapping.recording());
   }
   plotComparison((fs::path(arguments.output) / "comparison.png").string(), runs, comparison);
   finish(arguments, "comparison", comparisonTable(runs, comparison, !arguments.mapping.no_timing));
@@ -154,7 +155,7 @@ void run(const Arguments& arguments) {
 
 void check(const Arguments& arguments) {
   if (arguments.version) return;
-  if (arguments.mapping.recording.empty()) throw CLI::RequiredError("RECORDING");
+  if (arguments.mapping.recordings.empty()) throw CLI::RequiredError("RECORDING");
   if (arguments.output.empty()) throw CLI::RequiredError("--output");
 }
 

@@ -52,11 +52,11 @@ void printSummary(const fs::path& folder, const OfflineRun& run) {
 void mapRecording(const Arguments& arguments) {
   const MappingArguments& mapping = arguments.mapping;
   const SlamConfig config = configOf(mapping);
+  stopOnSignals();
   const auto recording = openFor(mapping);
   const RunInfo info = runInfoOf(mapping, config, *recording);
   const fs::path folder =
-      arguments.output.empty() ? nameOf(mapping.recording) + "_map" : arguments.output;
-  stopOnSignals();
+      arguments.output.empty() ? nameOf(mapping.recording()) + "_map" : arguments.output;
   prepareOutput(folder);
   const OfflineRun run = mapWithProgress(*recording, config, mapping);
   writeOutputs(folder, run, info);
@@ -75,7 +75,7 @@ void run(const Arguments& arguments) {
 }
 
 void check(const Arguments& arguments) {
-  if (arguments.mapping.recording.empty() && !arguments.list_parameters && !arguments.version) {
+  if (arguments.mapping.recordings.empty() && !arguments.list_parameters && !arguments.version) {
     throw CLI::RequiredError("RECORDING");
   }
 }

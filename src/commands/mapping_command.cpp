@@ -4,8 +4,10 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <set>
 #include <stdexcept>
 
 #include "kestrel_slam/evaluation/covariance_file.h"
@@ -16,6 +18,8 @@
 #include "kestrel_slam/recording/trajectory.h"
 #include "kestrel_slam/report/progress_bar.h"
 #include "kestrel_slam/report/report.h"
+#include "kestrel_slam/sensor/attitude_buffer.h"
+#include "kestrel_slam/sensor/scan_projector.h"
 
 namespace kestrel {
 namespace {
@@ -27,7 +31,11 @@ constexpr int kPoseNumbers = 3;  // x, y, yaw
 
 volatile std::sig_atomic_t stop_requested = 0;
 
-void requestStop(int /*signal*/) { stop_requested = 1; }
+/// A second signal ends the program at once.
+void requestStop(int signal) {
+  stop_requested = 1;
+  std::signal(signal, SIG_DFL);
+}
 
 void addTopicOptions(CLI::App& app, RecordingOptions& topics) {
   app.add_option("--scan-topic", topics.scan_topic,
@@ -60,6 +68,24 @@ void addRunOptions(CLI::App& app, RunOptions& run) {
       ->capture_default_str();
 }
 
+/// Advice for a recording whose IMU makes all scans unusable.
+std::string imuAdvice(const OfflineRun& run) {
+  static const std::set<std::string> kReasons = {"no-imu",
+                                                 "imu-silent",
+                                                 "imu-frozen",
+                                                 "imu-invalid",
+                                                 toString(AttitudeError::kEmpty),
+                                                 toString(AttitudeError::kTooOld),
+                                                 toString(AttitudeError::kNotYet),
+                                                 toString(AttitudeError::kGap),
+                                                 toString(ScanError::kTilted),
+                                                 toString(ScanError::kNoAttitude)};
+  const bool caused = std::any_of(run.dropped.begin(), run.dropped.end(), [](const auto& entry) {
+    return kReasons.count(entry.first) > 0;
+  });
+  return caused ? "; --imu none maps without the IMU" : "";
+}
+
 }  // namespace
 
 void addLaserPoseOption(CLI::App& app, std::vector<double>& x_y_yaw) {
@@ -78,8 +104,9 @@ std::optional<Eigen::Isometry3d> laserPoseOf(const std::vector<double>& x_y_yaw)
 
 void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
   app.add_option(
-      "RECORDING", arguments.recording,
-      "rosbag, CARMEN log, BreezySLAM log or table of ranges (text files may be .bz2, .gz or .xz)");
+      "RECORDING", arguments.recordings,
+      "rosbag, CARMEN log, BreezySLAM log or table of ranges (may be .bz2, .gz or .xz); of a "
+      "recording that was split into several bags: all of them");
   app.add_option("--config", arguments.config, "YAML file with parameters");
   app.add_option("--odometry", arguments.odometry,
                  "none: laser only (default); use: predict the motion from the recorded odometry")
@@ -114,7 +141,7 @@ SlamConfig configOf(const MappingArguments& arguments) {
 RunInfo runInfoOf(const MappingArguments& arguments, const SlamConfig& config,
                   const Recording& recording) {
   RunInfo info;
-  info.recording = fs::path(arguments.recording).filename().string();
+  info.recording = fs::path(arguments.recording()).filename().string();
   info.description = recording.description();
   info.config = config;
   info.odometry = arguments.odometry == "use";
@@ -123,9 +150,12 @@ RunInfo runInfoOf(const MappingArguments& arguments, const SlamConfig& config,
 }
 
 std::unique_ptr<Recording> openFor(const MappingArguments& arguments) {
-  std::unique_ptr<Recording> recording = openRecording(arguments.recording, arguments.topics);
+  RecordingOptions options = arguments.topics;
+  options.base_T_laser = laserPoseOf(arguments.laser_pose);
+  options.stop = stopRequested;
+  std::unique_ptr<Recording> recording = openRecording(arguments.recordings, options);
   if (arguments.odometry == "use" && !recording->hasOdometry()) {
-    throw std::runtime_error(arguments.recording + ": has no odometry; use --odometry none");
+    throw std::runtime_error(arguments.recording() + ": has no odometry; use --odometry none");
   }
   return recording;
 }
@@ -176,7 +206,9 @@ OfflineRun mapWithProgress(Recording& recording, const SlamConfig& config,
   if (!arguments.quiet) bar.finish();
   if (!run.scans.empty()) return run;
   // Without a pose there is nothing to write.
-  throw std::runtime_error(arguments.recording + ": no scan could be used: " + run.mainProblem());
+  printWarnings("warning: ", run);
+  throw std::runtime_error(arguments.recording() + ": no scan could be used: " + run.mainProblem() +
+                           (options.use_imu ? imuAdvice(run) : ""));
 }
 
 void printWarnings(const std::string& prefix, const OfflineRun& run) {

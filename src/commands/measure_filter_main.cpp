@@ -255,7 +255,9 @@ void compareWithMotionCapture(const Options& options) {
     for (const bool coupled : {false, true}) {
       CouplingOptions coupling;
       coupling.attitude = coupling.height = coupling.prediction = coupled;
-      const auto recording = openRecording(path);
+      RecordingOptions how_to_read;
+      how_to_read.base_T_laser = laserPoseOf(options.laser_pose);
+      const auto recording = openRecording(path, how_to_read);
       const RecordedFilterRun run = runFiltered(*recording, config, options.filter, coupling,
                                                 laserPoseOf(options.laser_pose));
       const char* how = coupled ? "everything" : "nothing";

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/messages/sensor_messages.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <stdexcept>
 
 #include "kestrel_slam/sensor/point_buffer.h"
+#include "kestrel_slam/sensor/point_times.h"
 
 namespace kestrel {
 namespace {
@@ -15,6 +18,28 @@ template <typename Covariance>
 bool exists(const Covariance& covariance) {
   constexpr double kAbsent = -1.0;
   return covariance[0] != kAbsent;
+}
+
+/// Copies the fields that LaserScan and MultiEchoLaserScan have in common.
+template <typename Message>
+LaserScan withoutRanges(const Message& message) {
+  LaserScan scan;
+  scan.stamp = toSeconds(message.header.stamp);
+  scan.angle_min = static_cast<double>(message.angle_min);
+  scan.angle_increment = static_cast<double>(message.angle_increment);
+  scan.time_increment = static_cast<double>(message.time_increment);
+  scan.range_min = static_cast<double>(message.range_min);
+  scan.range_max = static_cast<double>(message.range_max);
+  return scan;
+}
+
+/// The range of the strongest echo; of the last echo if there is not one intensity for each echo.
+float bestEcho(const std::vector<float>& ranges, const std::vector<float>& intensities) {
+  if (ranges.empty()) return std::numeric_limits<float>::quiet_NaN();
+  if (intensities.size() != ranges.size()) return ranges.back();
+  // Searched from the end: of equal intensities (some drivers send zeros), the last one counts.
+  const auto strongest = std::max_element(intensities.rbegin(), intensities.rend());
+  return ranges[static_cast<std::size_t>(intensities.rend() - strongest) - 1];
 }
 
 Eigen::Vector3d toVector(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
@@ -34,14 +59,21 @@ std::string withoutSlash(const std::string& name) {
 }
 
 LaserScan fromMessage(const sensor_msgs::LaserScan& message) {
-  LaserScan scan;
-  scan.stamp = toSeconds(message.header.stamp);
-  scan.angle_min = static_cast<double>(message.angle_min);
-  scan.angle_increment = static_cast<double>(message.angle_increment);
-  scan.time_increment = static_cast<double>(message.time_increment);
-  scan.range_min = static_cast<double>(message.range_min);
-  scan.range_max = static_cast<double>(message.range_max);
+  LaserScan scan = withoutRanges(message);
   scan.ranges = message.ranges;
+  return scan;
+}
+
+LaserScan fromMessage(const sensor_msgs::MultiEchoLaserScan& message) {
+  static const std::vector<float> kNoIntensities;
+  LaserScan scan = withoutRanges(message);
+  scan.ranges.reserve(message.ranges.size());
+  for (std::size_t i = 0; i < message.ranges.size(); ++i) {
+    const bool has_intensities = i < message.intensities.size();
+    scan.ranges.push_back(bestEcho(message.ranges[i].echoes, has_intensities
+                                                                 ? message.intensities[i].echoes
+                                                                 : kNoIntensities));
+  }
   return scan;
 }
 
@@ -58,6 +90,22 @@ PointCloud toPointCloud(const sensor_msgs::PointCloud2& message) {
   buffer.data = message.data.data();
   buffer.size = message.data.size();
   return unpackPoints(buffer, toSeconds(message.header.stamp));
+}
+
+PointCloud toPointCloud(const sensor_msgs::PointCloud& message) {
+  if (message.points.empty()) throw std::invalid_argument("the cloud has zero points");
+  PointCloud cloud;
+  cloud.stamp = toSeconds(message.header.stamp);
+  cloud.points.reserve(message.points.size());
+  for (const geometry_msgs::Point32& point : message.points) {
+    cloud.points.push_back({point.x, point.y, point.z, 0.0F});
+  }
+  for (const sensor_msgs::ChannelFloat32& channel : message.channels) {
+    if (!isPointTime(channel.name) || channel.values.size() != cloud.points.size()) continue;
+    setPointTimes({channel.values.begin(), channel.values.end()}, 1.0, cloud);
+    break;
+  }
+  return cloud;
 }
 
 ImuSample toImuSample(const sensor_msgs::Imu& message) {

@@ -236,7 +236,11 @@ class Runner {
   }
 
   void finish() {
-    for (const auto& [reason, count] : recording_.skipped()) run_.dropped[reason] += count;
+    for (const auto& [reason, count] : recording_.skipped()) {
+      run_.dropped[reason] += count;
+      const std::string message = recording_.warningOf(reason);
+      if (!message.empty()) run_.drop_messages.emplace(reason, message);
+    }
     const auto& read_warnings = recording_.warnings();
     run_.warnings.insert(run_.warnings.begin(), read_warnings.begin(), read_warnings.end());
     for (const auto& [kind, doubt] : doubts_) {

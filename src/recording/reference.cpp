@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-#include "kestrel_slam/recording/text_stream.h"
+#include "kestrel_slam/recording/file_kind.h"
 #ifdef KESTREL_WITH_ROS
 #include "kestrel_slam/recording/bag/bag_reference.h"
 #endif
@@ -12,7 +12,7 @@ namespace kestrel {
 
 bool isBag(const std::string& path) {
   static const std::string kMagic = "#ROSBAG";
-  return readMagic(path, kMagic.size()) == kMagic;
+  return startOf(path).compare(0, kMagic.size(), kMagic) == 0;
 }
 
 Trajectory readReference(const std::string& path, const std::string& topic) {

@@ -84,7 +84,11 @@ std::optional<ImuFault> faultOf(const ImuSample& sample) {
 }
 
 bool FrozenCheck::add(const ImuSample& sample) {
-  if (!first_ || !areSame(*first_, sample) || sample.stamp < first_->stamp) first_ = sample;
+  // Readings without any value are no sign of a frozen sensor. They are refused for another reason.
+  const bool empty = !sample.world_R_imu && !sample.angular_velocity && !sample.linear_acceleration;
+  if (empty || !first_ || !areSame(*first_, sample) || sample.stamp < first_->stamp) {
+    first_ = sample;
+  }
   duration_s_ = sample.stamp - first_->stamp;
   return duration_s_ >= frozen_s_;
 }

@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstring>
 #include <optional>
 #include <stdexcept>
+
+#include "kestrel_slam/sensor/point_times.h"
 
 namespace kestrel {
 namespace {
@@ -123,42 +124,12 @@ void requireBytes(const PointBuffer& buffer) {
 
 /// The field with the time of the points. A field with a smaller type is not a time.
 std::optional<PointField> timeField(const PointBuffer& buffer) {
-  for (const char* name : {"time", "t", "timestamp", "time_offset", "offset_time"}) {
-    const PointField* field = findField(buffer, name);
-    if (field == nullptr || sizeOf(field->type) < sizeof(std::uint32_t)) continue;
-    requireInside(buffer, *field);
-    return *field;
+  for (const PointField& field : buffer.fields) {
+    if (!isPointTime(field.name) || sizeOf(field.type) < sizeof(std::uint32_t)) continue;
+    requireInside(buffer, field);
+    return field;
   }
   return std::nullopt;
-}
-
-/// Converts the values of a time field to seconds after the stamp of the cloud.
-class PointClock {
- public:
-  PointClock(const PointField& field, double stamp, double example) : stamp_(stamp) {
-    const bool integer = field.type == PointField::kInt32 || field.type == PointField::kUint32;
-    // No clock shows 1e15 s. In ns this value is reached after eleven days.
-    constexpr double kMaxSeconds = 1e15;
-    if (integer || std::abs(example) > kMaxSeconds) unit_ = kNanosecond;
-    const double seconds = unit_ * example;
-    absolute_ = !integer && std::abs(seconds - stamp) < std::abs(seconds);
-  }
-
-  float offset(double value) const {
-    const auto result = static_cast<float>(unit_ * value - (absolute_ ? stamp_ : 0.0));
-    return std::isfinite(result) ? result : 0.0F;
-  }
-
- private:
-  double stamp_;
-  double unit_ = 1.0;  ///< s
-  bool absolute_ = false;
-};
-
-/// Organized clouds mark missing returns with NaN or zeros. Their times are not valid either.
-bool isReturn(const PointCloud::Point& point) {
-  return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z) &&
-         (point.x != 0.0F || point.y != 0.0F || point.z != 0.0F);
 }
 
 template <typename Visit>
@@ -170,16 +141,13 @@ void forEachPoint(const PointBuffer& buffer, Visit visit) {
 }
 
 void readTimes(const PointBuffer& buffer, const PointField& field, PointCloud& cloud) {
-  std::optional<PointClock> clock;
-  auto point = cloud.points.begin();
+  std::vector<double> values;
+  values.reserve(cloud.points.size());
   forEachPoint(buffer, [&](const std::uint8_t* bytes) {
-    PointCloud::Point& target = *point++;
-    if (!isReturn(target)) return;
-    const double value = valueAt(bytes, field, buffer.big_endian);
-    if (!std::isfinite(value)) return;
-    if (!clock) clock.emplace(field, cloud.stamp, value);
-    target.time = clock->offset(value);
+    values.push_back(valueAt(bytes, field, buffer.big_endian));
   });
+  const bool integer = field.type == PointField::kInt32 || field.type == PointField::kUint32;
+  setPointTimes(values, integer ? kNanosecond : 1.0, cloud);
 }
 
 }  // namespace

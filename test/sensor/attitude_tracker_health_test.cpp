@@ -38,6 +38,15 @@ TEST_F(AttitudeTrackerHealth, DetectsAFrozenImu) {
   expectRecovery(kPeriod);
 }
 
+TEST_F(AttitudeTrackerHealth, ReadingsWithoutAnyValueAreNotCalledFrozen) {
+  feed(2.0, [](ImuSample& sample) {
+    sample.world_R_imu.reset();
+    sample.angular_velocity.reset();
+    sample.linear_acceleration.reset();
+  });
+  expect(ImuHealth::kInvalid, "neither an orientation nor an angular velocity");
+}
+
 TEST_F(AttitudeTrackerHealth, AConstantGyroIsNotFrozen) {
   EXPECT_EQ(feed(3.0, [](ImuSample& sample) { sample.angular_velocity = Vector3d::Zero(); }), 300);
   expect(ImuHealth::kOk, "");

@@ -21,8 +21,8 @@ namespace kestrel {
 
 /// Command line arguments of the tools that map a recording.
 struct MappingArguments {
-  std::string recording;
-  std::string config;  ///< YAML file with parameters; may be empty
+  std::vector<std::string> recordings;  ///< one file, or the bags of a recording that was split
+  std::string config;                   ///< YAML file with parameters; may be empty
   std::string odometry = "none";
   std::string imu = "use";
   std::string filter = "use";
@@ -32,6 +32,9 @@ struct MappingArguments {
   RunOptions run;                  ///< without the choice of sensors, see `odometry` and `imu`
   bool no_timing = false;
   bool quiet = false;
+
+  /// The first file; "" if there is none.
+  std::string recording() const { return recordings.empty() ? "" : recordings.front(); }
 };
 
 /// Declares the options of `arguments`. RECORDING is optional; the tool must check whether it is
@@ -51,7 +54,8 @@ SlamConfig configOf(const MappingArguments& arguments);
 RunInfo runInfoOf(const MappingArguments& arguments, const SlamConfig& config,
                   const Recording& recording);
 
-/// Opens the recording. Throws like openRecording(), and also if `--odometry use` is given but the
+/// Opens the recording. A signal (see stopOnSignals()) stops it with an exception. Throws like
+/// openRecording(), and also if `--odometry use` is given but the
 /// recording has no odometry.
 std::unique_ptr<Recording> openFor(const MappingArguments& arguments);
 
@@ -62,7 +66,9 @@ std::string nameOf(const std::string& recording);
 /// Throws std::runtime_error.
 void prepareOutput(const std::filesystem::path& folder);
 
-/// After this call, SIGINT and SIGTERM only stop the mapping. The results so far are still written.
+/// After this call, the first SIGINT or SIGTERM only stops the mapping, and the results so far are
+/// still written; while a recording is being opened, it ends the program with a message. A second
+/// one ends the program at once.
 void stopOnSignals();
 /// True after such a signal.
 bool stopRequested();

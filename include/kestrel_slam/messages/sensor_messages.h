@@ -4,6 +4,8 @@
 #include <ros/time.h>
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/LaserScan.h>
+#include <sensor_msgs/MultiEchoLaserScan.h>
+#include <sensor_msgs/PointCloud.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <sensor_msgs/Range.h>
 
@@ -24,6 +26,10 @@ std::string withoutSlash(const std::string& name);
 
 /// Copies all values without a check.
 LaserScan fromMessage(const sensor_msgs::LaserScan& message);
+/// Uses the strongest echo of each beam; without intensities the last one, which is the farthest.
+/// A weak echo in front of a strong one is often rain, dust or the edge of an object. A beam
+/// without an echo becomes NaN, because the message does not tell why there is none.
+LaserScan fromMessage(const sensor_msgs::MultiEchoLaserScan& message);
 
 /// The points of a message, with their times if the message has them (see unpackPoints()). The
 /// stamp is the stamp of the header, s.
@@ -31,6 +37,8 @@ LaserScan fromMessage(const sensor_msgs::LaserScan& message);
 /// Throws std::invalid_argument with the reason: missing fields (with a list of the existing ones),
 /// unsupported types, no points, or too few bytes.
 PointCloud toPointCloud(const sensor_msgs::PointCloud2& message);
+/// The same for the older message type, whose times are in a channel.
+PointCloud toPointCloud(const sensor_msgs::PointCloud& message);
 
 /// Copies the values of a message without a check. A value is absent if the driver marks it as
 /// missing: by a covariance that begins with -1, or by an orientation of four zeros.

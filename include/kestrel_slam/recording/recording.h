@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -33,16 +34,21 @@ struct RecordedImu {
 
 /// How to read a recording.
 struct RecordingOptions {
-  std::string scan_topic;  ///< bags: LaserScan or PointCloud2; empty: the LaserScan topic with the
-                           ///< most messages, or a PointCloud2 topic if there is none
+  std::string scan_topic;  ///< bags: empty: the topic of the laser that sees most, or of a 3D lidar
+                           ///< if there is no laser
   std::string odom_topic;  ///< bags: empty: the only Odometry topic, or tf odom -> base
-  std::string base_frame;  ///< bags: empty: base_link, or else the topmost non-world frame of tf
-  std::string imu_topic;   ///< bags: empty: the Imu topic with the most messages
+  std::string base_frame;  ///< bags: empty: base_link, or else the topmost frame of tf that is
+                           ///< rigidly connected to the laser
+  std::string imu_topic;   ///< bags: empty: the most complete Imu topic
   std::string height_topic;    ///< bags: empty: the Range topic that looks down
   bool prefer_clouds = false;  ///< bags: use PointCloud2 even if there is a LaserScan topic
   double rate_hz = 40.0;       ///< tables of ranges: scan rate, if the table has no stamps
   double fov_deg = 0.0;        ///< tables of ranges: field of view, if the table has no angles; 0:
                                ///< from the number of ranges
+  /// The mounting of the laser, if it is known. tf is then not asked for it.
+  std::optional<Eigen::Isometry3d> base_T_laser;
+  /// Asked often while a long file is opened; if it returns true, opening throws an exception.
+  std::function<bool()> stop;
 };
 
 /// A rosbag or log file. Scans are read one by one in the order of the file.
@@ -65,11 +71,17 @@ class Recording {
 
   /// Number of skipped messages for each reason, for example {"broken line", 1}.
   const std::map<std::string, std::size_t>& skipped() const { return skipped_; }
+  /// The warning that belongs to a reason of skipped(); "" if there is none.
+  std::string warningOf(const std::string& reason) const {
+    const auto warning = skip_warnings_.find(reason);
+    return warning == skip_warnings_.end() ? "" : warning->second;
+  }
   /// Warnings for the user: each problem once, with the place of its first occurrence.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  protected:
   std::map<std::string, std::size_t> skipped_;
+  std::map<std::string, std::string> skip_warnings_;  ///< the first one for each reason
   std::vector<std::string> warnings_;
   RecordedImu imu_;
   std::vector<HeightSample> heights_;
@@ -80,6 +92,11 @@ class Recording {
 /// one line that names the file, the problem and a remedy: the file does not exist, is a folder,
 /// has an unknown format, or has no laser (the message lists its topics).
 std::unique_ptr<Recording> openRecording(const std::string& path,
+                                         const RecordingOptions& options = RecordingOptions());
+
+/// Opens a recording that was split into several bags; their order does not matter. With one path
+/// the same as openRecording(path).
+std::unique_ptr<Recording> openRecording(const std::vector<std::string>& paths,
                                          const RecordingOptions& options = RecordingOptions());
 
 }  // namespace kestrel

@@ -7,7 +7,8 @@
 
 namespace kestrel {
 
-/// True if the file begins like a rosbag. Throws std::runtime_error if it cannot be read.
+/// True if the file, decompressed if necessary, begins like a rosbag. Throws std::runtime_error if
+/// it cannot be read.
 bool isBag(const std::string& path);
 
 /// Reads a reference trajectory from a file in the TUM format or from `topic` of a rosbag (see

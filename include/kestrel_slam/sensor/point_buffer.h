@@ -39,10 +39,8 @@ struct PointBuffer {
   std::uint64_t size = 0;  ///< bytes at `data`; may be more than the points need
 };
 
-/// Unpacks `x`, `y`, `z` (float32 or float64) and, if there is one, the time of each point: `time`,
-/// `t`, `timestamp`, `time_offset` or `offset_time`. Times are float32 in s, 32-bit integers in ns,
-/// or float64 in s or ns, which may also be absolute. Without a time field all times are 0.
-/// `stamp`: of the cloud, s.
+/// Unpacks `x`, `y`, `z` (float32 or float64) and, if there is one, the time of each point (see
+/// setPointTimes()). Without a time field all times are 0. `stamp`: of the cloud, s.
 ///
 /// Throws std::invalid_argument with the reason: missing fields, unsupported types, no points, or
 /// too few bytes.

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <rosbag/view.h>
-
 #include <limits>
 #include <optional>
+#include <stdexcept>
 
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/recording/bag/bag_imu.h"
@@ -20,20 +19,20 @@ bool looksDown(const Eigen::Isometry3d& base_T_sensor) {
 }
 
 /// The mounting of the sensor of a topic, from the first message for which tf has a transform.
-std::optional<Eigen::Isometry3d> mountingOf(const rosbag::Bag& bag, const BagTransforms& transforms,
+std::optional<Eigen::Isometry3d> mountingOf(const BagFiles& files, const BagTransforms& transforms,
                                             const std::string& base_frame,
                                             const std::string& topic) {
-  rosbag::View view(bag, rosbag::TopicQuery(topic));
-  for (const rosbag::MessageInstance& instance : view) {
+  BagMessages messages(files, {topic});
+  while (const rosbag::MessageInstance* instance = messages.next()) {
     try {
-      const auto message = instance.instantiate<sensor_msgs::Range>();
+      const auto message = instance->instantiate<sensor_msgs::Range>();
       if (!message) continue;
       const std::string frame = withoutSlash(message->header.frame_id);
       if (!transforms.connected(base_frame, frame)) return std::nullopt;
       const auto base_T_sensor = transforms.lookup(base_frame, frame, message->header.stamp);
       if (base_T_sensor) return base_T_sensor;
     } catch (const std::exception&) {
-      continue;  // counted when the topic is read
+      messages.noteFailure();  // counted when the topic is read
     }
   }
   return std::nullopt;
@@ -42,9 +41,12 @@ std::optional<Eigen::Isometry3d> mountingOf(const rosbag::Bag& bag, const BagTra
 /// Selects the Range topic that measures the height.
 class RangeFinderChoice {
  public:
-  RangeFinderChoice(const rosbag::Bag& bag, const BagTopics& topics,
-                    const BagTransforms& transforms, std::string base_frame)
-      : bag_(bag), topics_(topics), transforms_(transforms), base_frame_(std::move(base_frame)) {}
+  RangeFinderChoice(const BagFiles& files, const BagTopics& topics, const BagTransforms& transforms,
+                    std::string base_frame)
+      : files_(files),
+        topics_(topics),
+        transforms_(transforms),
+        base_frame_(std::move(base_frame)) {}
 
   /// The topic; "" if none can be used.
   std::string choose(const std::string& wanted, BagHeights& result);
@@ -53,7 +55,7 @@ class RangeFinderChoice {
  private:
   std::string chooseWanted(const std::string& wanted);
 
-  const rosbag::Bag& bag_;
+  const BagFiles& files_;
   const BagTopics& topics_;
   const BagTransforms& transforms_;
   std::string base_frame_;
@@ -63,7 +65,7 @@ class RangeFinderChoice {
 std::string RangeFinderChoice::chooseWanted(const std::string& wanted) {
   const std::string topic = requireTopic(topics_, wanted, kRangeType);
   requireVersion<sensor_msgs::Range>(topics_, topic);
-  base_T_sensor_ = mountingOf(bag_, transforms_, base_frame_, topic);
+  base_T_sensor_ = mountingOf(files_, transforms_, base_frame_, topic);
   return topic;
 }
 
@@ -72,7 +74,7 @@ std::string RangeFinderChoice::choose(const std::string& wanted, BagHeights& res
   std::string without_tf;
   for (const auto& [topic, info] : topics_) {
     if (info.type != kRangeType || info.messages == 0) continue;
-    const auto base_T_sensor = mountingOf(bag_, transforms_, base_frame_, topic);
+    const auto base_T_sensor = mountingOf(files_, transforms_, base_frame_, topic);
     if (!base_T_sensor) {
       without_tf = topic;
     } else if (looksDown(*base_T_sensor)) {
@@ -96,27 +98,19 @@ std::string RangeFinderChoice::choose(const std::string& wanted, BagHeights& res
 
 }  // namespace
 
-BagHeights readBagHeights(const rosbag::Bag& bag, const BagTopics& topics,
+BagHeights readBagHeights(const BagFiles& files, const BagTopics& topics,
                           const BagTransforms& transforms, const std::string& base_frame,
                           const std::string& wanted) {
   BagHeights result;
-  RangeFinderChoice choice(bag, topics, transforms, base_frame);
+  RangeFinderChoice choice(files, topics, transforms, base_frame);
   result.topic = choice.choose(wanted, result);
   if (result.topic.empty()) return result;
-  rosbag::View view(bag, rosbag::TopicQuery(result.topic));
-  for (const rosbag::MessageInstance& instance : view) {
-    try {
-      const auto message = instance.instantiate<sensor_msgs::Range>();
-      if (!message) {
-        ++result.broken;
-        continue;
-      }
-      if (message->header.stamp.isZero()) message->header.stamp = instance.getTime();
-      result.samples.push_back(toHeightSample(*message, choice.sensorZ()));
-    } catch (const std::exception&) {
-      ++result.broken;
-    }
-  }
+  result.broken = files.forEach(result.topic, [&](const rosbag::MessageInstance& instance) {
+    const auto message = instance.instantiate<sensor_msgs::Range>();
+    if (!message) throw std::runtime_error("another type on the same topic");
+    if (message->header.stamp.isZero()) message->header.stamp = instance.getTime();
+    result.samples.push_back(toHeightSample(*message, choice.sensorZ()));
+  });
   return result;
 }
 

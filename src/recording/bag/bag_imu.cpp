@@ -1,91 +1,130 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/recording/bag/bag_imu.h"
 
-#include <rosbag/view.h>
-
+#include <algorithm>
 #include <optional>
+#include <stdexcept>
 
+#include "imu_topic.h"
 #include "kestrel_slam/messages/sensor_messages.h"
-#include "kestrel_slam/recording/bag/bag_odometry.h"
+#include "kestrel_slam/sensor/imu_joiner.h"
 
 namespace kestrel {
 namespace {
 
 const std::string kImuType = "sensor_msgs/Imu";
 
-std::string chooseTopic(const BagTopics& topics, const std::string& wanted, BagImu& result) {
-  if (!wanted.empty()) {
-    const std::string topic = requireTopic(topics, wanted, kImuType);
-    requireVersion<sensor_msgs::Imu>(topics, topic);
-    return topic;
-  }
-  std::string topic = busiestTopic(topics, kImuType);
-  if (topic.empty()) return topic;
-  try {
-    requireVersion<sensor_msgs::Imu>(topics, topic);
-  } catch (const std::runtime_error& error) {
-    result.warnings.push_back("the IMU is not used: " + std::string(error.what()));
-    return "";
-  }
-  if (countOfType(topics, kImuType) > 1) {
-    result.warnings.push_back(
-        "there are several IMU topics; the one with the most messages is used: " + topic +
-        "; topics: " + listTopics(topics, kImuType));
-  }
-  return topic;
-}
-
-/// Finds the mounting at the first message for which tf has a transform.
-class MountingFinder {
- public:
-  MountingFinder(const BagTransforms& transforms, std::string base_frame)
-      : transforms_(transforms), base_frame_(std::move(base_frame)) {}
-
-  void look(const sensor_msgs::Imu& message) {
-    if (base_T_imu_) return;
-    frame_ = withoutSlash(message.header.frame_id);
-    if (!transforms_.connected(base_frame_, frame_)) return;  // the lookup would fail at any time
-    base_T_imu_ = transforms_.lookup(base_frame_, frame_, message.header.stamp);
-  }
-
-  void finish(BagImu& result) const {
-    if (base_T_imu_) {
-      result.imu.base_T_imu = *base_T_imu_;
-    } else if (!result.imu.samples.empty()) {
-      result.warnings.push_back(
-          "the bag has no tf " + base_frame_ + " -> " + (frame_.empty() ? "(no frame)" : frame_) +
-          ": the IMU axes are assumed to be parallel to those of the vehicle");
+/// The topics of a bag that can be read.
+std::vector<ImuTopic> readTopics(const BagFiles& files, const BagTopics& topics,
+                                 const BagTransforms& transforms, const std::string& base_frame,
+                                 BagImu& result) {
+  std::vector<ImuTopic> read;
+  for (const auto& [name, topic] : topics) {
+    if (topic.type != kImuType || topic.messages == 0) continue;
+    try {
+      requireVersion<sensor_msgs::Imu>(topics, name);
+      read.emplace_back(files, name, transforms, base_frame);
+    } catch (const std::runtime_error& error) {
+      result.warnings.push_back("the IMU is not used: " + std::string(error.what()));
     }
   }
+  return read;
+}
 
- private:
-  const BagTransforms& transforms_;
-  std::string base_frame_, frame_;
-  std::optional<Eigen::Isometry3d> base_T_imu_;
-};
+void use(const ImuTopic& topic, const BagTransforms& transforms, const std::string& base_frame,
+         BagImu& result) {
+  result.imu.topic = topic.name();
+  result.imu.samples = topic.samples();
+  result.broken = topic.broken();
+  result.clock_offset = topic.clockOffset();
+  if (topic.mounting()) {
+    result.imu.base_T_imu = *topic.mounting();
+  } else if (!topic.samples().empty()) {
+    result.warnings.push_back(
+        "the bag has no tf " + base_frame + " -> " +
+        (topic.frame().empty() ? "(no frame)" : topic.frame()) +
+        ": the IMU axes are assumed to be parallel to those of the vehicle" +
+        (transforms.knows(topic.frame()) ? " (tf has the frame, but does not connect it)" : ""));
+  }
+}
+
+/// The specific force of `accelerometer` in the frame of `gyro`.
+void join(const ImuTopic& gyro, const ImuTopic& accelerometer, BagImu& result) {
+  const Eigen::Isometry3d identity = Eigen::Isometry3d::Identity();
+  const Eigen::Matrix3d gyro_R_accelerometer =
+      gyro.mounting().value_or(identity).linear().transpose() *
+      accelerometer.mounting().value_or(identity).linear();
+  ImuJoiner joiner;
+  for (const ImuSample& sample : accelerometer.samples()) {
+    if (!sample.linear_acceleration) continue;
+    joiner.addAccelerometer(sample.stamp, gyro_R_accelerometer * *sample.linear_acceleration);
+  }
+  for (const ImuSample& sample : gyro.samples()) {
+    if (sample.angular_velocity) joiner.addGyro(sample.stamp, *sample.angular_velocity);
+  }
+  result.imu.samples = joiner.take();
+  for (ImuSample& sample : joiner.finish()) result.imu.samples.push_back(std::move(sample));
+  result.imu.topic = gyro.name() + " + " + accelerometer.name();
+  result.broken += accelerometer.broken();
+  result.warnings.push_back("gyro and accelerometer have a topic each; they are joined by stamp: " +
+                            gyro.name() + " and " + accelerometer.name());
+}
+
+const ImuTopic* most(const std::vector<ImuTopic>& topics, bool (ImuTopic::*has)() const) {
+  const ImuTopic* best = nullptr;
+  for (const ImuTopic& topic : topics) {
+    if (!(topic.*has)()) continue;
+    if (best == nullptr || topic.samples().size() > best->samples().size()) best = &topic;
+  }
+  return best;
+}
+
+/// Says what the readings of the chosen topic lack.
+void explainGaps(const ImuTopic& topic, BagImu& result) {
+  const std::string missing = topic.missing();
+  if (missing.empty() || topic.samples().empty()) return;
+  result.warnings.push_back("the messages on " + topic.name() + " have " + missing +
+                            "; an IMU needs a gyro, and an accelerometer or an orientation");
+}
+
+void choose(const std::vector<ImuTopic>& imus, const BagTopics& topics,
+            const BagTransforms& transforms, const std::string& base_frame, BagImu& result) {
+  const ImuTopic* best = most(imus, &ImuTopic::isComplete);
+  const ImuTopic* gyro = most(imus, &ImuTopic::hasGyro);
+  const ImuTopic* accelerometer = most(imus, &ImuTopic::hasAccelerometer);
+  const bool halves = best == nullptr && gyro != nullptr && accelerometer != nullptr;
+  if (best == nullptr) best = gyro;
+  if (best == nullptr) best = most(imus, &ImuTopic::hasReadings);
+  if (best == nullptr) return;
+  use(*best, transforms, base_frame, result);
+  if (halves) {
+    join(*gyro, *accelerometer, result);
+    return;
+  }
+  explainGaps(*best, result);
+  if (imus.size() > 1) {
+    result.warnings.push_back(
+        "there are several IMU topics; of the complete ones, the one with the most messages is "
+        "used: " +
+        best->name() + "; topics: " + listTopics(topics, kImuType));
+  }
+}
 
 }  // namespace
 
-BagImu readBagImu(const rosbag::Bag& bag, const BagTopics& topics, const BagTransforms& transforms,
+BagImu readBagImu(const BagFiles& files, const BagTopics& topics, const BagTransforms& transforms,
                   const std::string& base_frame, const std::string& wanted) {
   BagImu result;
-  const std::string topic = chooseTopic(topics, wanted, result);
-  if (topic.empty()) return result;
-  result.imu.topic = topic;
-  MountingFinder mounting(transforms, base_frame);
-  rosbag::View view(bag, rosbag::TopicQuery(topic));
-  for (const rosbag::MessageInstance& instance : view) {
-    try {
-      const auto message = instance.instantiate<sensor_msgs::Imu>();
-      if (!message) continue;  // another type on the same topic
-      if (message->header.stamp.isZero()) message->header.stamp = instance.getTime();
-      mounting.look(*message);
-      result.imu.samples.push_back(toImuSample(*message));
-    } catch (const std::exception&) {
-      ++result.broken;
-    }
+  if (wanted.empty()) {
+    choose(readTopics(files, topics, transforms, base_frame, result), topics, transforms,
+           base_frame, result);
+    return result;
   }
-  mounting.finish(result);
+  const std::string name = requireTopic(topics, wanted, kImuType);
+  requireVersion<sensor_msgs::Imu>(topics, name);
+  const ImuTopic topic(files, name, transforms, base_frame);
+  use(topic, transforms, base_frame, result);
+  explainGaps(topic, result);
   return result;
 }
 

@@ -2,7 +2,6 @@
 #include "kestrel_slam/recording/bag/bag_odometry.h"
 
 #include <nav_msgs/Odometry.h>
-#include <rosbag/view.h>
 
 #include <algorithm>
 #include <cmath>
@@ -35,20 +34,15 @@ bool namesGroundTruth(const std::string& topic) {
 
 }  // namespace
 
-BagOdometry::BagOdometry(const rosbag::Bag& bag, const std::string& topic) {
-  rosbag::View view(bag, rosbag::TopicQuery(topic));
-  for (const rosbag::MessageInstance& message : view) {
+BagOdometry::BagOdometry(const BagFiles& files, const std::string& topic) {
+  files.forEach(topic, [this](const rosbag::MessageInstance& message) {
     const auto odometry = message.instantiate<nav_msgs::Odometry>();
-    if (!odometry) {
-      throw std::runtime_error(
-          "topic " + topic + " has the type " + message.getDataType() +
-          " in an unknown version, not nav_msgs/Odometry; choose another topic");
-    }
+    if (!odometry) return;  // another type on the same topic
     const Pose2 pose = toPose2(odometry->pose.pose);
-    if (!pose.isFinite()) continue;
+    if (!pose.isFinite()) return;
     child_frame_ = withoutSlash(odometry->child_frame_id);
     poses_.push_back({toSeconds(odometry->header.stamp), pose});
-  }
+  });
   std::stable_sort(poses_.begin(), poses_.end(),
                    [](const Entry& a, const Entry& b) { return a.stamp < b.stamp; });
 }
@@ -65,14 +59,14 @@ std::optional<Pose2> BagOdometry::at(double stamp) const {
   return interpolate(a.pose, b.pose, (stamp - a.stamp) / gap);
 }
 
-BagOdometrySource::BagOdometrySource(const rosbag::Bag& bag, const BagTopics& topics,
+BagOdometrySource::BagOdometrySource(const BagFiles& files, const BagTopics& topics,
                                      const BagTransforms& transforms, std::string base_frame,
                                      const std::string& wanted)
     : transforms_(transforms), base_frame_(std::move(base_frame)) {
   const std::string topic = chooseTopic(topics, wanted);
   if (!topic.empty()) {
     requireVersion<nav_msgs::Odometry>(topics, topic);
-    odometry_.emplace(bag, topic);
+    odometry_.emplace(files, topic);
     description_ = "odometry " + topic;
     return;
   }

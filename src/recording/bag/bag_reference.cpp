@@ -4,7 +4,6 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <nav_msgs/Odometry.h>
-#include <rosbag/view.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +14,7 @@
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/sensor_messages.h"
-#include "kestrel_slam/recording/bag/bag_odometry.h"
+#include "kestrel_slam/recording/bag/bag_files.h"
 #include "kestrel_slam/recording/bag/bag_topics.h"
 
 namespace kestrel {
@@ -70,12 +69,11 @@ std::optional<StampedPose> poseOf(const rosbag::MessageInstance& instance) {
   return std::nullopt;
 }
 
-Trajectory readTopic(const rosbag::Bag& bag, const std::string& topic) {
+Trajectory readTopic(const BagFiles& files, const std::string& topic) {
   Trajectory trajectory;
-  rosbag::View view(bag, rosbag::TopicQuery(topic));
-  for (const rosbag::MessageInstance& instance : view) {
+  files.forEach(topic, [&](const rosbag::MessageInstance& instance) {
     if (const auto pose = poseOf(instance)) trajectory.push_back(*pose);
-  }
+  });
   std::stable_sort(trajectory.begin(), trajectory.end(),
                    [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
   const auto same = [](const StampedPose& a, const StampedPose& b) { return a.stamp == b.stamp; };
@@ -86,11 +84,10 @@ Trajectory readTopic(const rosbag::Bag& bag, const std::string& topic) {
 }  // namespace
 
 Trajectory readBagReference(const std::string& path, const std::string& topic) {
-  rosbag::Bag bag;
-  openBag(bag, path);
+  const BagFiles files({path});
   try {
-    const std::string chosen = chooseTopic(topicsOf(bag), topic);
-    Trajectory trajectory = readTopic(bag, chosen);
+    const std::string chosen = chooseTopic(files.topics(), topic);
+    Trajectory trajectory = readTopic(files, chosen);
     if (trajectory.empty()) {
       throw std::runtime_error("topic " + chosen + " has no usable pose with a stamp");
     }

@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/recording/bag/bag_topics.h"
 
-#include <rosbag/view.h>
-
 #include <algorithm>
 #include <sstream>
 
 #include "kestrel_slam/messages/sensor_messages.h"
-#include "kestrel_slam/recording/bag/bag_structure.h"
-#include "kestrel_slam/recording/bag/bag_transforms.h"
 
 namespace kestrel {
 namespace {
@@ -18,31 +14,6 @@ bool contains(const std::vector<std::string>& items, const std::string& item) {
 }
 
 }  // namespace
-
-void openBag(rosbag::Bag& bag, const std::string& path) {
-  const std::string advice = "; repair it with `rosbag reindex " + path + "`";
-  try {
-    checkBagStructure(path);
-    bag.open(path, rosbag::bagmode::Read);
-  } catch (const rosbag::BagUnindexedException&) {
-    throw std::runtime_error(path + ": the bag has no index (its recording was cut off)" + advice);
-  } catch (const std::exception& error) {
-    throw std::runtime_error(path + ": is not a valid bag: " + error.what() + advice);
-  }
-}
-
-BagTopics topicsOf(const rosbag::Bag& bag) {
-  BagTopics topics;
-  rosbag::View all(bag);
-  for (const rosbag::ConnectionInfo* connection : all.getConnections()) {
-    BagTopic& topic = topics[connection->topic];
-    topic.type = connection->datatype;
-    topic.md5 = connection->md5sum;
-  }
-  for (auto& [name, topic] : topics)
-    topic.messages = rosbag::View(bag, rosbag::TopicQuery(name)).size();
-  return topics;
-}
 
 std::string listTopics(const BagTopics& topics, const std::string& type) {
   return listTopics(topics,

@@ -2,7 +2,6 @@
 #include "kestrel_slam/recording/bag/bag_transforms.h"
 
 #include <geometry_msgs/TransformStamped.h>
-#include <rosbag/view.h>
 #include <tf2/exceptions.h>
 #include <tf2_msgs/TFMessage.h>
 
@@ -31,20 +30,27 @@ bool isUsable(const geometry_msgs::TransformStamped& transform) {
          transform.header.frame_id != transform.child_frame_id;
 }
 
+const std::string kBaseName = "base_link";
+
+/// The name of a frame without its namespace.
+std::string lastPart(const std::string& frame) { return frame.substr(frame.rfind('/') + 1); }
+
+bool isBaseName(const std::string& frame) { return lastPart(frame) == kBaseName; }
+
 }  // namespace
 
-BagTransforms::BagTransforms(const rosbag::Bag& bag) : buffer_(kKeepAll) {
-  rosbag::View view(bag, rosbag::TopicQuery({"/tf", "tf", "/tf_static", "tf_static"}));
-  for (const rosbag::MessageInstance& message : view) {
+BagTransforms::BagTransforms(const BagFiles& files) : buffer_(kKeepAll) {
+  const std::vector<std::string> names = {"/tf", "tf", "/tf_static", "tf_static"};
+  const BagTopics topics = files.topics();
+  for (const std::string& name : names) {
+    if (topics.count(name) > 0) requireVersion<tf2_msgs::TFMessage>(topics, name);
+  }
+  bad_ += files.forEach(names, [this](const rosbag::MessageInstance& message) {
     const auto transforms = message.instantiate<tf2_msgs::TFMessage>();
-    if (!transforms) {
-      throw std::runtime_error("topic " + message.getTopic() + " has the type " +
-                               message.getDataType() + " in an unknown version (md5 " +
-                               message.getMD5Sum() + "); convert the bag with `rosbag fix`");
-    }
+    if (!transforms) throw std::runtime_error("another type on the topic of tf");
     const bool is_static = withoutSlash(message.getTopic()) == "tf_static";
     for (const auto& transform : transforms->transforms) add(transform, is_static);
-  }
+  });
 }
 
 void BagTransforms::add(const geometry_msgs::TransformStamped& original, bool is_static) {
@@ -55,6 +61,7 @@ void BagTransforms::add(const geometry_msgs::TransformStamped& original, bool is
     ++bad_;
     return;
   }
+  if (!is_static && !first_stamp_) first_stamp_ = transform.header.stamp.toSec();
   const Eigen::Isometry3d value = fromMessage(transform.transform);
   Edge& edge = edges_.emplace(transform.child_frame_id, Edge{"", value}).first->second;
   const bool same = edge.first.matrix().isApprox(value.matrix(), kRigidTolerance) &&
@@ -81,15 +88,35 @@ std::vector<std::string> BagTransforms::ancestors(const std::string& frame) cons
 }
 
 std::string BagTransforms::vehicleFrame(const std::string& sensor_frame) const {
-  static const std::set<std::string> kWorldFrames = {"map",           "world", "odom",
-                                                     "odom_combined", "mocap", "earth"};
-  if (knows("base_link")) return "base_link";
-  std::string base = sensor_frame;
-  for (const std::string& frame : ancestors(sensor_frame)) {
-    if (kWorldFrames.count(frame) > 0) break;
-    base = frame;
+  const std::vector<std::string> above = ancestors(sensor_frame);
+  if (above.empty()) return !knows(sensor_frame) && knows(kBaseName) ? kBaseName : sensor_frame;
+  const auto base = std::find_if(above.begin(), above.end(), isBaseName);
+  if (base != above.end() || isBaseName(sensor_frame)) {
+    return base != above.end() ? *base : sensor_frame;
   }
-  return base;
+  std::string frame = sensor_frame;
+  for (const std::string& parent : above) {
+    if (!edges_.at(frame).rigid) break;
+    frame = parent;
+  }
+  return frame;
+}
+
+std::string BagTransforms::listFrames() const {
+  std::set<std::string> frames;
+  for (const auto& [child, edge] : edges_) frames.insert({child, edge.parent});
+  std::string text;
+  for (const std::string& frame : frames) text += (text.empty() ? "" : ", ") + frame;
+  return text.empty() ? "none" : text;
+}
+
+std::string BagTransforms::localizationOf(const std::string& frame) const {
+  std::string child = frame;
+  for (const std::string& parent : ancestors(frame)) {
+    if (lastPart(parent) == "map") return parent + " -> " + child;
+    child = parent;
+  }
+  return "";
 }
 
 bool BagTransforms::rigid(const std::string& a, const std::string& b) const {

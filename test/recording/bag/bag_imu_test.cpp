@@ -165,6 +165,81 @@ TEST_F(BagImuTest, UsesTheImuWithMostMessagesOrTheRequestedOne) {
                   "a.bag: no topic /c/imu of type sensor_msgs/Imu; choose one of: /a/imu (1");
 }
 
+TEST_F(BagImuTest, GyroAndAccelerometerOnTwoTopicsAreJoined) {
+  const auto recording = read([](rosbag::Bag& bag) {
+    bag.write("/tf_static", ros::Time(1.0), mounting("gyro", Eigen::Quaterniond::Identity()));
+    bag.write("/tf_static", ros::Time(1.0),
+              mounting("accel", turn(90.0, Eigen::Vector3d::UnitZ())));
+    for (int i = 0; i < 40; ++i) {
+      sensor_msgs::Imu gyro = imuAt(1.0 + 0.005 * i);
+      gyro.header.frame_id = "gyro";
+      gyro.orientation_covariance[0] = -1.0;
+      gyro.linear_acceleration = geometry_msgs::Vector3();
+      bag.write("/camera/gyro/sample", gyro.header.stamp, gyro);
+      if (i % 3 != 0) continue;
+      sensor_msgs::Imu accelerometer = imuAt(1.0 + 0.005 * i);
+      accelerometer.header.frame_id = "accel";
+      accelerometer.orientation_covariance[0] = -1.0;
+      accelerometer.angular_velocity = geometry_msgs::Vector3();
+      bag.write("/camera/accel/sample", accelerometer.header.stamp, accelerometer);
+    }
+  });
+  const RecordedImu& imu = recording->imu();
+  EXPECT_EQ(imu.topic, "/camera/gyro/sample + /camera/accel/sample");
+  ASSERT_EQ(imu.samples.size(), 40U);
+  for (const ImuSample& sample : imu.samples) {
+    ASSERT_TRUE(sample.angular_velocity && sample.linear_acceleration);
+    EXPECT_EQ(sample.angular_velocity->z(), 0.25);
+    // The x axis of the accelerometer is the y axis of the gyro.
+    EXPECT_NEAR((*sample.linear_acceleration - Eigen::Vector3d(0.0, 0.5, 9.75)).norm(), 0, 1e-9);
+  }
+  EXPECT_CONTAINS(recording->warnings().at(0), "they are joined by stamp");
+}
+
+TEST_F(BagImuTest, TheMissingHalfIsNamed) {
+  const auto recording = read([](rosbag::Bag& bag) {
+    for (int i = 1; i < 9; ++i) {
+      sensor_msgs::Imu gyro = imuAt(i);
+      gyro.header.frame_id = "base_link";
+      gyro.orientation_covariance[0] = -1.0;
+      gyro.linear_acceleration = geometry_msgs::Vector3();
+      bag.write("/gyro", ros::Time(i), gyro);
+    }
+  });
+  EXPECT_CONTAINS(recording->warnings().at(0),
+                  "the messages on /gyro have no orientation (covariance[0] is -1) and no "
+                  "accelerometer (always 0)");
+}
+
+TEST_F(BagImuTest, ValuesThatAreMarkedAsMissingAreNamed) {
+  const auto recording = read([](rosbag::Bag& bag) {
+    for (int i = 1; i < 9; ++i) {
+      sensor_msgs::Imu imu = imuAt(i);
+      imu.header.frame_id = "base_link";
+      imu.orientation_covariance[0] = -1.0;
+      imu.angular_velocity_covariance[0] = -1.0;
+      imu.linear_acceleration_covariance[0] = -1.0;
+      bag.write("/imu", ros::Time(i), imu);
+    }
+  });
+  EXPECT_CONTAINS(recording->warnings().at(0),
+                  "no orientation, gyro, accelerometer (covariance[0] is -1, although there are "
+                  "values: correct the driver)");
+}
+
+TEST_F(BagImuTest, ACompleteImuIsPreferredToAFasterIncompleteOne) {
+  const auto recording = read([](rosbag::Bag& bag) {
+    for (int i = 1; i < 9; ++i) {
+      sensor_msgs::Imu gyro = imuAt(i);
+      gyro.orientation_covariance[0] = -1.0;
+      gyro.linear_acceleration = geometry_msgs::Vector3();
+      bag.write("/a_gyro", ros::Time(i), gyro);
+      if (i % 2 == 0) bag.write("/imu", ros::Time(i), imuAt(i));
+    }
+  });
+  EXPECT_EQ(recording->imu().topic, "/imu");
+}
+
 TEST_F(BagImuTest, BagWithoutImuHasNoSamples) {
   const auto recording = read([](rosbag::Bag&) {});
   EXPECT_TRUE(recording->imu().samples.empty());

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <geometry_msgs/Pose.h>
-#include <rosbag/bag.h>
 
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/recording/bag/bag_files.h"
 #include "kestrel_slam/recording/bag/bag_topics.h"
 #include "kestrel_slam/recording/bag/bag_transforms.h"
 
@@ -17,7 +17,7 @@ namespace kestrel {
 /// The poses of a nav_msgs/Odometry topic, interpolated.
 class BagOdometry {
  public:
-  BagOdometry(const rosbag::Bag& bag, const std::string& topic);
+  BagOdometry(const BagFiles& files, const std::string& topic);
 
   /// odom_T_child at `stamp` (s). Nothing if the two nearest messages are more than kMaxGap apart.
   std::optional<Pose2> at(double stamp) const;
@@ -43,9 +43,8 @@ class BagOdometrySource {
  public:
   /// `wanted`: a topic, or "" for the only one. Throws std::runtime_error if the bag has no such
   /// topic.
-  BagOdometrySource(const rosbag::Bag& bag, const BagTopics& topics,
-                    const BagTransforms& transforms, std::string base_frame,
-                    const std::string& wanted);
+  BagOdometrySource(const BagFiles& files, const BagTopics& topics, const BagTransforms& transforms,
+                    std::string base_frame, const std::string& wanted);
 
   bool available() const { return !odom_frame_.empty() || (odometry_ && !odometry_->empty()); }
   /// odom_T_base at a time, which is given as `stamp` in s and as `time`.

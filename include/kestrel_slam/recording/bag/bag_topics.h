@@ -2,7 +2,6 @@
 #pragma once
 
 #include <ros/message_traits.h>
-#include <rosbag/bag.h>
 
 #include <cstddef>
 #include <map>
@@ -12,18 +11,12 @@
 
 namespace kestrel {
 
-/// Opens a bag for reading. Throws std::runtime_error with its name if it is damaged or has no
-/// index.
-void openBag(rosbag::Bag& bag, const std::string& path);
-
 /// Properties of one topic of a bag.
 struct BagTopic {
   std::string type, md5;
   std::size_t messages = 0;
 };
 using BagTopics = std::map<std::string, BagTopic>;
-
-BagTopics topicsOf(const rosbag::Bag& bag);
 
 /// Lists the topics of a type as "a (5 messages), b (3 messages)". If `type` is empty, lists all
 /// topics with their types.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <rosbag/bag.h>
 #include <tf2/buffer_core.h>
 
 #include <Eigen/Geometry>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/recording/bag/bag_files.h"
 
 namespace kestrel {
 
@@ -18,7 +18,7 @@ namespace kestrel {
 class BagTransforms {
  public:
   /// Reads every TFMessage on a topic `tf` or `tf_static`.
-  explicit BagTransforms(const rosbag::Bag& bag);
+  explicit BagTransforms(const BagFiles& files);
 
   bool empty() const { return edges_.empty(); }
   bool knows(const std::string& frame) const;
@@ -26,8 +26,10 @@ class BagTransforms {
   /// The ancestors of `frame`, beginning with its parent.
   std::vector<std::string> ancestors(const std::string& frame) const;
 
-  /// The frame of the vehicle: base_link if tf has it, otherwise the topmost ancestor of the sensor
-  /// that is not a world frame (such as map or odom).
+  /// The frame of the vehicle on which the sensor is mounted: its ancestor called base_link, with
+  /// or without a namespace; otherwise the topmost frame that is rigidly connected to the sensor.
+  /// (The frames above that one, such as odom and map, move relative to the vehicle.) If tf does
+  /// not have the sensor: base_link if tf has it, otherwise the frame of the sensor.
   std::string vehicleFrame(const std::string& sensor_frame) const;
 
   /// `target_T_source` at `time`. The time is ignored if the transform is the same at all times.
@@ -36,6 +38,14 @@ class BagTransforms {
 
   /// True if tf connects the two frames at any time.
   bool connected(const std::string& a, const std::string& b) const;
+
+  /// Names of all frames, for messages.
+  std::string listFrames() const;
+  /// The transform above `frame` by which another program has localized it in a map, as
+  /// "map -> odom"; "" if there is none.
+  std::string localizationOf(const std::string& frame) const;
+  /// The stamp of the first transform that is not static, s.
+  std::optional<double> firstStamp() const { return first_stamp_; }
 
   std::size_t badTransforms() const { return bad_; }
 
@@ -51,7 +61,8 @@ class BagTransforms {
 
   tf2::BufferCore buffer_;
   std::map<std::string, Edge> edges_;  ///< by child frame
-  std::size_t bad_ = 0;                ///< invalid transforms, which are ignored
+  std::optional<double> first_stamp_;
+  std::size_t bad_ = 0;  ///< invalid transforms, which are ignored
 };
 
 }  // namespace kestrel

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "kestrel_slam/recording/bag/bag_cloud.h"
+#include "kestrel_slam/recording/bag/bag_scan_messages.h"
 
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
@@ -137,7 +137,7 @@ TEST(BagCloud, ReadsTheTimeFieldsOfCommonDrivers) {
   using Times = std::vector<float>;
   EXPECT_EQ(timesOf<float>("time", Field::FLOAT32, -0.0625F, 0.0F), (Times{-0.0625F, 0.0F}));
   EXPECT_EQ(timesOf<std::uint32_t>("t", Field::UINT32, 0, 99'000'000), (Times{0.0F, 0.099F}));
-  EXPECT_EQ(timesOf<std::uint32_t>("offset_time", Field::UINT32, 1000, 0), (Times{1e-6F, 0.0F}));
+  EXPECT_EQ(timesOf<std::uint32_t>("offset_time", Field::UINT32, 1000000, 0), (Times{1e-3F, 0.0F}));
   EXPECT_EQ(timesOf<float>("time_offset", Field::FLOAT32, 0.0F, 0.5F), (Times{0.0F, 0.5F}));
   EXPECT_EQ(timesOf<double>("timestamp", Field::FLOAT64, kStamp, kStamp + 0.0625),
             (Times{0.0F, 0.0625F}));
@@ -265,7 +265,8 @@ class BagCloudRecording : public ::testing::Test {
     sensor_msgs::LaserScan scan;
     scan.header.stamp = ros::Time(1.0);
     scan.header.frame_id = "laser";
-    scan.ranges = {1.0F};
+    scan.angle_increment = 0.5F;
+    scan.ranges = {1.0F, 2.0F, 3.0F};
     return scan;
   }
 
