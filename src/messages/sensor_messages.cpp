@@ -42,6 +42,7 @@ LaserScan fromMessage(const sensor_msgs::LaserScan& message) {
   scan.range_min = static_cast<double>(message.range_min);
   scan.range_max = static_cast<double>(message.range_max);
   scan.ranges = message.ranges;
+  scan.frame = withoutSlash(message.header.frame_id);
   return scan;
 }
 
@@ -57,7 +58,9 @@ PointCloud toPointCloud(const sensor_msgs::PointCloud2& message) {
   buffer.big_endian = message.is_bigendian != 0;
   buffer.data = message.data.data();
   buffer.size = message.data.size();
-  return unpackPoints(buffer, toSeconds(message.header.stamp));
+  PointCloud cloud = unpackPoints(buffer, toSeconds(message.header.stamp));
+  cloud.frame = withoutSlash(message.header.frame_id);
+  return cloud;
 }
 
 ImuSample toImuSample(const sensor_msgs::Imu& message) {

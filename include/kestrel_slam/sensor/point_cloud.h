@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
 #include <vector>
 
 namespace kestrel {
@@ -13,6 +14,7 @@ struct PointCloud {
   };
   double stamp = 0.0;  ///< as recorded, s
   std::vector<Point> points;
+  std::string frame;  ///< of the lidar; clouds of the same frame come from the same source
 };
 
 }  // namespace kestrel

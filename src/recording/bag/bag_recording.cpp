@@ -49,7 +49,7 @@ struct BagRecording::State {
   std::unique_ptr<rosbag::View> view;
   rosbag::View::iterator position;
   std::set<std::string> warned;
-  MonotoneTime monotone_time;
+  TimeBase time_base;
 
   void chooseScanTopic(const RecordingOptions& options);
   void findLaserFrame();
@@ -215,7 +215,7 @@ bool BagRecording::place(Message& message, RecordedScan& scan) {
   if (hasOdometry() && !scan.odom_T_base) {
     warnOnce("odometry gap", "there is no odometry at the times of some scans");
   }
-  scan.time = state.monotone_time.repair(message.scan.stamp);
+  scan.time = state.time_base.repair(message.frame, message.scan.stamp);
   scan.scan = std::move(message.scan);
   scan.cloud = std::move(message.cloud);
   return true;
