@@ -4,12 +4,14 @@
 namespace kestrel {
 
 MatchedPose matchedPoseOf(const MapperResult& result, double stamp) {
-  return {stamp, result.pose, result.covariance, result.velocity, result.state};
+  MatchedPose pose{stamp, result.pose, result.covariance, result.velocity, result.state};
+  if (result.match.degenerate) pose.unobservable = result.match.degenerate_direction;
+  return pose;
 }
 
 bool fuse(const MatchedPose& pose, PoseFilter& filter) {
   if (pose.state == MatchState::kLost) return false;
-  return filter.addPose({pose.stamp, pose.pose, pose.covariance});
+  return filter.addPose({pose.stamp, pose.pose, pose.covariance, pose.unobservable});
 }
 
 }  // namespace kestrel
