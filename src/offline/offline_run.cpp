@@ -85,6 +85,7 @@ class Runner {
     pipeline_.on_scan = [this](const MappedSweep& sweep) { record(sweep); };
     pipeline_.on_drop = [this](const DroppedSweep& sweep) { drop(sweep); };
     pipeline_.on_filter = options_.filter_observer;
+    pipeline_.on_problem = [this](const ImuFault& problem, double time) { warn(problem, time); };
   }
 
   OfflineRun run(const ProgressCallback& progress) {
@@ -137,6 +138,7 @@ class Runner {
   void addScan(RecordedScan& scan, double arrival) {
     ++read_;
     if (!first_time_) first_time_ = scan.time;
+    if (!first_stamp_) first_stamp_ = arrival;
     run_.duration_s = scan.time - *first_time_;
     if (!perturb(options_.perturbation, read_, scan)) {
       ++run_.left_out;
@@ -160,6 +162,13 @@ class Runner {
     if (run_.dropped[sweep.reason]++ > 0) return;
     run_.warnings.push_back("scans dropped (" + sweep.reason + "), the first " +
                             placeOf(sweep.input) + ": " + sweep.message);
+  }
+
+  void warn(const ImuFault& problem, double time) {
+    std::ostringstream place;
+    place.precision(1);
+    place << std::fixed << " (noticed after " << time - first_stamp_.value_or(time) << " s)";
+    run_.warnings.push_back(problem.message + place.str());
   }
 
   /// Processing time of projector, filter and mapper since the previous scan, ms.
@@ -246,6 +255,7 @@ class Runner {
   OfflineRun run_;
   std::size_t read_ = 0;
   std::optional<double> first_time_;
+  std::optional<double> first_stamp_;  ///< arrival of the first scan, s
   std::optional<Pose2> last_counted_;
   Occurrence lost_, full_, without_odometry_;
 };

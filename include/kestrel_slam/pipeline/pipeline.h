@@ -7,7 +7,9 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "kestrel_slam/filter/pose_filter.h"
 #include "kestrel_slam/mapping/mapper.h"
@@ -98,6 +100,9 @@ class Pipeline {
   std::function<void(const MappedSweep&)> on_scan;
   std::function<void(const DroppedSweep&)> on_drop;
   std::function<void(const FilterOutput&)> on_filter;  ///< a new state of the filter
+  /// Something is wrong with the IMU, the mountings or the filter: called once for each reason.
+  /// `time`: of the newest message, s.
+  std::function<void(const ImuFault&, double time)> on_problem;
 
  private:
   struct WaitingScan {
@@ -117,6 +122,8 @@ class Pipeline {
   bool handle(const WaitingScan& waiting);
   void map(const PipelineScan& scan, bool level);
   void drop(const PipelineScan& scan, const std::string& reason, const std::string& message);
+  void reportProblems();
+  std::vector<ImuFault> problemsOfFilter() const;
 
   PipelineConfig config_;
   ImuCheck imu_check_;
@@ -127,6 +134,7 @@ class Pipeline {
   std::deque<WaitingPose> poses_;  ///< delayed poses that the filter will receive later
   double now_ = -std::numeric_limits<double>::infinity();
   bool finished_ = false;
+  std::set<std::string> reported_;  ///< reasons of problems
 };
 
 }  // namespace kestrel

@@ -97,6 +97,7 @@ void ProjectorDiagnostics::fillAttitude(Status& status) const {
     status.summary(DiagnosticStatus::ERROR, report_.attitude_error);
   }
   status.add("source", report_.attitude_hint);
+  for (const std::string& problem : report_.problems) status.add("problem", problem);
   if (report_.tilt_rad) status.add("tilt (deg)", radToDeg(*report_.tilt_rad));
   if (report_.imu) fillImu(status);
 }
