@@ -21,7 +21,7 @@ MappedLog mapLog(const std::string& path, double resolution_m) {
     scans.push_back({hitsOf(scan), result.pose});
   };
   runOffline(*recording, config, options);
-  return {map.map(), std::move(scans)};
+  return {map.take(), std::move(scans)};
 }
 
 }  // namespace kestrel

@@ -169,6 +169,7 @@ class Runner {
     place.precision(1);
     place << std::fixed << " (noticed after " << time - first_stamp_.value_or(time) << " s)";
     run_.warnings.push_back(problem.message + place.str());
+    says_filter_ |= problem.reason == kFilterRefusesImu;
   }
 
   /// Processing time of projector, filter and mapper since the previous scan, ms.
@@ -213,7 +214,7 @@ class Runner {
 
   void finishFilter() {
     run_.filter = pipeline_.filter().status(recording_.imu().samples.back().stamp);
-    if (pipeline_.filter().output()) return;
+    if (pipeline_.filter().output() || says_filter_) return;
     run_.warnings.push_back("the pose filter does not run: " + run_.filter->message);
   }
 
@@ -258,6 +259,7 @@ class Runner {
   std::optional<double> first_stamp_;  ///< arrival of the first scan, s
   std::optional<Pose2> last_counted_;
   Occurrence lost_, full_, without_odometry_;
+  bool says_filter_ = false;  ///< a warning says why the filter does not run
 };
 
 }  // namespace

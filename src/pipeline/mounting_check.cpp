@@ -48,6 +48,17 @@ std::vector<ImuFault> problemsOfGyro(const TurnCheck& gyro) {
 
 }  // namespace
 
+void MountingCheck::addMounting(const std::string& source, const Eigen::Isometry3d& base_T_laser) {
+  const Eigen::Vector3d axis = base_T_laser.linear().col(2);
+  const auto known = first_axes_.find(source);
+  if (known == first_axes_.end()) {
+    if (first_axes_.size() < kMostLasers) first_axes_.emplace(source, axis);
+    return;
+  }
+  const double tilt = std::acos(std::clamp(axis.dot(known->second), -1.0, 1.0));
+  tilt_rad_ = std::max(tilt_rad_, tilt);
+}
+
 bool MountingCheck::isDue(const std::string& source, double time) const {
   const auto laser = lasers_.find(source);
   if (laser == lasers_.end()) return lasers_.size() < kMostLasers;
@@ -59,9 +70,6 @@ void MountingCheck::addScan(const std::string& source, double time, std::vector<
   const Eigen::Vector3d axis = base_T_laser.linear().col(2);
   const auto [place, is_new] = lasers_.try_emplace(source);
   Laser& laser = place->second;
-  if (is_new) laser.first_axis = axis;
-  const double tilt = std::acos(std::clamp(axis.dot(laser.first_axis), -1.0, 1.0));
-  laser.tilt_rad = std::max(laser.tilt_rad, tilt);
   const double seconds = time - laser.time;
   if (!is_new && seconds > 0.0 && seconds < kMaxPause && std::abs(axis.z()) > kMostTilted) {
     if (const std::optional<double> turn = turnBetween(laser.ranges, ranges)) {
@@ -119,14 +127,11 @@ std::vector<ImuFault> MountingCheck::problems() const {
 }
 
 std::vector<ImuFault> MountingCheck::problemsOfLevelLaser() const {
-  for (const auto& [source, laser] : lasers_) {
-    if (laser.tilt_rad < kMaxTilt) continue;
-    return {{"laser tilts",
-             "according to tf the laser tilts, by " + text(radToDeg(laser.tilt_rad), 0) +
-                 " degrees so far, but it is assumed to be level: use mav.launch, with an IMU, "
-                 "instead of mapper.launch"}};
-  }
-  return {};
+  if (tilt_rad_ < kMaxTilt) return {};
+  return {{"laser tilts",
+           "according to tf the laser tilts, by " + text(radToDeg(tilt_rad_), 0) +
+               " degrees so far, but it is assumed to be level: use mav.launch, with an IMU, "
+               "instead of mapper.launch"}};
 }
 
 }  // namespace kestrel

@@ -140,13 +140,18 @@ void Pipeline::reportProblems() {
   }
 }
 
-std::vector<ImuFault> Pipeline::problemsOfFilter() const {
+std::vector<ImuFault> Pipeline::problemsOfFilter() {
+  constexpr double kLasting_s = 1.0;  // shorter refusals end by themselves
   std::vector<ImuFault> problems;
   if (!config_.use_filter || config_.level) return problems;
   const FilterStatus status = filter_.status(now_);
-  if (status.health == FilterHealth::kBadImu) {
+  if (status.health != FilterHealth::kBadImu) {
+    filter_bad_since_.reset();
+  } else if (!filter_bad_since_) {
+    filter_bad_since_ = now_;
+  } else if (now_ - *filter_bad_since_ > kLasting_s) {
     problems.push_back(
-        {"filter: bad IMU", "the pose filter does not use the IMU: " + status.message});
+        {kFilterRefusesImu, "the pose filter does not use the IMU: " + status.message});
   }
   for (const auto& [reason, count] : status.resets) {
     problems.push_back({"filter: " + reason, "the pose filter was started again: " + reason});

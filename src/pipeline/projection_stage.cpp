@@ -180,7 +180,9 @@ void ProjectionStage::checkMounting(const SweepData& data, const Eigen::Isometry
   const double middle = 0.5 * (times.first + times.last);
   const std::string& source = frameOf(data);
   if (!std::isfinite(middle) || !base_T_laser.matrix().allFinite()) return;
-  if (mountings_.isDue(source, middle)) {
+  mountings_.addMounting(source, base_T_laser);
+  const bool is_compared = !config_.level || odom_T_base;
+  if (is_compared && mountings_.isDue(source, middle)) {
     std::vector<float> ranges =
         std::visit([](const auto& sweep) { return rangesAround(sweep); }, data);
     mountings_.addScan(source, middle, std::move(ranges), base_T_laser);

@@ -79,8 +79,7 @@ std::vector<Case> cases() {
       {"no gyro", [](ImuSample& s) { s.angular_velocity->setZero(); }, "gyro reads zero"},
       {"without gravity",
        [](ImuSample& s) {
-         *s.linear_acceleration -=
-             s.world_R_imu->conjugate() * Eigen::Vector3d(0.0, 0.0, kGravity);
+         *s.linear_acceleration -= s.world_R_imu->conjugate() * Eigen::Vector3d(0.0, 0.0, kGravity);
        },
        "without gravity"},
       {"orientation not filled",
@@ -134,10 +133,9 @@ TEST(ImuFaults, ARawGyroInDegreesIsFoundByTheScans) {
 }
 
 TEST(ImuFaults, ALaserThatIsUpsideDownUnlikeInTfIsFound) {
-  FaultyFlight flight([](ImuSample&) {},
-                      [](RecordedScan& scan) {
-                        std::reverse(scan.scan.ranges.begin(), scan.scan.ranges.end());
-                      });
+  FaultyFlight flight(
+      [](ImuSample&) {},
+      [](RecordedScan& scan) { std::reverse(scan.scan.ranges.begin(), scan.scan.ranges.end()); });
   EXPECT_NE(warningsOf(map(flight)).find("opposite directions"), std::string::npos);
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <utility>
+
 #include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/mapping/mapper_config.h"
@@ -23,6 +25,8 @@ class ReplayedMap {
   void add(const PlanarScan& scan, const MapperResult& result);
 
   const Submap& map() const { return map_; }
+  /// Moves the map out. Afterwards the object must not be used.
+  Submap take() { return std::move(map_); }
 
  private:
   MapperConfig mapper_;

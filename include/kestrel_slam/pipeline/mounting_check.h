@@ -19,6 +19,8 @@ namespace kestrel {
 /// different clocks.
 class MountingCheck {
  public:
+  /// Adds the mounting of a laser at one scan.
+  void addMounting(const std::string& source, const Eigen::Isometry3d& base_T_laser);
   /// Whether the scan of `source` at `time` (s) is to be added. Not every scan is compared.
   bool isDue(const std::string& source, double time) const;
   /// `ranges`: from rangesAround(). `time`: middle of the sweep, s.
@@ -42,8 +44,6 @@ class MountingCheck {
   struct Laser {
     double time = 0.0;
     std::vector<float> ranges;
-    Eigen::Vector3d first_axis;  ///< z axis in base at the first scan
-    double tilt_rad = 0.0;       ///< largest change of the axis
   };
   struct Yaw {
     double time, yaw;
@@ -52,7 +52,9 @@ class MountingCheck {
   std::optional<double> odometryAt(double time) const;
 
   std::map<std::string, Laser> lasers_;
-  std::deque<Yaw> odometry_yaws_;  ///< not wrapped, ascending times
+  std::map<std::string, Eigen::Vector3d> first_axes_;  ///< z axis of each laser at its first scan
+  double tilt_rad_ = 0.0;                              ///< largest change of an axis
+  std::deque<Yaw> odometry_yaws_;                      ///< not wrapped, ascending times
   TurnCheck gyro_, odometry_;
 };
 

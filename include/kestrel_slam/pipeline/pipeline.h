@@ -66,6 +66,9 @@ struct DroppedSweep {
   std::string message;  ///< full sentence with values
 };
 
+/// Reason of the problem that the pose filter refuses the readings of the IMU (on_problem).
+constexpr char kFilterRefusesImu[] = "filter: bad IMU";
+
 /// Projector, pose filter and mapper, connected as on a vehicle. Messages are added in the order of
 /// arrival. A scan waits until the attitude at its last beam is known. The pipeline does not read a
 /// clock: `arrival` (s) is the arrival time of a message on the clock of the caller and must not
@@ -123,7 +126,7 @@ class Pipeline {
   void map(const PipelineScan& scan, bool level);
   void drop(const PipelineScan& scan, const std::string& reason, const std::string& message);
   void reportProblems();
-  std::vector<ImuFault> problemsOfFilter() const;
+  std::vector<ImuFault> problemsOfFilter();
 
   PipelineConfig config_;
   ImuCheck imu_check_;
@@ -134,7 +137,8 @@ class Pipeline {
   std::deque<WaitingPose> poses_;  ///< delayed poses that the filter will receive later
   double now_ = -std::numeric_limits<double>::infinity();
   bool finished_ = false;
-  std::set<std::string> reported_;  ///< reasons of problems
+  std::set<std::string> reported_;          ///< reasons of problems
+  std::optional<double> filter_bad_since_;  ///< time since which the filter refuses the IMU, s
 };
 
 }  // namespace kestrel
