@@ -91,6 +91,12 @@ void GyroCheck::add(const ImuSample& sample) {
   step_start_ = orientation;
 }
 
+void GyroCheck::interrupt() {
+  const RotationVerdict known = verdict_;
+  restart();
+  if (known == RotationVerdict::kDegrees) verdict_ = known;
+}
+
 bool GyroCheck::isDoubtful(const Eigen::Vector3d& turned) const {
   if (step_gyro_.isZero(0.0)) return turned.norm() > kStandsStill;
   return step_gyro_.norm() > kDoubtFactor * turned.norm() + kDoubtRad;

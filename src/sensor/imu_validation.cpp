@@ -9,10 +9,11 @@
 namespace kestrel {
 namespace {
 
-constexpr double kMaxNormError = 0.05;    // of a quaternion; smaller errors are rounding
-constexpr double kMaxRate = 100.0;        // rad/s; three times the range of any gyro
-constexpr double kMaxAcceleration = 1e3;  // m/s², about 100 g
-constexpr double kMaxStamp = 1e11;        // s, about 3000 years
+constexpr double kMaxNormError = 0.05;          // of a quaternion; smaller errors are rounding
+constexpr double kMaxRate = 100.0;              // rad/s; three times the range of any gyro
+const double kMaxDegrees = radToDeg(kMaxRate);  // the same in degrees per second
+constexpr double kMaxAcceleration = 1e3;        // m/s², about 100 g
+constexpr double kMaxStamp = 1e11;              // s, about 3000 years
 
 std::string text(const Eigen::VectorXd& values) {
   std::ostringstream out;
@@ -109,7 +110,16 @@ std::optional<ImuFault> faultOfMounting(const Eigen::Isometry3d& base_T_imu) {
 /// because its unit is checked.
 bool isComparable(const ImuSample& sample) {
   return !faultOfStamp(sample.stamp) && sample.world_R_imu && sample.angular_velocity &&
-         sample.angular_velocity->allFinite() && !kestrel::faultOf(*sample.world_R_imu, "");
+         sample.angular_velocity->allFinite() &&
+         sample.angular_velocity->cwiseAbs().maxCoeff() <= kMaxDegrees &&
+         !kestrel::faultOf(*sample.world_R_imu, "");
+}
+
+/// Whether the reading says nothing about the units. A rate that is impossible in rad/s may be one
+/// in degrees per second.
+bool isGarbage(const ImuSample& sample, const CheckedImu& checked) {
+  if (sample.world_R_imu && sample.angular_velocity) return !isComparable(sample);
+  return checked.fault.has_value();
 }
 
 /// A sentence about the gyro compared with the orientation; empty if both agree.
@@ -164,7 +174,7 @@ void ImuCheck::removeContradictions(CheckedImu& checked) {
   } else if (verdict == RotationVerdict::kSecondZero && complete) {
     checked.orientation_fault = checked.contradiction;
     sample.world_R_imu.reset();
-  } else if (gyro_.doubts() && sample.world_R_imu) {
+  } else if (gyro_.doubts() && sample.world_R_imu && !faultOf(checked.sample)) {
     sample.angular_velocity.reset();
   }
 }
@@ -182,6 +192,7 @@ CheckedImu ImuCheck::check(const ImuSample& sample, const Eigen::Isometry3d& bas
   checked.fault = faultOfStamp(sample.stamp);
   if (!checked.fault) checked.fault = faultOf(raw);
   if (!checked.fault) checked.fault = faultOfMounting(base_T_imu);
+  if (isGarbage(sample, checked)) gyro_.interrupt();
   if (checked.fault) return checked;
   checked.order = stamps_.check(sample.stamp);
   checked.jump_s = stamps_.jump();

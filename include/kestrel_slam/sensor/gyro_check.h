@@ -46,6 +46,8 @@ class GyroCheck {
   /// none at all. Such readings are not used while the reason is not known yet.
   bool doubts() const { return doubts_; }
 
+  /// Forgets the sums after a reading that is garbage. Only a known unit is kept.
+  void interrupt();
   void restart() { *this = GyroCheck(); }
 
  private:
