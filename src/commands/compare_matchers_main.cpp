@@ -101,9 +101,7 @@ void measureEvaluation(Arguments arguments, const SlamConfig& config) {
   prepareOutput(arguments.output);
   std::vector<EvaluationExperiment> experiments;
   for (const std::string& method : arguments.matchers) {
-    MapperConfig mapper = config.mapper;
-    mapper.matcher.method = method;
-    experiments.emplace_back(mapper, ExperimentConfig());
+    experiments.emplace_back(config.mapper, method, ExperimentConfig());
   }
   arguments.mapping.run.observer = [&](const PlanarScan& scan, const MapperResult& result) {
     for (EvaluationExperiment& experiment : experiments) experiment.add(scan, result);

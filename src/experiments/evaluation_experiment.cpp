@@ -78,21 +78,26 @@ PlotPanel sharesPanel(const MethodTrials& method, double threshold) {
   return panel;
 }
 
+MatcherConfig withMethod(MatcherConfig config, const std::string& method) {
+  config.method = method;
+  return config;
+}
+
 }  // namespace
 
-EvaluationExperiment::EvaluationExperiment(const MapperConfig& mapper,
+EvaluationExperiment::EvaluationExperiment(const MapperConfig& mapper, const std::string& method,
                                            const ExperimentConfig& config)
     : mapper_(mapper),
       config_(config),
-      matcher_(makeMatcher(mapper.matcher)),
-      map_(mapper.grid),
+      matcher_(makeMatcher(withMethod(mapper.matcher, method))),
+      map_(mapper, submapOptions(withMethod(mapper.matcher, method))),
       random_(kSeed) {}
 
 void EvaluationExperiment::add(const PlanarScan& scan, const MapperResult& result) {
-  if (++scans_ % config_.every == 0 && result.state == MatchState::kOk && map_.scans() > 0) {
+  if (++scans_ % config_.every == 0 && result.state == MatchState::kOk && map().scans() > 0) {
     tryInitialGuesses(scan, result.pose);
   }
-  if (result.inserted) map_.insert(scan, result.pose);
+  map_.add(scan, result);
 }
 
 void EvaluationExperiment::tryInitialGuesses(const PlanarScan& scan, const Pose2& undisturbed) {
@@ -103,7 +108,7 @@ void EvaluationExperiment::tryInitialGuesses(const PlanarScan& scan, const Pose2
     const double turn = random_.uniform(-config_.angular_rad, config_.angular_rad);
     const Pose2 initial_guess = undisturbed * Pose2(x, y, turn);
     MatchRequest request{points, initial_guess, {initial_guess}};
-    const MatchResult match = matcher_->match(map_, request);
+    const MatchResult match = matcher_->match(map(), request);
     const Pose2 error = undisturbed.inverse() * match.pose;
     trials_.push_back(
         {evaluationFunction(match, mapper_.evaluation),

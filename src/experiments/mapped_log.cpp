@@ -2,25 +2,26 @@
 #include "kestrel_slam/experiments/mapped_log.h"
 
 #include <memory>
+#include <utility>
 
 #include "kestrel_slam/offline/offline_run.h"
+#include "kestrel_slam/offline/replayed_map.h"
 #include "kestrel_slam/recording/recording.h"
 
 namespace kestrel {
 
 MappedLog mapLog(const std::string& path, double resolution_m) {
   const SlamConfig config;
-  OccupancyGridConfig grid = config.mapper.grid;
-  grid.resolution_m = resolution_m;
   const std::unique_ptr<Recording> recording = openRecording(path);
-  MappedLog log{Submap(grid), {}};
+  ReplayedMap map(config.mapper, resolution_m);
+  std::vector<MappedScan> scans;
   RunOptions options;
-  options.observer = [&log](const PlanarScan& scan, const MapperResult& result) {
-    if (result.inserted) log.map.insert(scan, result.pose);
-    log.scans.push_back({hitsOf(scan), result.pose});
+  options.observer = [&](const PlanarScan& scan, const MapperResult& result) {
+    map.add(scan, result);
+    scans.push_back({hitsOf(scan), result.pose});
   };
   runOffline(*recording, config, options);
-  return log;
+  return {map.take(), std::move(scans)};
 }
 
 }  // namespace kestrel

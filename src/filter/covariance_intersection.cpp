@@ -11,36 +11,45 @@ constexpr int kBisections = 40;
 
 /// Derivative of log det C with respect to the weight. `ratio`: information of the measurement
 /// relative to the prior, on the axes on which both are diagonal.
-double slope(const Eigen::Array3d& ratio, double weight) {
+template <int Size>
+double slope(const Eigen::Array<double, Size, 1>& ratio, double weight) {
   return -((1.0 - ratio) / (weight + (1.0 - weight) * ratio)).sum();
 }
 
 /// Bisection: log det C is convex in the weight.
-double bestWeight(const Eigen::Array3d& ratio) {
+template <int Size>
+double bestWeight(const Eigen::Array<double, Size, 1>& ratio) {
   double low = 0.0, high = 1.0;
-  if (slope(ratio, low) >= 0.0) return low;
-  if (slope(ratio, high) <= 0.0) return high;
+  if (slope<Size>(ratio, low) >= 0.0) return low;
+  if (slope<Size>(ratio, high) <= 0.0) return high;
   for (int i = 0; i < kBisections; ++i) {
     const double weight = 0.5 * (low + high);
-    (slope(ratio, weight) < 0.0 ? low : high) = weight;
+    (slope<Size>(ratio, weight) < 0.0 ? low : high) = weight;
   }
   return 0.5 * (low + high);
 }
 
 }  // namespace
 
-Intersection intersect(const Eigen::Matrix3d& prior, const Eigen::Matrix3d& measured) {
+template <int Size>
+Intersection<Size> intersect(const Eigen::Matrix<double, Size, Size>& prior,
+                             const Eigen::Matrix<double, Size, Size>& measured) {
+  using Matrix = Eigen::Matrix<double, Size, Size>;
+  using Array = Eigen::Array<double, Size, 1>;
   // The axes T diagonalize both: Tᵀ measured T = 1 / ratio, Tᵀ prior T = 1.
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d> axes(measured, prior);
-  const Eigen::Array3d ratio = axes.eigenvalues().array().max(1e-12).inverse();
-  Intersection result;
-  result.weight = bestWeight(ratio);
-  const Eigen::Array3d information = result.weight + (1.0 - result.weight) * ratio;
-  const Eigen::Matrix3d t = prior * axes.eigenvectors();  // the inverse of Tᵀ
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> axes(measured, prior);
+  const Array ratio = axes.eigenvalues().array().max(1e-12).inverse();
+  Intersection<Size> result;
+  result.weight = bestWeight<Size>(ratio);
+  const Array information = result.weight + (1.0 - result.weight) * ratio;
+  const Matrix t = prior * axes.eigenvectors();  // the inverse of Tᵀ
   result.covariance = t * information.inverse().matrix().asDiagonal() * t.transpose();
   result.gain = t * ((1.0 - result.weight) * ratio / information).matrix().asDiagonal() *
                 axes.eigenvectors().transpose();
   return result;
 }
+
+template Intersection<2> intersect(const Eigen::Matrix2d&, const Eigen::Matrix2d&);
+template Intersection<3> intersect(const Eigen::Matrix3d&, const Eigen::Matrix3d&);
 
 }  // namespace kestrel

@@ -39,8 +39,9 @@ struct FilterState {
   double ground = 0.0;
   StateMatrix covariance = StateMatrix::Zero();
 
-  bool reinitialized = false;  ///< the pose in the map is known
-  double aided_stamp = -1e18;  ///< stamp of the last accepted pose or position, s
+  bool reinitialized = false;         ///< the pose in the map is known
+  double aided_stamp = -1e18;         ///< stamp of the last accepted pose or position, s
+  double partly_aided_stamp = -1e18;  ///< the same for a pose with an unobservable direction, s
   /// Stamp of the first of the poses rejected in a row, s; < 0: none.
   double rejected_since = -1.0;
   double height_rejected_since = -1.0;  ///< the same for the range finder

@@ -33,7 +33,7 @@ bool isCovariance(const Eigen::Matrix3d& matrix) {
 
 std::string faultOf(const PoseMeasurement& measurement) {
   if (faultOfStamp(measurement.stamp)) return kBadStamp;
-  if (!measurement.pose.isFinite()) return kNotFinite;
+  if (!measurement.pose.isFinite() || !measurement.unobservable.allFinite()) return kNotFinite;
   if (measurement.pose.distance() > kMaxPosition) return "too far";
   return isCovariance(measurement.covariance) ? "" : kBadCovariance;
 }

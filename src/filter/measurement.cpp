@@ -92,16 +92,38 @@ Verdict updateIntersected(const Linearized<1>& z, double variance, const PoseFil
 
 /// Replaces the measured states by the covariance intersection, and updates all other states
 /// according to their correlation.
-void updateIntersected(const Linearized<3>& z, const Eigen::Matrix3d& measured,
+template <int Rows>
+void updateIntersected(const Linearized<Rows>& z, const Square<Rows>& measured,
                        FilterState& state) {
-  const Eigen::Matrix<double, kStateDim, 3> cross = state.covariance * z.jacobian.transpose();
-  const Eigen::Matrix3d prior = z.jacobian * cross;
-  const Intersection fused = intersect(0.5 * (prior + prior.transpose()), measured);
+  const Eigen::Matrix<double, kStateDim, Rows> cross = state.covariance * z.jacobian.transpose();
+  const Square<Rows> prior = z.jacobian * cross;
+  const Intersection<Rows> fused =
+      intersect<Rows>(0.5 * (prior + prior.transpose()), 0.5 * (measured + measured.transpose()));
   if (fused.weight >= 1.0) return;
-  const Eigen::Matrix<double, kStateDim, 3> regression = cross * prior.inverse();
+  const Eigen::Matrix<double, kStateDim, Rows> regression = cross * prior.inverse();
   state.covariance += regression * (fused.covariance - prior) * regression.transpose();
   makeSymmetric(state);
   inject(regression * (fused.gain * z.innovation), state);
+}
+
+template <int Rows>
+bool fusePose(const Linearized<Rows>& z, const Square<Rows>& noise, const PoseFilterConfig& config,
+              FilterState& state) {
+  if (!passes<Rows>(z, noise, kAnyCorrelation, config, state)) return false;
+  updateIntersected<Rows>(z, noise, state);
+  return true;
+}
+
+/// Fuses a pose, or only what is measured of it: the position across the unobservable direction,
+/// and the yaw. Along that direction the pose is a prediction, often that of this filter.
+bool fusePose(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
+  const Linearized<3> z = linearizePose(m, state);
+  if (m.unobservable.isZero()) return fusePose<3>(z, m.covariance, config, state);
+  const Eigen::Vector2d along = m.unobservable.normalized();
+  Eigen::Matrix<double, 2, 3> measured;
+  measured << -along.y(), along.x(), 0.0, 0.0, 0.0, 1.0;
+  const Linearized<2> part{measured * z.innovation, measured * z.jacobian};
+  return fusePose<2>(part, measured * m.covariance * measured.transpose(), config, state);
 }
 
 /// Reinitializes to a pose as if no pose had been known. The motion relative to the vehicle is
@@ -129,13 +151,10 @@ void reinitialize(const Measurement& m, FilterState& state) {
 }
 
 Verdict applyPose(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
-  const Linearized<3> z = linearizePose(m, state);
   Verdict verdict;
   if (!state.reinitialized || m.bypass_gate) {
     reinitialize(m, state);
-  } else if (passes<3>(z, m.covariance, kAnyCorrelation, config, state)) {
-    updateIntersected(z, m.covariance, state);
-  } else {
+  } else if (!fusePose(m, config, state)) {
     if (state.rejected_since < 0.0) state.rejected_since = m.stamp;
     if (m.stamp - state.rejected_since < config.gate.reinitialize_after_s) return {kGated};
     reinitialize(m, state);
@@ -145,7 +164,11 @@ Verdict applyPose(const Measurement& m, const PoseFilterConfig& config, FilterSt
     verdict.reinitialized = true;
   }
   state.rejected_since = -1.0;
-  state.aided_stamp = m.stamp;
+  if (m.unobservable.isZero()) {
+    state.aided_stamp = m.stamp;
+  } else {
+    state.partly_aided_stamp = m.stamp;
+  }
   return verdict;
 }
 

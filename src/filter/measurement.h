@@ -17,6 +17,8 @@ struct Measurement {
   /// kZeroVelocity: mean rate of the gyro in the base frame. Others: one value in x.
   Eigen::Vector3d value = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< single values: only the first element
+  /// kPose: direction in map along which the pose is only predicted; zero: none.
+  Eigen::Vector2d unobservable = Eigen::Vector2d::Zero();
   bool bypass_gate = false;  ///< kPose: set by the user; always accepted
   bool counted = false;      ///< its verdict was already counted
 };

@@ -36,6 +36,7 @@ bool PoseFilter::addPose(const PoseMeasurement& measurement) {
   m.stamp = measurement.stamp;
   m.value = {measurement.pose.x, measurement.pose.y, measurement.pose.yaw};
   m.covariance = measurement.covariance;
+  m.unobservable = measurement.unobservable;
   return state_->add(m, faultOf(measurement));
 }
 

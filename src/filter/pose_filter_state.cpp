@@ -51,6 +51,11 @@ PoseFilter::State::State(const PoseFilterConfig& c)
 
 bool PoseFilter::State::addImu(const CheckedImu& checked) {
   ++status.imu.received;
+  contradiction = checked.contradiction ? checked.contradiction->message : "";
+  if (checked.converted != gyro_converted) {  // the biases so far have another unit
+    gyro_converted = checked.converted;
+    reset("unit of the gyro", true);
+  }
   const ImuIntake::Result result = imu.add(checked);
   if (result == ImuIntake::Result::kRejected) {
     ++status.imu.rejected[imu.fault().reason];
@@ -258,10 +263,13 @@ std::string PoseFilter::State::problem(FilterHealth health_now) const {
     case FilterHealth::kInitializing:
       return "collecting IMU samples for the initialization";
     case FilterHealth::kCoasting:
-      return "no pose or position was accepted recently: the position drifts";
+      return timeline.newest().state.partly_aided_stamp > timeline.newest().state.aided_stamp
+                 ? "the laser does not see a direction (a corridor): the position drifts along it"
+                 : "no pose or position was accepted recently: the position drifts";
     case FilterHealth::kOk:
       break;
   }
+  if (!contradiction.empty()) return contradiction;
   if (imu.rate() >= config.imu.min_rate_hz || imu.rate() <= 0.0) return "";
   std::ostringstream text;
   text << "the rate of the IMU is " << imu.rate() << " Hz; at least " << config.imu.min_rate_hz

@@ -46,6 +46,8 @@ struct PoseFilter::State {
   std::deque<double> reinitializations;  ///< stamps of the latest reinitializations
   std::optional<FilterOutput> output;
   FilterStatus status;
+  bool gyro_converted = false;  ///< the gyro of the last reading was in degrees per second
+  std::string contradiction;    ///< of the values of the last reading
 
   std::optional<Measurement> initial_pose;   ///< from setPose before the initialization
   std::optional<Measurement> initial_range;  ///< range finder before the initialization

@@ -83,6 +83,8 @@ kestrel_slam::MapperState toMessage(const MatchedPose& pose, const ros::Time& st
   Eigen::Map<RowMajor>(message.covariance.data()) = pose.covariance;
   message.velocity_x = pose.velocity.x();
   message.velocity_y = pose.velocity.y();
+  message.unobservable_x = pose.unobservable.x();
+  message.unobservable_y = pose.unobservable.y();
   return message;
 }
 
@@ -93,6 +95,7 @@ MatchedPose fromMessage(const kestrel_slam::MapperState& message) {
   pose.covariance = Eigen::Map<const RowMajor>(message.covariance.data());
   pose.velocity = {message.velocity_x, message.velocity_y};
   pose.state = stateOf(message.state);
+  pose.unobservable = {message.unobservable_x, message.unobservable_y};
   return pose;
 }
 

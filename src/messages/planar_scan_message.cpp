@@ -62,6 +62,7 @@ kestrel_slam::PlanarScanPtr toPlanarScanMessage(const PlanarScan& scan, const st
   const auto message = boost::make_shared<kestrel_slam::PlanarScan>();
   message->header.stamp = stamp;
   message->header.frame_id = frame;
+  message->source = scan.source;
   message->integrated_yaw = scan.integrated_yaw.value_or(kAbsent);
   const Eigen::Vector2d acceleration =
       scan.integrated_acceleration.value_or(Eigen::Vector2d::Constant(kAbsent));
@@ -88,6 +89,7 @@ PlanarScan fromPlanarScanMessage(const kestrel_slam::PlanarScan& message) {
   requireLengths(message);
   PlanarScan scan;
   scan.stamp = scan.time = toSeconds(message.header.stamp);
+  scan.source = message.source;
   const Eigen::Vector2d acceleration(message.integrated_acceleration_x,
                                      message.integrated_acceleration_y);
   const Eigen::Vector3d predicted(message.predicted_x, message.predicted_y, message.predicted_yaw);

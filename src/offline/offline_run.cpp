@@ -91,6 +91,7 @@ class Runner {
     pipeline_.on_scan = [this](const MappedSweep& sweep) { record(sweep); };
     pipeline_.on_drop = [this](const DroppedSweep& sweep) { drop(sweep); };
     pipeline_.on_filter = options_.filter_observer;
+    pipeline_.on_problem = [this](const ImuFault& problem, double time) { warn(problem, time); };
   }
 
   OfflineRun run(const ProgressCallback& progress) {
@@ -143,6 +144,7 @@ class Runner {
   void addScan(RecordedScan& scan, double arrival) {
     ++read_;
     if (!first_time_) first_time_ = scan.time;
+    if (!first_stamp_) first_stamp_ = arrival;
     run_.duration_s = scan.time - *first_time_;
     if (!perturb(options_.perturbation, read_, scan)) {
       ++run_.left_out;
@@ -175,6 +177,14 @@ class Runner {
       if (doubt.scans.count == 0) doubt.text = warning.text;
       doubt.scans.add(placeOf(sweep.input));
     }
+  }
+
+  void warn(const ImuFault& problem, double time) {
+    std::ostringstream place;
+    place.precision(1);
+    place << std::fixed << " (noticed after " << time - first_stamp_.value_or(time) << " s)";
+    run_.warnings.push_back(problem.message + place.str());
+    says_filter_ |= problem.reason == kFilterRefusesImu;
   }
 
   /// Processing time of projector, filter and mapper since the previous scan, ms.
@@ -220,7 +230,7 @@ class Runner {
 
   void finishFilter() {
     run_.filter = pipeline_.filter().status(recording_.imu().samples.back().stamp);
-    if (pipeline_.filter().output()) return;
+    if (pipeline_.filter().output() || says_filter_) return;
     run_.warnings.push_back("the pose filter does not run: " + run_.filter->message);
   }
 
@@ -271,9 +281,11 @@ class Runner {
   OfflineRun run_;
   std::size_t read_ = 0;
   std::optional<double> first_time_;
+  std::optional<double> first_stamp_;  ///< arrival of the first scan, s
   std::optional<Pose2> last_counted_;
   Occurrence lost_, full_, without_odometry_;
   std::map<std::string, Doubt> doubts_;  ///< by kind
+  bool says_filter_ = false;  ///< a warning says why the filter does not run
 };
 
 }  // namespace

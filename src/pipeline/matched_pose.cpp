@@ -6,12 +6,14 @@ namespace kestrel {
 MatchedPose matchedPoseOf(const MapperResult& result, double stamp) {
   // A predicted pose is no measurement, even if the vehicle is not lost.
   const MatchState state = result.isMatched() ? result.state : MatchState::kLost;
-  return {stamp, result.pose, result.covariance, result.velocity, state};
+  MatchedPose pose{stamp, result.pose, result.covariance, result.velocity, state};
+  if (result.match.degenerate) pose.unobservable = result.match.degenerate_direction;
+  return pose;
 }
 
 bool fuse(const MatchedPose& pose, PoseFilter& filter) {
   if (pose.state == MatchState::kLost) return false;
-  return filter.addPose({pose.stamp, pose.pose, pose.covariance});
+  return filter.addPose({pose.stamp, pose.pose, pose.covariance, pose.unobservable});
 }
 
 }  // namespace kestrel

@@ -36,6 +36,7 @@ void Pipeline::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_i
                       double arrival) {
   advance(arrival);
   if (config_.level) return;
+  if (projection_.gyroInDegrees()) imu_check_.convertGyro();
   const CheckedImu reading = imu_check_.check(sample, base_T_imu);
   projection_.addImu(reading);
   processQueue();  // a live node also does this before the new filter state arrives
@@ -77,17 +78,19 @@ void Pipeline::addScan(PipelineScan scan, double arrival) {
   const std::optional<WaitingScan> removed = queue_.push({std::move(scan), times, now_});
   if (removed) drop(removed->scan, "overload", "too many scans are waiting for their attitude");
   processQueue();
+  reportProblems();
 }
 
 void Pipeline::finish() {
   finished_ = true;
   deliverPoses();
   processQueue();
+  reportProblems();
 }
 
 void Pipeline::processQueue() {
   queue_.process([this](const WaitingScan& waiting) { return handle(waiting); },
-                 [](const WaitingScan&) { return 0; });
+                 [](const WaitingScan& waiting) { return frameOf(waiting.scan.data); });
 }
 
 /// True if the scan is finished (mapped or dropped).
@@ -105,7 +108,8 @@ bool Pipeline::handle(const WaitingScan& waiting) {
 }
 
 void Pipeline::map(const PipelineScan& scan, bool level) {
-  ProjectedSweep projected = projection_.project(scan.data, scan.base_T_laser, level);
+  ProjectedSweep projected =
+      projection_.project(scan.data, scan.base_T_laser, level, scan.odom_T_base);
   Projection& projection = projected.projection;
   const double stamp = stampOf(scan.data);
   for (const auto& height : {projection.mirror_height_m, projection.floor_height_m}) {
@@ -126,6 +130,34 @@ void Pipeline::map(const PipelineScan& scan, bool level) {
 void Pipeline::drop(const PipelineScan& scan, const std::string& reason,
                     const std::string& message) {
   if (on_drop) on_drop({scan, reason, message});
+}
+
+void Pipeline::reportProblems() {
+  if (!on_problem) return;
+  std::vector<ImuFault> problems = projection_.problems(now_);
+  for (ImuFault& problem : problemsOfFilter()) problems.push_back(std::move(problem));
+  for (const ImuFault& problem : problems) {
+    if (reported_.insert(problem.reason).second) on_problem(problem, now_);
+  }
+}
+
+std::vector<ImuFault> Pipeline::problemsOfFilter() {
+  constexpr double kLasting_s = 1.0;  // shorter refusals end by themselves
+  std::vector<ImuFault> problems;
+  if (!config_.use_filter || config_.level) return problems;
+  const FilterStatus status = filter_.status(now_);
+  if (status.health != FilterHealth::kBadImu) {
+    filter_bad_since_.reset();
+  } else if (!filter_bad_since_) {
+    filter_bad_since_ = now_;
+  } else if (now_ - *filter_bad_since_ > kLasting_s) {
+    problems.push_back(
+        {kFilterRefusesImu, "the pose filter does not use the IMU: " + status.message});
+  }
+  for (const auto& [reason, count] : status.resets) {
+    problems.push_back({"filter: " + reason, "the pose filter was started again: " + reason});
+  }
+  return problems;
 }
 
 void Pipeline::setPose(const Pose2& map_T_base, const Eigen::Matrix3d& covariance) {

@@ -3,6 +3,9 @@
 
 #include <cmath>
 #include <cstdio>
+#include <utility>
+
+#include "kestrel_slam/sensor/scan_turn.h"
 
 namespace kestrel {
 namespace {
@@ -52,6 +55,10 @@ void roundHeights(Projection& projection) {
 
 double stampOf(const SweepData& data) {
   return std::visit([](const auto& sweep) { return sweep.stamp; }, data);
+}
+
+const std::string& frameOf(const SweepData& data) {
+  return std::visit([](const auto& sweep) -> const std::string& { return sweep.frame; }, data);
 }
 
 SweepTimes sweepTimes(const SweepData& data) {
@@ -132,7 +139,9 @@ std::string ProjectionStage::uncovered(const SweepTimes& times) const {
 }
 
 ProjectedSweep ProjectionStage::project(const SweepData& data,
-                                        const Eigen::Isometry3d& base_T_laser, bool level) {
+                                        const Eigen::Isometry3d& base_T_laser, bool level,
+                                        const std::optional<Pose2>& odom_T_base) {
+  checkMounting(data, base_T_laser, odom_T_base);
   const double stamp = stampOf(data);
   const SweepTimes times = sweepTimes(data);
   ProjectedSweep result;
@@ -151,6 +160,11 @@ ProjectedSweep ProjectionStage::project(const SweepData& data,
   if (projection.error != ScanError::kNone) return result;
   if (attitude != nullptr) continueIntegrals(*attitude, projection.scan);
   if (!level) projection.scan.predicted = motions_.odomPose(stamp);
+  if (mountings_.gyroMisleads()) {
+    projection.scan.integrated_yaw.reset();
+    projection.scan.integrated_acceleration.reset();
+    projection.scan.predicted.reset();
+  }
   return result;
 }
 
@@ -204,6 +218,37 @@ ProjectionStage::IntegralOffset ProjectionStage::offsetBetween(
     result.velocity = *given_velocity - Eigen::Rotation2Dd(result.yaw) * *velocity;
   }
   return result;
+}
+
+void ProjectionStage::checkMounting(const SweepData& data, const Eigen::Isometry3d& base_T_laser,
+                                    const std::optional<Pose2>& odom_T_base) {
+  const double stamp = stampOf(data);
+  const SweepTimes times = sweepTimes(data);
+  const double middle = 0.5 * (times.first + times.last);
+  const std::string& source = frameOf(data);
+  if (!std::isfinite(middle) || !base_T_laser.matrix().allFinite()) return;
+  mountings_.addMounting(source, base_T_laser);
+  const bool is_compared = !config_.level || odom_T_base;
+  if (is_compared && mountings_.isDue(source, middle)) {
+    std::vector<float> ranges =
+        std::visit([](const auto& sweep) { return rangesAround(sweep); }, data);
+    mountings_.addScan(source, middle, std::move(ranges), base_T_laser);
+    if (!config_.level) mountings_.compareGyro(tracker_.buffer());
+  }
+  if (odom_T_base) mountings_.addOdometry(stamp, odom_T_base->yaw);
+}
+
+std::vector<ImuFault> ProjectionStage::problems(double now) const {
+  std::vector<ImuFault> problems = mountings_.problems();
+  if (config_.level) {
+    for (ImuFault& problem : mountings_.problemsOfLevelLaser()) problems.push_back(problem);
+    return problems;
+  }
+  const ImuStatus imu = tracker_.status(now);
+  if (!isGone(imu.health) && !imu.message.empty()) {
+    problems.insert(problems.begin(), ImuFault{imu.reason, imu.message});
+  }
+  return problems;
 }
 
 }  // namespace kestrel

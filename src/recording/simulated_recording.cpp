@@ -56,7 +56,7 @@ struct SimulatedRecording::State {
   FlightSimulator scans;
   Trajectory truth;
   std::vector<TrueState> true_states;
-  MonotoneTime monotone_time;
+  TimeBase time_base;
 };
 
 SimulatedRecording::SimulatedRecording(const Place& place, const VehicleModel& vehicle,
@@ -99,6 +99,7 @@ bool SimulatedRecording::readScan(const FlightEvent& event, RecordedScan& scan) 
   scan = RecordedScan();
   if (const auto* sweep = std::get_if<LaserScan>(&event.message)) {
     scan.scan = *sweep;
+    scan.scan.frame = event.second_laser ? "second_laser" : "laser";
     scan.base_T_laser =
         event.second_laser ? state_->vehicle.base_T_second_laser : state_->vehicle.base_T_laser;
   } else if (const auto* cloud = std::get_if<PointCloud>(&event.message)) {
@@ -108,7 +109,7 @@ bool SimulatedRecording::readScan(const FlightEvent& event, RecordedScan& scan) 
   } else {
     return false;  // positions of people
   }
-  scan.time = state_->monotone_time.repair(event.stamp);
+  scan.time = state_->time_base.repair(scan.scan.frame, event.stamp);
   return true;
 }
 

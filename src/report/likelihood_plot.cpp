@@ -75,7 +75,7 @@ PlotSeries ellipseOf(const MapperResult& result) {
 }  // namespace
 
 LikelihoodRecorder::LikelihoodRecorder(const MapperConfig& mapper, std::size_t scan)
-    : mapper_(mapper), wanted_(scan), map_(mapper.grid) {
+    : mapper_(mapper), wanted_(scan), map_(mapper) {
   if (scan == 0) {
     throw std::invalid_argument(
         "scan 0 defines the map, so it has no likelihood; choose a later scan");
@@ -85,10 +85,10 @@ LikelihoodRecorder::LikelihoodRecorder(const MapperConfig& mapper, std::size_t s
 void LikelihoodRecorder::add(const PlanarScan& scan, const MapperResult& result) {
   if (scans_++ == wanted_) {
     result_ = result;
-    surface_ = sampleLikelihood(map_.surface(), hitsOf(scan), result.pose,
+    surface_ = sampleLikelihood(map_.map().surface(), hitsOf(scan), result.pose,
                                 mapper_.matcher.near_window, mapper_.matcher.correlative);
   }
-  if (result.inserted) map_.insert(scan, result.pose);
+  map_.add(scan, result);
 }
 
 void LikelihoodRecorder::write(const std::string& path) const {

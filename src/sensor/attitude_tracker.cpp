@@ -73,6 +73,8 @@ struct AttitudeTracker::State {
   bool is_late = false;  ///< of the reading that is being added
   int rejected_in_a_row = 0;
   std::string last_fault;
+  std::optional<ImuFault> contradiction;  ///< of the values of the last reading
+  bool converted = false;                 ///< the gyro of the last reading was converted
 };
 
 AttitudeTracker::AttitudeTracker(const AttitudeConfig& config)
@@ -137,6 +139,9 @@ std::optional<ImuFault> AttitudeTracker::State::judgeOrder(StampCheck::Verdict o
 }
 
 std::optional<ImuFault> AttitudeTracker::State::addReading(const CheckedImu& reading) {
+  contradiction = reading.contradiction;
+  if (reading.converted != converted) estimator = AttitudeEstimator(config);  // its bias is wrong
+  converted = reading.converted;
   if (reading.fault) return reading.fault;
   if (const auto fault = judgeOrder(reading.order, reading.jump_s)) return fault;
   if (!is_late) frozen = reading.frozen_s >= config.frozen_s;
@@ -231,7 +236,13 @@ ImuStatus AttitudeTracker::status(double now) const {
   } else {
     status.health = state.monitor.health();
     status.message = state.monitor.message();
+    if (status.message.empty() && state.contradiction) {
+      status.health = state.converted ? ImuHealth::kOk : ImuHealth::kContradiction;
+      status.message = state.contradiction->message;
+      status.reason = state.contradiction->reason;
+    }
   }
+  if (status.reason.empty()) status.reason = toString(status.health);
   return status;
 }
 

@@ -175,6 +175,7 @@ Projection ScanProjector::project(const PointCloud& cloud, const Eigen::Isometry
   Projection result;
   result.scan.stamp = cloud.stamp;
   result.scan.time = cloud.stamp;
+  result.scan.source = cloud.frame;
   result.scan.integrated_yaw = frames.integratedYaw();
   result.scan.integrated_acceleration = frames.integratedAcceleration();
   result.tilt_rad = frames.maxTilt();

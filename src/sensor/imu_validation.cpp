@@ -4,13 +4,16 @@
 #include <cmath>
 #include <sstream>
 
+#include "kestrel_slam/geometry/angles.h"
+
 namespace kestrel {
 namespace {
 
-constexpr double kMaxNormError = 0.05;    // of a quaternion; smaller errors are rounding
-constexpr double kMaxRate = 100.0;        // rad/s; three times the range of any gyro
-constexpr double kMaxAcceleration = 1e3;  // m/s², about 100 g
-constexpr double kMaxStamp = 1e11;        // s, about 3000 years
+constexpr double kMaxNormError = 0.05;          // of a quaternion; smaller errors are rounding
+constexpr double kMaxRate = 100.0;              // rad/s; three times the range of any gyro
+const double kMaxDegrees = radToDeg(kMaxRate);  // the same in degrees per second
+constexpr double kMaxAcceleration = 1e3;        // m/s², about 100 g
+constexpr double kMaxStamp = 1e11;              // s, about 3000 years
 
 std::string text(const Eigen::VectorXd& values) {
   std::ostringstream out;
@@ -47,6 +50,10 @@ bool areSame(const ImuSample& a, const ImuSample& b) {
          areSame(a.angular_velocity, b.angular_velocity) &&
          areSame(a.linear_acceleration, b.linear_acceleration);
 }
+
+constexpr char kDegreesMessage[] =
+    "the IMU's gyro turns 57 times more than the vehicle: it is in degrees per second and is "
+    "converted; the driver must send rad/s";
 
 }  // namespace
 
@@ -103,19 +110,93 @@ std::optional<ImuFault> faultOfMounting(const Eigen::Isometry3d& base_T_imu) {
                   "the mounting of the IMU (tf) has a translation that is not finite"};
 }
 
+/// Whether the values of a reading can be compared with each other. The gyro may be of any size,
+/// because its unit is checked.
+bool isComparable(const ImuSample& sample) {
+  return !faultOfStamp(sample.stamp) && sample.world_R_imu && sample.angular_velocity &&
+         sample.angular_velocity->allFinite() &&
+         sample.angular_velocity->cwiseAbs().maxCoeff() <= kMaxDegrees &&
+         !kestrel::faultOf(*sample.world_R_imu, "");
+}
+
+/// Whether the reading says nothing about the units. A rate that is impossible in rad/s may be one
+/// in degrees per second.
+bool isGarbage(const ImuSample& sample, const CheckedImu& checked) {
+  if (sample.world_R_imu && sample.angular_velocity) return !isComparable(sample);
+  return checked.fault.has_value();
+}
+
+/// A sentence about the gyro compared with the orientation; empty if both agree.
+std::string gyroMessage(RotationVerdict verdict) {
+  const std::string frame = ": are both given in the IMU's frame, x forward, y left, z up?";
+  switch (verdict) {
+    case RotationVerdict::kDegrees:
+      return kDegreesMessage;
+    case RotationVerdict::kFirstZero:
+      return "the IMU's gyro reads zero although its orientation turns: the gyro is not used; "
+             "check its driver";
+    case RotationVerdict::kSecondZero:
+      return "the IMU's orientation stands still although its gyro turns: gyro and accelerometer "
+             "are used instead; the driver must set orientation_covariance[0] to -1";
+    case RotationVerdict::kOpposite:
+      return "the IMU's gyro and orientation turn in opposite directions" + frame;
+    case RotationVerdict::kDifferent:
+      return "the IMU's gyro and orientation turn about different axes" + frame;
+    default:
+      return "";
+  }
+}
+
+const char* reasonOf(RotationVerdict verdict) {
+  switch (verdict) {
+    case RotationVerdict::kDegrees:
+      return "gyro in degrees";
+    case RotationVerdict::kFirstZero:
+      return "gyro is zero";
+    case RotationVerdict::kSecondZero:
+      return "orientation stands still";
+    default:
+      return "gyro contradicts orientation";
+  }
+}
+
 }  // namespace
+
+/// Converts or removes values that contradict the others. A few readings pass before the reason is
+/// known; a gyro in doubt is not used until then, because the orientation gives the yaw too.
+void ImuCheck::removeContradictions(CheckedImu& checked) {
+  ImuSample& sample = checked.sample;
+  const bool complete = sample.angular_velocity && sample.linear_acceleration;
+  const RotationVerdict verdict = told_degrees_ ? RotationVerdict::kDegrees : gyro_.verdict();
+  const std::string message = gyroMessage(verdict);
+  if (!message.empty()) checked.contradiction = ImuFault{reasonOf(verdict), message};
+  if (verdict == RotationVerdict::kDegrees) {
+    checked.converted = true;
+    if (sample.angular_velocity) *sample.angular_velocity *= degToRad(1.0);
+  } else if (verdict == RotationVerdict::kFirstZero) {
+    sample.angular_velocity.reset();
+  } else if (verdict == RotationVerdict::kSecondZero && complete) {
+    checked.orientation_fault = checked.contradiction;
+    sample.world_R_imu.reset();
+  } else if (gyro_.doubts() && sample.world_R_imu && !faultOf(checked.sample)) {
+    sample.angular_velocity.reset();
+  }
+}
 
 CheckedImu ImuCheck::check(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) {
   CheckedImu checked;
   checked.sample = sample;
   checked.base_T_imu = base_T_imu;
-  ImuSample orientation, raw = sample;
-  orientation.world_R_imu = sample.world_R_imu;
+  if (isComparable(sample)) gyro_.add(sample);
+  removeContradictions(checked);
+  ImuSample orientation, raw = checked.sample;
+  orientation.world_R_imu = checked.sample.world_R_imu;
   raw.world_R_imu.reset();
-  checked.orientation_fault = faultOf(orientation);
+  if (!checked.orientation_fault) checked.orientation_fault = faultOf(orientation);
   checked.fault = faultOfStamp(sample.stamp);
   if (!checked.fault) checked.fault = faultOf(raw);
   if (!checked.fault) checked.fault = faultOfMounting(base_T_imu);
+  if (isGarbage(sample, checked)) gyro_.interrupt();
   if (checked.fault) return checked;
   checked.order = stamps_.check(sample.stamp);
   checked.jump_s = stamps_.jump();

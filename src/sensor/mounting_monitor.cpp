@@ -39,6 +39,7 @@ bool isNear(double size, double expected) {
 
 std::string describeSize(double size) {
   constexpr double kOneG = 1.0, kMilliG = 1000.0;
+  constexpr double kNothing = 0.8;  // less than 1 g in g
   std::ostringstream text;
   text.precision(3);
   text << size << " m/s² instead of " << kGravity;
@@ -46,6 +47,8 @@ std::string describeSize(double size) {
     text << ": it seems to be in g; sensor_msgs/Imu is in m/s²";
   } else if (isNear(size, kMilliG)) {
     text << ": it seems to be in thousandths of g; sensor_msgs/Imu is in m/s²";
+  } else if (size < kNothing) {
+    text << ": is it without gravity, or not filled in? sensor_msgs/Imu has +9.81 upwards at rest";
   } else {
     text << ": check its scale";
   }

@@ -259,6 +259,7 @@ Projection ScanProjector::projectCorrected(const LaserScan& scan,
   Projection result;
   result.scan.stamp = scan.stamp;
   result.scan.time = scan.stamp;
+  result.scan.source = scan.frame;
   result.scan.integrated_yaw = frames.integratedYaw();
   result.scan.integrated_acceleration = frames.integratedAcceleration();
   result.tilt_rad = frames.maxTilt();

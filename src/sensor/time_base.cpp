@@ -10,7 +10,7 @@ namespace kestrel {
 double MonotoneTime::repair(double stamp) {
   if (!started_) {
     started_ = true;
-    last_stamped_time_ = last_time_ = std::isfinite(stamp) ? stamp : 0.0;
+    last_stamped_time_ = last_time_ = std::isfinite(stamp) ? stamp + offset_ : 0.0;
     return last_time_;
   }
   if (!std::isfinite(stamp)) {
@@ -74,6 +74,29 @@ void MonotoneTime::learnStep(double step) {
   const double learned =
       typical_step_ + kLearningRate * (std::clamp(step, -kMaxStep, kMaxStep) - typical_step_);
   typical_step_ = std::max(learned, kMinStep);
+}
+
+double TimeBase::repair(const std::string& source, double stamp) {
+  MonotoneTime& monotone = timeOf(source);
+  const double time = monotone.repair(stamp);
+  offset_ = monotone.offset();
+  return time;
+}
+
+/// A new source has the clock of the others, also after that was set. The number of sources is
+/// limited: broken messages may have any frame.
+MonotoneTime& TimeBase::timeOf(const std::string& source) {
+  constexpr std::size_t kMostSources = 32;
+  const auto known = sources_.find(source);
+  if (known != sources_.end()) return known->second;
+  const std::string& name = sources_.size() < kMostSources ? source : sources_.begin()->first;
+  return sources_.try_emplace(name, offset_).first->second;
+}
+
+std::size_t TimeBase::repaired() const {
+  std::size_t sum = 0;
+  for (const auto& entry : sources_) sum += entry.second.repaired();
+  return sum;
 }
 
 }  // namespace kestrel

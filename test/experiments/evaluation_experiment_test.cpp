@@ -38,9 +38,7 @@ std::vector<Trial> tryOut(const std::string& method, const ExperimentConfig& exp
   laboratory.quadrotor.level = true;
   SimulatedRecording flight(laboratory, quadrotorWith("utm30lx"), 1);
   const SlamConfig config;
-  MapperConfig tried = config.mapper;
-  tried.matcher.method = method;
-  EvaluationExperiment experiment(tried, experiment_config);
+  EvaluationExperiment experiment(config.mapper, method, experiment_config);
   RunOptions options;
   options.max_scans = 120;
   options.observer = [&](const PlanarScan& scan, const MapperResult& result) {

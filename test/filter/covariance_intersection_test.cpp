@@ -18,14 +18,14 @@ Eigen::Matrix3d rotated(const Eigen::Vector3d& variances, const Eigen::Vector3d&
 
 TEST(CovarianceIntersection, OfEqualCovariancesIsTheSameCovariance) {
   const Eigen::Matrix3d c = rotated({1.0, 4.0, 9.0}, {0.1, 0.2, 0.3});
-  const Intersection fused = intersect(c, c);
+  const Intersection<3> fused = intersect<3>(c, c);
   EXPECT_LT((fused.covariance - c).cwiseAbs().maxCoeff(), 1e-12);
 }
 
 TEST(CovarianceIntersection, SelectsTheBetterEstimateIfItIsBetterInAllDirections) {
   const Eigen::Matrix3d c = rotated({1.0, 4.0, 9.0}, {0.1, 0.2, 0.3});
-  EXPECT_EQ(intersect(c, 4.0 * c).weight, 1.0);
-  const Intersection measured = intersect(4.0 * c, c);
+  EXPECT_EQ(intersect<3>(c, 4.0 * c).weight, 1.0);
+  const Intersection<3> measured = intersect<3>(4.0 * c, c);
   EXPECT_EQ(measured.weight, 0.0);
   EXPECT_LT((measured.covariance - c).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_LT((measured.gain - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 1e-12);
@@ -35,7 +35,7 @@ TEST(CovarianceIntersection, SelectsTheBetterEstimateIfItIsBetterInAllDirections
 TEST(CovarianceIntersection, MatchesTheDefinitionWithTheBestWeight) {
   const Eigen::Matrix3d a = rotated({1.0, 0.1, 2.0}, {0.3, -0.2, 0.5});
   const Eigen::Matrix3d b = rotated({0.2, 1.5, 1.0}, {-0.4, 0.6, 0.1});
-  const Intersection fused = intersect(a, b);
+  const Intersection<3> fused = intersect<3>(a, b);
   const auto at = [&](double w) {
     return Eigen::Matrix3d((w * a.inverse() + (1.0 - w) * b.inverse()).inverse());
   };
@@ -54,7 +54,7 @@ TEST(CovarianceIntersection, MatchesTheDefinitionWithTheBestWeight) {
 TEST(CovarianceIntersection, IsNotOverconfidentForAnyCorrelation) {
   const Eigen::Matrix3d a = rotated({1.0, 0.1, 2.0}, {0.3, -0.2, 0.5});
   const Eigen::Matrix3d b = rotated({0.2, 1.5, 1.0}, {-0.4, 0.6, 0.1});
-  const Intersection fused = intersect(a, b);
+  const Intersection<3> fused = intersect<3>(a, b);
   const Eigen::Matrix3d root_a = a.llt().matrixL(), root_b = b.llt().matrixL();
   const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - fused.gain;
   for (const double correlation : {-1.0, -0.5, 0.0, 0.5, 1.0}) {

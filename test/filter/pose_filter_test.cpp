@@ -214,6 +214,34 @@ TEST(PoseFilter, CoastsWithoutPosesAndReportsIt) {
   EXPECT_GT(filter.output()->covariance(kPosition, kPosition), 1e-4);
 }
 
+TEST(PoseFilter, DoesNotFuseAlongAnUnobservableDirection) {
+  const FilterFlight flight;
+  PoseFilter filter;
+  Feeding feeding;
+  // From 10 s on the mapper is in a corridor along x. Its pose claims to know x, and is wrong.
+  feeding.pose = [](double time, PoseMeasurement& pose) {
+    if (time < 10.0) return true;
+    pose.unobservable = Eigen::Vector2d::UnitX();
+    pose.pose.x += 0.5 * (time - 10.0);
+    return true;
+  };
+  feeding.until_s = 13.0;
+  feed(flight, feeding, filter);
+  const FilterOutput& output = *filter.output();
+  const Eigen::Vector3d truth = flight.position(output.stamp - flight.start_stamp);
+  const Eigen::Vector3d error = output.map_T_base.translation() - truth;
+  const double sigma_x = std::sqrt(output.covariance(kPosition, kPosition));
+  EXPECT_GT(sigma_x, 0.01);
+  EXPECT_LT(std::abs(error.x()), std::min(0.5, 3.0 * sigma_x));
+  EXPECT_LT(std::abs(error.y()), 0.02);
+  EXPECT_LT(output.covariance(kPosition + 1, kPosition + 1), 1e-3);
+  const FilterStatus status = statusAtEnd(filter, flight, 13.0);
+  EXPECT_EQ(status.health, FilterHealth::kCoasting);
+  EXPECT_NE(status.message.find("along"), std::string::npos) << status.message;
+  EXPECT_EQ(status.reinitializations, 0U);
+  EXPECT_GT(status.of(FilterSensor::kGravityDirection).accepted, 2U);
+}
+
 TEST(PoseFilter, SetPoseWorksBeforeAndAfterTheInitialization) {
   const FilterFlight flight;
   PoseFilter filter;

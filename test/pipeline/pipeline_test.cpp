@@ -91,5 +91,29 @@ TEST(MatchedPose, OfALostMapperIsNotFused) {
   EXPECT_EQ(filter.status(0.0).of(FilterSensor::kPose).received, 1U);
 }
 
+TEST(MatchedPose, KeepsTheUnobservableDirection) {
+  MapperResult result;
+  EXPECT_TRUE(matchedPoseOf(result, 1.0).unobservable.isZero());
+  result.match.degenerate = true;
+  result.match.degenerate_direction = Eigen::Vector2d(0.6, 0.8);
+  EXPECT_EQ(matchedPoseOf(result, 1.0).unobservable, result.match.degenerate_direction);
+}
+
+TEST(Pipeline, ALaserThatTiltsInTfIsSaidOnce) {
+  RoomPipeline room(levelConfig());
+  std::vector<std::string> problems;
+  room.pipeline.on_problem = [&](const ImuFault& problem, double) {
+    problems.push_back(problem.message);
+  };
+  for (int i = 0; i < 20; ++i) {
+    PipelineScan scan;
+    scan.data = RoomFlight::scan(i);
+    scan.base_T_laser = Eigen::AngleAxisd(0.01 * i, Eigen::Vector3d::UnitY());
+    room.pipeline.addScan(scan, RoomFlight::stamp(i));
+  }
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_NE(problems[0].find("mav.launch"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace kestrel

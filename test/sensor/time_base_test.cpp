@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <string>
 #include <vector>
 
 namespace kestrel {
@@ -112,6 +114,62 @@ TEST(MonotoneTime, IsMonotoneForArbitraryStamps) {
   const std::vector<double> times = repairAll(stamps);
   EXPECT_TRUE(strictlyMonotone(times));
   for (const double time : times) EXPECT_TRUE(std::isfinite(time));
+}
+
+/// One stamp of a source, in the order of arrival.
+struct Arrival {
+  double stamp;
+  std::string source;
+};
+
+/// Two lasers for 20 s, in the order of their stamps.
+std::vector<Arrival> twoLasers(double period, double other_period, double other_start) {
+  std::vector<Arrival> arrivals;
+  for (int i = 0; i * period < 20.0; ++i) arrivals.push_back({1e9 + i * period, "front"});
+  for (int i = 0; other_start + i * other_period < 20.0; ++i) {
+    arrivals.push_back({1e9 + other_start + i * other_period, "back"});
+  }
+  std::stable_sort(arrivals.begin(), arrivals.end(),
+                   [](const Arrival& a, const Arrival& b) { return a.stamp < b.stamp; });
+  return arrivals;
+}
+
+TEST(TimeBase, StampsOfTwoLasersAreNotChanged) {
+  for (const double other_period : {0.025, 0.1}) {  // the same rate; 40 Hz beside 10 Hz
+    for (const double other_start : {0.0, 0.01}) {  // equal and different stamps
+      TimeBase times;
+      for (const Arrival& arrival : twoLasers(0.025, other_period, other_start)) {
+        EXPECT_EQ(times.repair(arrival.source, arrival.stamp), arrival.stamp);
+      }
+      EXPECT_EQ(times.repaired(), 0U);
+    }
+  }
+}
+
+TEST(TimeBase, RepeatedStampsOfOneSourceAreRepaired) {
+  TimeBase times;
+  double last = 0.0;
+  for (int i = 0; i < 100; ++i) {
+    times.repair("front", 1e9 + 0.025 * i);
+    const double time = times.repair("back", 1e9 + 0.1 * (i / 2 * 2));  // each stamp twice
+    EXPECT_GT(time, last);
+    last = time;
+  }
+  EXPECT_GT(times.repaired(), 40U);
+}
+
+TEST(TimeBase, ANewSourceHasTheClockOfTheOthers) {
+  TimeBase times;
+  for (int i = 0; i < 50; ++i) times.repair("front", 1e9 + 0.1 * i);
+  for (int i = 50; i < 100; ++i) times.repair("front", 1e9 - 3600.0 + 0.1 * i);
+  EXPECT_NEAR(times.repair("back", 1e9 - 3600.0 + 10.0), 1e9 + 10.0, 1e-3);
+}
+
+TEST(TimeBase, ManySourcesDoNotFillTheMemory) {
+  TimeBase times;
+  for (int i = 0; i < 10000; ++i) {
+    EXPECT_TRUE(std::isfinite(times.repair("frame" + std::to_string(i), 1e9 + 0.1 * i)));
+  }
 }
 
 }  // namespace

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "kestrel_slam/geometry/random.h"
-#include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/mapping/mapper_config.h"
 #include "kestrel_slam/matching/matcher.h"
+#include "kestrel_slam/offline/replayed_map.h"
 
 namespace kestrel {
 
@@ -38,13 +38,15 @@ class EvaluationExperiment {
     bool good = false;        ///< the match ended close to the undisturbed pose
   };
 
-  /// `mapper.matcher.method` is the method under test.
-  EvaluationExperiment(const MapperConfig& mapper, const ExperimentConfig& config);
+  /// `mapper`: of the mapper whose results are added. `method`: the matcher under test.
+  EvaluationExperiment(const MapperConfig& mapper, const std::string& method,
+                       const ExperimentConfig& config);
 
   /// Adds the next scan of the mapper and its result.
   void add(const PlanarScan& scan, const MapperResult& result);
 
   const std::vector<Trial>& trials() const { return trials_; }
+  const Submap& map() const { return map_.map(); }
 
  private:
   void tryInitialGuesses(const PlanarScan& scan, const Pose2& undisturbed);
@@ -52,7 +54,7 @@ class EvaluationExperiment {
   MapperConfig mapper_;
   ExperimentConfig config_;
   std::unique_ptr<Matcher> matcher_;
-  Submap map_;
+  ReplayedMap map_;
   Random random_;
   std::size_t scans_ = 0;
   std::vector<Trial> trials_;

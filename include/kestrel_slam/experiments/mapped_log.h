@@ -21,9 +21,9 @@ struct MappedLog {
   std::vector<MappedScan> scans;
 };
 
-/// Maps the recording `path` with default parameters and the laser only. Then inserts the same
-/// scans at the same poses into a map with a cell size of `resolution_m`. Throws std::runtime_error
-/// if the recording cannot be read.
+/// Maps the recording `path` with default parameters, as map_recording does without the pose
+/// filter. Then inserts the same scans at the same poses into a map with a cell size of
+/// `resolution_m`. Throws std::runtime_error if the recording cannot be read.
 MappedLog mapLog(const std::string& path, double resolution_m);
 
 }  // namespace kestrel

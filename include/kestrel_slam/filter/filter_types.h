@@ -33,6 +33,9 @@ struct PoseMeasurement {
   Pose2 pose;          ///< map_T_base
   /// Of (x, y, yaw) in the map frame, m² and rad².
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  /// Direction in map along which the pose is not measured but predicted (in a corridor); zero:
+  /// none. There the pose is not used.
+  Eigen::Vector2d unobservable = Eigen::Vector2d::Zero();
 };
 
 /// A yaw of the base in the map frame, from a magnetometer (REP-103: 0 along the x axis of the
@@ -115,7 +118,7 @@ Eigen::Matrix<double, 6, 6> twistCovariance(const FilterOutput& output, double g
 /// State of the filter.
 enum class FilterHealth {
   kOk,
-  kCoasting,      ///< no pose or position recently: the position drifts
+  kCoasting,      ///< no pose or position recently, or not in all directions: the position drifts
   kInitializing,  ///< collecting samples
   kNoImu,         ///< no sample yet, or none for silent_s
   kBadImu,        ///< frozen, not finite, or gravity has a wrong direction or size

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -9,22 +10,23 @@
 
 namespace kestrel {
 
-/// The mapper and the monotone time base of its scans. Both the mapper node and the pipeline use
-/// this class. Not thread-safe.
+/// The mapper and the time base of its scans. Both the mapper node and the pipeline use this class.
+/// Not thread-safe.
 class MappingStage {
  public:
   explicit MappingStage(const MapperConfig& config) : mapper_(config) {}
 
   /// Matches a planar scan. If the caller has already repaired the time base, the argument `time`
-  /// (s) is used. Otherwise the time of the scan is computed from its stamp, so that time never
-  /// decreases.
+  /// (s) is used. Otherwise the time of the scan is computed from its stamp; each source has its
+  /// own time base. A scan of another laser may be older than the newest scan: it is matched at its
+  /// own place and the result is the pose at its time.
   MapperResult process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                        const std::optional<double>& time = std::nullopt);
 
   /// Deletes the map. The next scan starts a new map at `map_T_base`.
-  void reset(const Pose2& map_T_base) { mapper_.reset(map_T_base); }
+  void reset(const Pose2& map_T_base);
   /// Keeps the map and sets the pose of the vehicle.
-  void setPose(const Pose2& map_T_base) { mapper_.setPose(map_T_base); }
+  void setPose(const Pose2& map_T_base);
   /// Keeps map and pose but resets the motion model. Used after a gap or a jump in time.
   void restartMotion();
 
@@ -36,8 +38,22 @@ class MappingStage {
   const Mapper& mapper() const { return mapper_; }
 
  private:
-  MonotoneTime monotone_time_;
+  /// What the mapper got with a scan, and its pose.
+  struct Step {
+    double time;
+    Pose2 pose;
+    std::optional<double> integrated_yaw;
+    std::optional<Eigen::Vector2d> integrated_acceleration;
+    std::optional<Pose2> predicted, odom_T_base;
+  };
+
+  MapperResult processLate(const PlanarScan& scan);
+  std::optional<Pose2> poseAt(double time) const;
+  void remember(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base, const Pose2& pose);
+
+  TimeBase time_base_;
   Mapper mapper_;
+  std::deque<Step> steps_;  ///< of the last second, ascending times
 };
 
 }  // namespace kestrel

@@ -16,6 +16,8 @@ struct MatchedPose {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw) in map, m² and rad²
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();    ///< in base_stabilized, m/s
   MatchState state = MatchState::kLost;
+  /// Direction in map along which the pose is only predicted; zero: none.
+  Eigen::Vector2d unobservable = Eigen::Vector2d::Zero();
 };
 
 MatchedPose matchedPoseOf(const MapperResult& result, double stamp);

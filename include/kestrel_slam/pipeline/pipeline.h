@@ -7,7 +7,9 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "kestrel_slam/filter/pose_filter.h"
 #include "kestrel_slam/mapping/mapper.h"
@@ -64,6 +66,9 @@ struct DroppedSweep {
   std::string message;  ///< full sentence with values
 };
 
+/// Reason of the problem that the pose filter refuses the readings of the IMU (on_problem).
+constexpr char kFilterRefusesImu[] = "filter: bad IMU";
+
 /// Projector, pose filter and mapper, connected as on a vehicle. Messages are added in the order of
 /// arrival. A scan waits until the attitude at its last beam is known. The pipeline does not read a
 /// clock: `arrival` (s) is the arrival time of a message on the clock of the caller and must not
@@ -98,6 +103,9 @@ class Pipeline {
   std::function<void(const MappedSweep&)> on_scan;
   std::function<void(const DroppedSweep&)> on_drop;
   std::function<void(const FilterOutput&)> on_filter;  ///< a new state of the filter
+  /// Something is wrong with the IMU, the mountings or the filter: called once for each reason.
+  /// `time`: of the newest message, s.
+  std::function<void(const ImuFault&, double time)> on_problem;
 
  private:
   struct WaitingScan {
@@ -117,6 +125,8 @@ class Pipeline {
   bool handle(const WaitingScan& waiting);
   void map(const PipelineScan& scan, bool level);
   void drop(const PipelineScan& scan, const std::string& reason, const std::string& message);
+  void reportProblems();
+  std::vector<ImuFault> problemsOfFilter();
 
   PipelineConfig config_;
   ImuCheck imu_check_;
@@ -127,6 +137,8 @@ class Pipeline {
   std::deque<WaitingPose> poses_;  ///< delayed poses that the filter will receive later
   double now_ = -std::numeric_limits<double>::infinity();
   bool finished_ = false;
+  std::set<std::string> reported_;          ///< reasons of problems
+  std::optional<double> filter_bad_since_;  ///< time since which the filter refuses the IMU, s
 };
 
 }  // namespace kestrel

@@ -5,8 +5,10 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "kestrel_slam/pipeline/filtered_motion.h"
+#include "kestrel_slam/pipeline/mounting_check.h"
 #include "kestrel_slam/sensor/attitude_tracker.h"
 #include "kestrel_slam/sensor/height_tracker.h"
 #include "kestrel_slam/sensor/scan_projector.h"
@@ -16,6 +18,7 @@ namespace kestrel {
 using SweepData = std::variant<LaserScan, PointCloud>;
 
 double stampOf(const SweepData& data);  ///< as recorded, s
+const std::string& frameOf(const SweepData& data);
 SweepTimes sweepTimes(const SweepData& data);
 
 struct ProjectionStageConfig {
@@ -62,8 +65,16 @@ class ProjectionStage {
   /// clock of the IMU stamps, s.
   SweepDecision judge(const SweepTimes& times, double waited_s, double now) const;
 
-  /// Projects a sweep. `level`: assume that the vehicle is level.
-  ProjectedSweep project(const SweepData& data, const Eigen::Isometry3d& base_T_laser, bool level);
+  /// Projects a sweep. `level`: assume that the vehicle is level. `odom_T_base`: odometry at its
+  /// stamp, only to check the mounting of the laser.
+  ProjectedSweep project(const SweepData& data, const Eigen::Isometry3d& base_T_laser, bool level,
+                         const std::optional<Pose2>& odom_T_base = std::nullopt);
+
+  /// What is wrong with the IMU and the mountings, for the user: each problem with its reason (a
+  /// short phrase) and a sentence. `now`: current time on the clock of the IMU stamps, s.
+  std::vector<ImuFault> problems(double now) const;
+  /// True if the scans show that the gyro is in degrees per second (ImuCheck::convertGyro).
+  bool gyroInDegrees() const { return mountings_.gyroInDegrees(); }
 
   AttitudeTracker& tracker() { return tracker_; }
   const AttitudeTracker& tracker() const { return tracker_; }
@@ -87,6 +98,8 @@ class ProjectionStage {
   static IntegralOffset offsetBetween(double yaw, const std::optional<Eigen::Vector2d>& velocity,
                                       double given_yaw,
                                       const std::optional<Eigen::Vector2d>& given_velocity);
+  void checkMounting(const SweepData& data, const Eigen::Isometry3d& base_T_laser,
+                     const std::optional<Pose2>& odom_T_base);
   bool waitsForFilter(const SweepTimes& times, double waited_s) const;
   std::string uncovered(const SweepTimes& times) const;
   Eigen::Vector2d velocityAt(double time) const;
@@ -96,6 +109,7 @@ class ProjectionStage {
   AttitudeTracker tracker_;
   FilteredMotionBuffer motions_;
   HeightTracker heights_;
+  MountingCheck mountings_;
   Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
   double velocity_stamp_ = 0.0;
   const AttitudeBuffer* last_attitude_ = nullptr;  ///< used for the last sweep

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <string>
 
-#include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/matching/likelihood_surface.h"
+#include "kestrel_slam/offline/replayed_map.h"
 
 namespace kestrel {
 
@@ -26,12 +26,13 @@ class LikelihoodRecorder {
   void write(const std::string& path) const;
 
   const LikelihoodSurface& surface() const { return surface_; }
+  const Submap& map() const { return map_.map(); }
 
  private:
   MapperConfig mapper_;
   std::size_t wanted_;
   std::size_t scans_ = 0;
-  Submap map_;
+  ReplayedMap map_;
   LikelihoodSurface surface_;
   MapperResult result_;
 };

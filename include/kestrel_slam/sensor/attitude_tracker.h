@@ -35,14 +35,15 @@ enum class ImuHealth {
   kFrozen,   ///< the same reading for frozen_s
   kInvalid,  ///< the last readings were not finite, not unit quaternions, or their stamps went back
   kUpsideDown,    ///< according to the attitude the z axis of the vehicle points down
-  kContradiction  ///< orientation and accelerometer disagree on the direction of gravity (wrong
-                  ///< mounting)
+  kContradiction  ///< the values of the IMU contradict each other: accelerometer and orientation
+                  ///< on the direction of gravity (wrong mounting), or gyro and orientation
 };
 
 const char* toString(ImuHealth health);
 
 struct ImuStatus {
   ImuHealth health = ImuHealth::kNoData;
+  std::string reason;   ///< a short phrase for the problem
   std::string message;  ///< for the user: what is wrong, the values, and what to do
   std::size_t received = 0;
   std::size_t used = 0;

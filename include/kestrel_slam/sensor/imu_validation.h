@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "kestrel_slam/sensor/gyro_check.h"
 #include "kestrel_slam/sensor/imu_sample.h"
 #include "kestrel_slam/sensor/stamp_check.h"
 
@@ -43,13 +44,16 @@ class FrozenCheck {
 
 /// A reading that was validated, for everybody who uses it.
 struct CheckedImu {
-  ImuSample sample;
+  ImuSample sample;  ///< without the values that contradict the others; the gyro in rad/s
   Eigen::Isometry3d base_T_imu = Eigen::Isometry3d::Identity();
   std::optional<ImuFault> fault;              ///< of stamp, gyro, accelerometer or mounting
   std::optional<ImuFault> orientation_fault;  ///< of the orientation
   StampCheck::Verdict order = StampCheck::Verdict::kNext;  ///< meaningful without a fault
   double jump_s = 0.0;                                     ///< of the stamp, where `order` is kJump
   double frozen_s = 0.0;  ///< how long the readings have been identical
+  /// What is wrong with the values of this IMU compared with each other. The reading is usable.
+  std::optional<ImuFault> contradiction;
+  bool converted = false;  ///< the gyro was in degrees per second
 };
 
 /// Validates the readings of one IMU.
@@ -58,11 +62,19 @@ class ImuCheck {
   /// `base_T_imu`: mounting of the IMU.
   CheckedImu check(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu);
 
+  /// Tells that the gyro is in degrees per second, where others found this out (TurnCheck). From
+  /// the next reading on the gyro is converted.
+  void convertGyro() { told_degrees_ = true; }
+
   void restart() { *this = ImuCheck(); }
 
  private:
+  void removeContradictions(CheckedImu& checked);
+
   StampCheck stamps_;
   FrozenCheck frozen_{0.0};
+  GyroCheck gyro_;
+  bool told_degrees_ = false;
 };
 
 }  // namespace kestrel

@@ -16,6 +16,7 @@ struct LaserScan {
   double range_min = 0.0;
   double range_max = 0.0;
   std::vector<float> ranges;
+  std::string frame;  ///< of the laser; scans of the same frame come from the same source
 };
 
 }  // namespace kestrel

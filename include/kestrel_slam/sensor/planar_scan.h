@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "kestrel_slam/geometry/pose2.h"
@@ -29,6 +30,7 @@ struct PlanarRay {
 struct PlanarScan {
   double stamp = 0.0;  ///< as recorded, s; identifies the scan, may go back
   double time = 0.0;   ///< reference time, s; strictly increasing
+  std::string source;  ///< frame of the laser; each source has its own time base
   /// Integrated yaw rate of the gyro at `stamp`, rad, not wrapped; only the difference between two
   /// scans is meaningful.
   std::optional<double> integrated_yaw;

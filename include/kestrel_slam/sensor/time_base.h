@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
+#include <string>
 
 namespace kestrel {
 
@@ -16,10 +18,14 @@ namespace kestrel {
 /// Deterministic, one stamp at a time.
 class MonotoneTime {
  public:
+  /// `offset_s`: time minus stamp at the beginning.
+  explicit MonotoneTime(double offset_s = 0.0) : offset_(offset_s) {}
+
   /// The repaired time of the next stamp, both in s.
   double repair(double stamp);
   /// Number of stamps so far that were changed.
   std::size_t repaired() const { return repaired_; }
+  double offset() const { return offset_; }  ///< time minus stamp, s
 
  private:
   bool continues(double time) const;
@@ -31,12 +37,30 @@ class MonotoneTime {
   bool started_ = false;
   double last_time_ = 0.0;
   double last_stamped_time_ = 0.0;  ///< last stamp plus offset, s
-  double offset_ = 0.0;             ///< time minus stamp, s
+  double offset_;                   ///< time minus stamp, s
   /// Offset after a jump that the next stamp may confirm, s.
   std::optional<double> pending_offset_;
   double typical_step_ = 0.1;
   int distrusted_ = 0;  ///< number of scans for which the stamps are only followed slowly
   std::size_t repaired_ = 0;
+};
+
+/// The time base of several sources (lasers). Each source has its own MonotoneTime, because the
+/// stamps of one laser say nothing about those of another. Two lasers may have equal stamps, and
+/// the scan of a slow laser arrives after newer scans of a fast one: this is no error of a stamp.
+class TimeBase {
+ public:
+  /// The repaired time of the next stamp of `source`, both in s. It increases strictly for each
+  /// source, but not over all sources.
+  double repair(const std::string& source, double stamp);
+  /// Number of stamps so far that were changed.
+  std::size_t repaired() const;
+
+ private:
+  MonotoneTime& timeOf(const std::string& source);
+
+  std::map<std::string, MonotoneTime> sources_;
+  double offset_ = 0.0;  ///< of the source of the last stamp, s
 };
 
 }  // namespace kestrel

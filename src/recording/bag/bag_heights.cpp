@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 
+#include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/recording/bag/bag_imu.h"
 #include "kestrel_slam/recording/bag/bag_odometry.h"
@@ -16,6 +19,16 @@ const std::string kRangeType = "sensor_msgs/Range";
 bool looksDown(const Eigen::Isometry3d& base_T_sensor) {
   constexpr double kMinCosine = 0.94;  // within 20 degrees of vertical
   return base_T_sensor.linear()(2, 0) < -kMinCosine;
+}
+
+long degreesFromDown(const Eigen::Isometry3d& base_T_sensor) {
+  const double cosine = std::clamp(-base_T_sensor.linear()(2, 0), -1.0, 1.0);
+  return std::lround(radToDeg(std::acos(cosine)));
+}
+
+std::string withoutMounting(const std::string& topic) {
+  return "tf has no mounting of the range finder " + topic +
+         ": it is assumed to be at the base and to look down";
 }
 
 /// The mounting of the sensor of a topic, from the first message for which tf has a transform.
@@ -53,7 +66,7 @@ class RangeFinderChoice {
   double sensorZ() const { return base_T_sensor_ ? base_T_sensor_->translation().z() : 0.0; }
 
  private:
-  std::string chooseWanted(const std::string& wanted);
+  std::string chooseWanted(const std::string& wanted, BagHeights& result);
 
   const BagFiles& files_;
   const BagTopics& topics_;
@@ -62,15 +75,23 @@ class RangeFinderChoice {
   std::optional<Eigen::Isometry3d> base_T_sensor_;
 };
 
-std::string RangeFinderChoice::chooseWanted(const std::string& wanted) {
+/// A topic that the user names is used in any case, but not without a word.
+std::string RangeFinderChoice::chooseWanted(const std::string& wanted, BagHeights& result) {
   const std::string topic = requireTopic(topics_, wanted, kRangeType);
   requireVersion<sensor_msgs::Range>(topics_, topic);
   base_T_sensor_ = mountingOf(files_, transforms_, base_frame_, topic);
+  if (!base_T_sensor_) {
+    result.warnings.push_back(withoutMounting(topic));
+  } else if (!looksDown(*base_T_sensor_)) {
+    result.warnings.push_back("according to tf, the range finder " + topic + " looks " +
+                              std::to_string(degreesFromDown(*base_T_sensor_)) +
+                              " degrees away from down; it is used as --height-topic says");
+  }
   return topic;
 }
 
 std::string RangeFinderChoice::choose(const std::string& wanted, BagHeights& result) {
-  if (!wanted.empty()) return chooseWanted(wanted);
+  if (!wanted.empty()) return chooseWanted(wanted, result);
   std::string without_tf;
   for (const auto& [topic, info] : topics_) {
     if (info.type != kRangeType || info.messages == 0) continue;
@@ -84,8 +105,7 @@ std::string RangeFinderChoice::choose(const std::string& wanted, BagHeights& res
   }
   const std::size_t count = countOfType(topics_, kRangeType);
   if (count == 1 && !without_tf.empty()) {
-    result.warnings.push_back("tf has no mounting of the range finder " + without_tf +
-                              ": it is assumed to be at the base and to look down");
+    result.warnings.push_back(withoutMounting(without_tf));
     return without_tf;
   }
   if (count > 0) {

@@ -40,7 +40,7 @@ struct BagRecording::State {
   std::string height_topic;
   std::unique_ptr<BagScans> scans;
   std::set<std::string> warned;
-  MonotoneTime monotone_time;
+  TimeBase time_base;
 };
 
 BagRecording::BagRecording(const std::vector<std::string>& paths, const RecordingOptions& options)
@@ -156,7 +156,7 @@ bool BagRecording::place(BagScan& message, RecordedScan& scan) {
   if (hasOdometry() && !scan.odom_T_base) {
     warn({"there is no odometry at the times of some scans"});
   }
-  scan.time = state.monotone_time.repair(message.scan.stamp);
+  scan.time = state.time_base.repair(message.frame, message.scan.stamp);
   scan.scan = std::move(message.scan);
   scan.cloud = std::move(message.cloud);
   return true;

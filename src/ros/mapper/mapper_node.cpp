@@ -145,10 +145,14 @@ std::optional<PlanarScan> MapperNode::planarOf(const ReadyScan& scan) {
   if (scan.message.planar_scan) return planarOf(*scan.message.planar_scan);
   const LaserScan laser_scan = fromMessage(*scan.message.laser_scan);
   constexpr bool kLevel = true;
-  Projection projection = projection_.project(laser_scan, scan.base_T_laser, kLevel).projection;
+  Projection projection =
+      projection_.project(laser_scan, scan.base_T_laser, kLevel, scan.odom_T_base).projection;
   if (!projection.warnings.empty()) {
     KESTREL_WARN_THROTTLE(kRemindEvery, "Scans on %s are used, but %s.", input_->topic().c_str(),
                           textOf(projection.warnings).c_str());
+  }
+  for (const ImuFault& problem : projection_.problems(laser_scan.stamp)) {
+    if (said_.insert(problem.reason).second) ROS_WARN("%s.", problem.message.c_str());
   }
   if (projection.error == ScanError::kNone) return std::move(projection.scan);
   drop(toString(projection.error), projection.message);

@@ -43,6 +43,7 @@ void ImuInput::onImu(const sensor_msgs::ImuConstPtr& message) {
   const ImuSample sample = toImuSample(*message);
   last_stamp_ = sample.stamp;
   since_last_ = WaitingTime();
+  if (projection_.gyroInDegrees()) check_.convertGyro();
   if (projection_.addImu(check_.check(sample, *base_T_imu))) {
     on_attitude_(message->header.stamp);
   }

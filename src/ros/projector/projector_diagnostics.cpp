@@ -104,6 +104,7 @@ void ProjectorDiagnostics::fillAttitude(Status& status) const {
     if (!imu_silence_.empty()) status.add("reason", imu_silence_);
   }
   status.add("source", report_.attitude_hint);
+  for (const std::string& problem : report_.problems) status.add("problem", problem);
   if (report_.tilt_rad) status.add("tilt (deg)", radToDeg(*report_.tilt_rad));
   if (report_.imu) fillImu(status);
 }

@@ -63,7 +63,11 @@ ScanProjectorNode::ScanProjectorNode(ros::NodeHandle nh, ros::NodeHandle private
   input_ = std::make_unique<SweepInput>(nh, config_, statistics_,
                                         [this](Sweep sweep) { enqueue(std::move(sweep)); });
   diagnostics_ = std::make_unique<ProjectorDiagnostics>(
-      nh, private_nh, input_->neededTopics(), imuTopics(), [this] { return report(); },
+      nh, private_nh, input_->neededTopics(), imuTopics(),
+      [this] {
+        sayProblems();
+        return report();
+      },
       [this] { statistics_.dropped_lately = 0; });
   timer_ = nh.createSteadyTimer(ros::WallDuration(kPatrolPeriod),
                                 [this](const ros::SteadyTimerEvent&) { processQueue(); });
@@ -227,9 +231,21 @@ void ScanProjectorNode::describeAttitude(ProjectorReport& report) const {
                               ": scans are " +
                               (config_.without_imu == "level" ? "assumed to be level" : "dropped") +
                               ". For a laser that is always level, set ~attitude_source to none";
-    } else if (report.imu->health != ImuHealth::kOk) {
+    } else if (!report.imu->message.empty()) {
       report.attitude_error = report.imu->message;
     }
+  }
+  const std::vector<ImuFault> problems = projection_.problems(imu_ ? imu_->now() : newest_);
+  if (report.attitude_error.empty() && !problems.empty()) {
+    report.attitude_error = problems.front().message;
+  }
+  for (const ImuFault& problem : problems) report.problems.push_back(problem.message);
+}
+
+/// Says each problem once; the diagnostics repeat the first one.
+void ScanProjectorNode::sayProblems() {
+  for (const ImuFault& problem : projection_.problems(imu_ ? imu_->now() : newest_)) {
+    if (said_.insert(problem.reason).second) ROS_WARN("Attitude: %s", problem.message.c_str());
   }
 }
 

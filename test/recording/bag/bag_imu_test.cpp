@@ -301,7 +301,39 @@ TEST_F(BagImuTest, ForwardRangeFinderIsUsedOnlyOnRequest) {
   EXPECT_TRUE(read(fill)->heights().empty());
   RecordingOptions options;
   options.height_topic = "r";
-  EXPECT_EQ(read(fill, options)->heights().size(), 1U);
+  const auto recording = read(fill, options);
+  EXPECT_EQ(recording->heights().size(), 1U);
+  EXPECT_CONTAINS(recording->warnings().at(0), "looks 90 degrees away from down");
+}
+
+TEST_F(BagImuTest, AChosenRangeFinderWithoutTfIsSaid) {
+  RecordingOptions options;
+  options.height_topic = "r";
+  const auto recording =
+      read([](rosbag::Bag& bag) { bag.write("/r", ros::Time(1.0), rangeAt(1.0, 3.0F)); }, options);
+  EXPECT_EQ(recording->heights().size(), 1U);
+  EXPECT_CONTAINS(recording->warnings().at(0), "tf has no mounting of the range finder /r");
+}
+
+TEST_F(BagImuTest, TwoLasersOnOneTopicHaveTheirOwnTimeBases) {
+  const auto recording = read([](rosbag::Bag& bag) {
+    for (const char* frame : {"front", "back"}) {
+      bag.write("/tf_static", ros::Time(1.0), mounting(frame, Eigen::Quaterniond::Identity()));
+    }
+    for (int i = 0; i < 200; ++i) {
+      sensor_msgs::LaserScan scan;
+      scan.header.stamp = ros::Time(3.0 + 0.025 * i);
+      scan.ranges = {1.0F};
+      scan.header.frame_id = "front";
+      bag.write("/scan", scan.header.stamp, scan);
+      scan.header.frame_id = "back";
+      if (i % 4 == 0) bag.write("/scan", scan.header.stamp, scan);
+    }
+  });
+  RecordedScan scan;
+  std::size_t count = 0;
+  for (; recording->next(scan); ++count) EXPECT_EQ(scan.time, scan.scan.stamp) << count;
+  EXPECT_EQ(count, 251U);
 }
 
 TEST(RealImus, HaveTheExpectedReadings) {

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 
@@ -65,6 +66,7 @@ class MapperNode {
 
   // Only the matching thread uses these.
   ProjectionStage projection_;  ///< of a level laser
+  std::set<std::string> said_;  ///< reasons of problems of the mountings
   PosePublisher pose_publisher_;
   std::size_t epoch_ = 0;
   bool was_paused_ = false;

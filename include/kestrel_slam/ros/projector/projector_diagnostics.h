@@ -21,11 +21,12 @@ namespace kestrel {
 /// The state of the scan projector's node, for the diagnostics.
 struct ProjectorReport {
   ProjectorStatistics statistics;
-  std::string topics;          ///< of the lasers
-  unsigned publishers = 0;     ///< of these topics
-  std::string waiting_for;     ///< missing transform of the newest sweep, or empty
-  std::string attitude_hint;   ///< the source of the attitude
-  std::string attitude_error;  ///< error of the attitude, or empty
+  std::string topics;                 ///< of the lasers
+  unsigned publishers = 0;            ///< of these topics
+  std::string waiting_for;            ///< missing transform of the newest sweep, or empty
+  std::string attitude_hint;          ///< the source of the attitude
+  std::string attitude_error;         ///< error of the attitude, or empty
+  std::vector<std::string> problems;  ///< of the IMU and the mountings, as the pipeline says them
   std::optional<ImuStatus> imu;
   std::string imu_topic;
   unsigned imu_publishers = 0;

@@ -5,6 +5,7 @@
 #include <ros/steady_timer.h>
 
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,7 @@ class ScanProjectorNode {
   void onAttitude(const ros::Time& stamp);
   void publishAttitude(const ros::Time& stamp, const AttitudeBuffer* attitudes);
   ProjectorReport report() const;
+  void sayProblems();
   void describeAttitude(ProjectorReport& report) const;
 
   const ProjectorNodeConfig config_;
@@ -57,9 +59,10 @@ class ScanProjectorNode {
   ProjectorStatistics statistics_;
   WaitingQueue<Sweep> queue_;
   Mountings mountings_;
-  std::string waiting_for_;  ///< message about a mounting that is missing in tf
-  std::string tf_error_;     ///< message about an attitude that is missing in tf
-  double newest_ = 0.0;      ///< stamp of the newest sweep, s
+  std::string waiting_for_;     ///< message about a mounting that is missing in tf
+  std::string tf_error_;        ///< message about an attitude that is missing in tf
+  double newest_ = 0.0;         ///< stamp of the newest sweep, s
+  std::set<std::string> said_;  ///< reasons of problems of the IMU and the mountings
 
   TfAttitude tf_attitude_;
   FilterInput filter_;
