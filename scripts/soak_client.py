@@ -25,13 +25,14 @@ from sensor_msgs.msg import Imu, LaserScan, PointCloud2, Range
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 
+from kestrel_slam.msg import MapperState
 from kestrel_slam.srv import SaveMap
 
 SCAN_HZ, IMU_HZ, BEAMS = 40, 100, 1081
 LAP = 20.0  # s for one circle of 1 m radius in a room of 8 m x 6 m
 HALF_X, HALF_Y, PILLAR = 4.0, 3.0, (2.5, 1.5, 0.4)
 START, SETTLE = 10.0, 5.0  # s: until the nodes are up; scans that may be missed at the start
-SAVE_EVERY, RESET_EVERY = 20.0, 45.0  # s
+SAVE_EVERY, RESET_EVERY = 7.0, 20.0  # s
 ALLOWED_GROWTH_MB = 4.0  # of the largest memory of the last third over that of the second
 
 
@@ -96,15 +97,15 @@ class Flight:
         self.static = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
         self.sent, self.late, self.lock = {}, [], threading.Lock()
         self.problems, self.saves, self.resets, self.memory_log = [], 0, 0, []
-        self.reset_times = []
-        self.published = 0
-        rospy.Subscriber("poseupdate", PoseWithCovarianceStamped, self.on_pose, queue_size=1000)
+        self.published, self.lost = 0, 0
+        rospy.Subscriber("mapper_state", MapperState, self.on_state, queue_size=1000)
 
-    def on_pose(self, message):
+    def on_state(self, message):
         now = time.monotonic()
         with self.lock:
             sent = self.sent.pop(message.header.stamp.to_nsec(), None)
             if sent is not None:
+                self.lost += message.state == MapperState.LOST
                 self.late.append(1000.0 * (now - sent))
 
     def publish_mountings(self):
@@ -196,7 +197,7 @@ class Flight:
                    if late else "no poses")
         print(f"{seconds // 60:4d}:{seconds % 60:02d}  "
               f"{' + '.join(f'{mb:.1f}' for mb in now)} MB  {self.published} scans, {waiting} "
-              f"without a pose  {latency}  {self.saves} saves, {self.resets} resets", flush=True)
+              f"without a pose, {self.lost} lost  {latency}  {self.saves} saves, {self.resets} resets", flush=True)
 
     def verdict(self):
         missing = len(self.sent)
@@ -208,6 +209,8 @@ class Flight:
                 self.problems.append(f"the memory grew by {growth:.1f} MB")
         if missing > 0:
             self.problems.append(f"{missing} of {self.published} scans gave no pose")
+        if self.lost > 0:
+            self.problems.append(f"the pose was lost in {self.lost} of {self.published} scans")
         for problem in dict.fromkeys(self.problems):
             print(f"problem: {problem}")
         print("verdict: bad" if self.problems else "verdict: good", flush=True)
@@ -229,7 +232,8 @@ class Flight:
             self.report(memory, begin)
         time.sleep(2.0)
         ended.set()
-        rospy.signal_shutdown("done") if "a process ended" in self.problems else None
+        if "a process ended" in self.problems:
+            rospy.signal_shutdown("a process ended")
         for thread in threads:
             thread.join()
         return self.verdict()
