@@ -114,6 +114,17 @@ TEST(MapSave, APipeInTheFolderIsAnError) {
   EXPECT_CONTAINS(messageOf([&] { writeRun(folder.file(""), 0); }), "report.html: a pipe");
 }
 
+TEST(MapSave, AnImageThatCannotBeReplacedLeavesTheOlderMap) {
+  const TemporaryFolder folder;
+  const std::string stem = folder.file("map");
+  writeMap(stem, oneOfTwoMaps(false));
+  const std::string before = readFile(stem + ".yaml");
+  fs::remove(stem + ".pgm");
+  ASSERT_EQ(::mkfifo((stem + ".pgm").c_str(), 0600), 0);
+  EXPECT_CONTAINS(messageOf([&] { writeMap(stem, oneOfTwoMaps(true)); }), "map.pgm: a pipe");
+  EXPECT_EQ(readFile(stem + ".yaml"), before);
+}
+
 TEST(MapSave, EveryNameIsFoundAgain) {
   const TemporaryFolder folder;
   for (const std::string name : {"#1", "a: b", "[a] b", "a\"b\\c", "'a'", "-x", "~", "a #b", "1e5",
