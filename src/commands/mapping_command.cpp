@@ -36,9 +36,13 @@ void addTopicOptions(CLI::App& app, RecordingOptions& topics) {
   app.add_option("--height-topic", topics.height_topic,
                  "bags: topic of the range finder that measures the height");
   app.add_option("--base-frame", topics.base_frame, "bags: frame of the vehicle");
-  app.add_option("--rate", topics.rate_hz, "tables of ranges: scans per second")
+  app.add_option("--rate", topics.rate_hz,
+                 "tables of ranges: scans per second, if the table has no stamps")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--fov", topics.fov_deg,
+                 "tables of ranges: field of view in degrees, if the table has no angles")
+      ->check(CLI::Range(1.0, 360.0));
 }
 
 void addRunOptions(CLI::App& app, RunOptions& run) {
@@ -168,9 +172,8 @@ OfflineRun mapWithProgress(Recording& recording, const SlamConfig& config,
   });
   if (!arguments.quiet) bar.finish();
   if (!run.scans.empty()) return run;
-  // Without a pose there is nothing to write. The warnings give the reason.
-  const std::string why = run.warnings.empty() ? "it has no scans" : run.warnings.front();
-  throw std::runtime_error(arguments.recording + ": no scan could be used: " + why);
+  // Without a pose there is nothing to write.
+  throw std::runtime_error(arguments.recording + ": no scan could be used: " + run.mainProblem());
 }
 
 void printWarnings(const std::string& prefix, const OfflineRun& run) {

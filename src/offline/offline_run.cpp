@@ -57,6 +57,12 @@ struct Occurrence {
   }
 };
 
+/// A problem of scans that were used all the same.
+struct Doubt {
+  Occurrence scans;
+  std::string text;  ///< of the first
+};
+
 /// Longer than the limit of a live projector, because a recording has no real-time limit.
 constexpr double kMaxWait_s = 1.0;
 constexpr std::size_t kQueueSize = 200;
@@ -158,8 +164,17 @@ class Runner {
 
   void drop(const DroppedSweep& sweep) {
     if (run_.dropped[sweep.reason]++ > 0) return;
+    run_.drop_messages[sweep.reason] = sweep.message;
     run_.warnings.push_back("scans dropped (" + sweep.reason + "), the first " +
                             placeOf(sweep.input) + ": " + sweep.message);
+  }
+
+  void noteWarnings(const MappedSweep& sweep) {
+    for (const ScanWarning& warning : sweep.projected.projection.warnings) {
+      Doubt& doubt = doubts_[warning.kind];
+      if (doubt.scans.count == 0) doubt.text = warning.text;
+      doubt.scans.add(placeOf(sweep.input));
+    }
   }
 
   /// Processing time of projector, filter and mapper since the previous scan, ms.
@@ -191,6 +206,7 @@ class Runner {
     if (result.state == MatchState::kLost) lost_.add(place);
     if (result.map_full) full_.add(place);
     if (options_.use_odometry && !sweep.input.odom_T_base) without_odometry_.add(place);
+    noteWarnings(sweep);
     if (options_.observer) options_.observer(sweep.scan, result);
   }
 
@@ -223,6 +239,11 @@ class Runner {
     for (const auto& [reason, count] : recording_.skipped()) run_.dropped[reason] += count;
     const auto& read_warnings = recording_.warnings();
     run_.warnings.insert(run_.warnings.begin(), read_warnings.begin(), read_warnings.end());
+    for (const auto& [kind, doubt] : doubts_) {
+      run_.warnings.push_back(std::to_string(doubt.scans.count) + " of " +
+                              std::to_string(run_.scans.size()) + " scans (" + kind +
+                              "), the first " + doubt.scans.first + ": " + doubt.text);
+    }
     warn(lost_, "did not match the map and were not inserted", "");
     std::ostringstream limit;
     limit << config_.slam.mapper.grid.memory_limit_mb;
@@ -248,6 +269,7 @@ class Runner {
   std::optional<double> first_time_;
   std::optional<Pose2> last_counted_;
   Occurrence lost_, full_, without_odometry_;
+  std::map<std::string, Doubt> doubts_;  ///< by kind
 };
 
 }  // namespace
@@ -256,6 +278,21 @@ std::size_t OfflineRun::droppedCount() const {
   std::size_t count = 0;
   for (const auto& entry : dropped) count += entry.second;
   return count;
+}
+
+std::string OfflineRun::mainProblem() const {
+  if (dropped.empty()) return warnings.empty() ? "it has no scans" : warnings.front();
+  const auto is_rarer = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const auto& [reason, count] = *std::max_element(dropped.begin(), dropped.end(), is_rarer);
+  const std::string start =
+      std::to_string(count) + " of " + std::to_string(droppedCount()) + " dropped (" + reason + ")";
+  const auto message = drop_messages.find(reason);
+  if (message != drop_messages.end()) return start + ": " + message->second;
+  // The recording itself skipped them, and its warnings say why.
+  for (const std::string& warning : warnings) {
+    if (warning.find(reason) != std::string::npos) return start + ": " + warning;
+  }
+  return start + (warnings.empty() ? "" : ": " + warnings.front());
 }
 
 double OfflineRun::speedFactor() const {

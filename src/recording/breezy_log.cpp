@@ -52,14 +52,14 @@ bool looksLikeBreezyLog(const std::string& path) {
 
 BreezyLog::BreezyLog(const std::string& path) : path_(path) {
   const std::unique_ptr<std::istream> stream = openText(path_);
-  for (std::string line; std::getline(*stream, line);) {
+  for (std::string line; readLine(*stream, line);) {
     scan_count_ += line.find_first_not_of(" \t\r") == std::string::npos ? 0U : 1U;
   }
   stream_ = openText(path_);
 }
 
 bool BreezyLog::next(RecordedScan& scan) {
-  for (std::string line; std::getline(*stream_, line);) {
+  for (std::string line; readLine(*stream_, line);) {
     ++line_number_;
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     if (fill(line, scan)) return true;

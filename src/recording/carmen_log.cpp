@@ -100,7 +100,7 @@ CarmenLog::CarmenLog(const std::string& path) : path_(path) {
 void CarmenLog::survey() {
   Survey survey;
   const std::unique_ptr<std::istream> stream = openText(path_);
-  for (std::string line; std::getline(*stream, line);) {
+  for (std::string line; readLine(*stream, line);) {
     const std::string name = carmenMessageName(line);
     if (!isCarmenName(name)) continue;
     ++survey.counts[name];
@@ -158,7 +158,7 @@ void CarmenLog::chooseMounting(const Survey& survey) {
 }
 
 bool CarmenLog::nextLaserLine(std::string& line) {
-  while (std::getline(*stream_, line)) {
+  while (readLine(*stream_, line)) {
     ++line_number_;
     if (carmenMessageName(line) == laser_message_) return true;
   }

@@ -35,7 +35,7 @@ std::unique_ptr<Recording> openRecording(const std::string& path, const Recordin
   if (isBag(path)) return openBag(path, options);
   if (looksLikeCarmenLog(path)) return std::make_unique<CarmenLog>(path);
   if (looksLikeBreezyLog(path)) return std::make_unique<BreezyLog>(path);
-  if (looksLikeRangeTable(path)) return std::make_unique<RangeTable>(path, options.rate_hz);
+  if (looksLikeRangeTable(path)) return std::make_unique<RangeTable>(path, options);
   throw std::runtime_error(
       path +
       ": unknown format; use a rosbag, a CARMEN log, a BreezySLAM log or a table of "

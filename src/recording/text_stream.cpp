@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include <streambuf>
 
 namespace kestrel {
 namespace {
@@ -34,6 +35,10 @@ void requireFile(const std::string& path) {
   }
   if (std::filesystem::is_directory(path, error)) {
     throw std::runtime_error(path + ": is a folder, not a file");
+  }
+  if (!std::filesystem::is_regular_file(path, error)) {
+    throw std::runtime_error(path + ": is a pipe or a device and cannot be read twice; save the " +
+                             "data to a file first");
   }
 }
 
@@ -71,17 +76,42 @@ std::unique_ptr<std::istream> openText(const std::string& path) {
   return stream;
 }
 
-std::string readHead(const std::string& path) {
-  constexpr std::size_t kBytes = 1U << 16U;
+std::string readHead(const std::string& path, std::size_t bytes) {
   const std::unique_ptr<std::istream> stream = openText(path);
-  std::string head(kBytes, '\0');
-  stream->read(head.data(), static_cast<std::streamsize>(kBytes));
-  head.resize(static_cast<std::size_t>(stream->gcount()));
+  std::string head;
+  for (std::string line; head.size() < bytes && readLine(*stream, line);) {
+    head += line + (stream->eof() ? "" : "\n");
+  }
   return head;
 }
 
+bool readLine(std::istream& stream, std::string& line) {
+  constexpr std::size_t kMaxLine = 1U << 24U;  // 16 MB; a scan with 100 000 beams has 1 MB
+  line.clear();
+  std::streambuf& buffer = *stream.rdbuf();
+  const std::istream::sentry is_ready(stream, true);
+  if (!is_ready) return false;
+  try {
+    for (int c = buffer.sbumpc(); c != '\n'; c = buffer.sbumpc()) {
+      if (c == std::char_traits<char>::eof()) {
+        stream.setstate(line.empty() ? std::ios::eofbit | std::ios::failbit : std::ios::eofbit);
+        return !line.empty();
+      }
+      if (line.size() == kMaxLine) {
+        stream.setstate(std::ios::badbit);
+        return false;
+      }
+      line += static_cast<char>(c);
+    }
+  } catch (const std::exception&) {  // from the decompressor
+    stream.setstate(std::ios::badbit);
+    return false;
+  }
+  return true;
+}
+
 std::string cutOffText(std::size_t line) {
-  return "the compressed data are damaged or cut off after line " + std::to_string(line) +
+  return "the data are damaged or cut off after line " + std::to_string(line) +
          ": only the scans before it are used";
 }
 

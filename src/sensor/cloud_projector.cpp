@@ -44,15 +44,16 @@ class CloudSlicer {
         time = point.time;
         frame = frames_.at(duration_ > 0.0F ? (time - first_) / duration_ : 0.0F);
       }
-      addPoint({point.x, point.y, point.z}, frame);
+      addPoint(point, frame);
     }
     for (const Bin& bin : bins_) addRay(bin);
   }
 
  private:
-  void addPoint(const Eigen::Vector3f& point, const SensorFrame& frame) {
+  void addPoint(const PointCloud::Point& source, const SensorFrame& frame) {
+    const Eigen::Vector3f point(source.x, source.y, source.z);
     const float range = point.norm();
-    if (!std::isfinite(range) || range == 0.0F) {
+    if (!std::isfinite(range) || range == 0.0F || std::isnan(source.time)) {
       ++result_.counts.invalid;
       return;
     }
@@ -83,7 +84,8 @@ class CloudSlicer {
   Bin& binOf(const Eigen::Vector3f& d) {
     const float turn =
         (std::atan2(d.y(), d.x()) + static_cast<float>(kPi)) / static_cast<float>(2.0 * kPi);
-    const auto index = static_cast<std::size_t>(turn * static_cast<float>(bins_.size()));
+    const float place = turn * static_cast<float>(bins_.size());
+    const std::size_t index = place > 0.0F ? static_cast<std::size_t>(place) : 0;  // not for NaN
     return bins_[std::min(index, bins_.size() - 1)];
   }
 

@@ -10,6 +10,7 @@
 
 #include "beam_masks.h"
 #include "kestrel_slam/geometry/angles.h"
+#include "scan_units.h"
 #include "scan_validation.h"
 #include "sweep_frames.h"
 
@@ -216,8 +217,9 @@ ScanProjector::ScanProjector(const ProjectorConfig& config)
 SweepTimes sweepTimes(const LaserScan& scan) {
   const double beams = static_cast<double>(std::max<std::size_t>(scan.ranges.size(), 1) - 1);
   const double last = scan.stamp + beams * scan.time_increment;
-  return std::isfinite(last) ? SweepTimes{std::min(scan.stamp, last), std::max(scan.stamp, last)}
-                             : SweepTimes{scan.stamp, scan.stamp};
+  return hasUsableTimes(scan) && std::isfinite(last)
+             ? SweepTimes{std::min(scan.stamp, last), std::max(scan.stamp, last)}
+             : SweepTimes{scan.stamp, scan.stamp};
 }
 
 Projection ScanProjector::project(const LaserScan& scan, const Eigen::Isometry3d& base_T_laser,
@@ -252,6 +254,9 @@ Projection ScanProjector::projectCorrected(const LaserScan& scan,
   const Slice slice = sliceOf(config_, height, surfaces_.ceilingHeight(scan.stamp, height),
                               frames.frame(0).origin.z());
   BeamProjector(scan, config_, frames, slice, maskOf(scan, ignored_, mirror_), result).run();
+  const std::string wrong_unit = unitProblem(scan, result.counts);
+  if (!wrong_unit.empty()) return refused(ScanError::kWrongUnit, wrong_unit);
+  result.warnings = warningsOf(scan);
   if (result.scan.rays.empty()) {
     result.error = ScanError::kNoValidBeam;
     result.message = noValidBeamText(result.counts);

@@ -71,8 +71,18 @@ const char* toString(ScanError error) {
       return "tilted";
     case ScanError::kNoAttitude:
       return "no-attitude";
+    case ScanError::kWrongUnit:
+      return "wrong-unit";
   }
   return "unknown";
+}
+
+std::string textOf(const std::vector<ScanWarning>& warnings) {
+  std::string text;
+  for (const ScanWarning& warning : warnings) {
+    text += (text.empty() ? "" : "; ") + std::string(warning.kind) + ": " + warning.text;
+  }
+  return text;
 }
 
 RangeLimits limitsOf(const LaserScan& scan, const BeamFilterConfig& config) {

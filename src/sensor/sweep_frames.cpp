@@ -61,7 +61,9 @@ void SweepFrames::add(double time, double stamp, const Eigen::Isometry3d& base_T
 }
 
 SensorFrame SweepFrames::at(float share) const {
-  const float place = std::clamp(share, 0.0F, 1.0F) * static_cast<float>(intervals());
+  // The comparison is false for NaN, which is no index.
+  const float inside = share > 0.0F ? std::min(share, 1.0F) : 0.0F;
+  const float place = inside * static_cast<float>(intervals());
   const auto i = std::min(static_cast<std::size_t>(place), intervals() - 1);
   const float fraction = place - static_cast<float>(i);
   const SensorFrame &a = frames_[i], &b = frames_[i + 1];

@@ -26,6 +26,8 @@ class RoomRecording : public Recording {
     if (i_ == invalid_at) {
       scan.scan.ranges.assign(scan.scan.ranges.size(), std::numeric_limits<float>::quiet_NaN());
     }
+    scan.scan.time_increment = time_increment;
+    for (float& range : scan.scan.ranges) range *= static_cast<float>(range_factor);
     scan.time = scan.scan.stamp;
     if (i_ == late_stamp_at) scan.scan.stamp -= 0.9;
     if (i_ != no_odometry_at) scan.odom_T_base = Pose2(RoomFlight::x(i_), 0.0, 0.0);
@@ -39,6 +41,7 @@ class RoomRecording : public Recording {
   void skip(const std::string& reason, std::size_t count) { skipped_[reason] = count; }
   void warn(const std::string& warning) { warnings_.push_back(warning); }
 
+  double time_increment = 0.0, range_factor = 1.0;
   int breaks_at = -1, invalid_at = -1, late_stamp_at = -1, no_odometry_at = -1;
 
  private:
@@ -176,6 +179,38 @@ TEST(OfflineRunTest, AnEmptyRecordingGivesAnEmptyRun) {
   EXPECT_TRUE(run.map.empty());
   EXPECT_EQ(run.duration_s, 0.0);
   EXPECT_EQ(run.distance_m, 0.0);
+}
+
+TEST(OfflineRunTest, ATimeIncrementInNanosecondsIsIgnoredWithAWarning) {
+  RoomRecording recording(41);
+  recording.time_increment = 277778.0;
+  const OfflineRun run = runOffline(recording, SlamConfig(), RunOptions());
+  EXPECT_NEAR(run.trajectory.back().pose.x, 2.0, 0.03);
+  ASSERT_EQ(run.warnings.size(), 1U);
+  EXPECT_CONTAINS(run.warnings[0],
+                  "41 of 41 scans (time-increment), the first at 0.0 s (scan 1): time_increment "
+                  "277778 s makes a sweep of 4.97223e+07 s: nanoseconds?");
+}
+
+TEST(OfflineRunTest, TheMostFrequentReasonIsTheMainProblem) {
+  RoomRecording recording(41);
+  recording.range_factor = 1000.0;
+  recording.invalid_at = 0;
+  recording.warn("the bag has no tf");
+  const OfflineRun run = runOffline(recording, SlamConfig(), RunOptions());
+  EXPECT_TRUE(run.scans.empty());
+  EXPECT_CONTAINS(run.mainProblem(), "40 of 41 dropped (wrong-unit): ");
+  EXPECT_CONTAINS(run.mainProblem(), "millimeters?");
+}
+
+TEST(OfflineRunTest, AReasonOfTheRecordingIsExplainedByItsWarning) {
+  RoomRecording recording(0);
+  recording.skip("no transform", 7);
+  recording.warn("a line is broken");
+  recording.warn("7 scans have no transform from laser to base_link");
+  const OfflineRun run = runOffline(recording, SlamConfig(), RunOptions());
+  EXPECT_EQ(run.mainProblem(),
+            "7 of 7 dropped (no transform): 7 scans have no transform from laser to base_link");
 }
 
 }  // namespace

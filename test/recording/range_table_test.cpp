@@ -129,8 +129,8 @@ TEST(RangeTable, KeepsNanAndInfAndReadsCarriageReturns) {
 
 TEST(RangeTable, OtherTextIsNotATable) {
   const TemporaryFolder folder;
-  for (const char* text : {"a,b,c,d,e,f,g,h,i\n", "1,2,3\n", "1 2 3 4 5 6 7 8 9\n",
-                           "1,2,3,4,5,6,,8\n", "\n", "1,2,3,4,5,6,7,8,\n"}) {
+  for (const char* text :
+       {"a,b,c,d,e,f,g,h,i\n", "1,2,3\n", "1 2 3 4 5 6 7 8 9\n", "1,2,3,4,5,6,,8\n", "\n"}) {
     EXPECT_FALSE(looksLikeRangeTable(folder.write("a.csv", text))) << text;
     EXPECT_CONTAINS(
         messageOf([&] { openRecording(folder.file("a.csv")); }),
@@ -149,7 +149,7 @@ TEST(RangeTable, XzIsDecompressedAndACutOffFileKeepsItsBeginning) {
   const std::size_t count = readAll(*recording).size();
   EXPECT_GT(count, 100U);
   EXPECT_LT(count, 300U);
-  EXPECT_CONTAINS(recording->warnings().back(), "the compressed data are damaged or cut off");
+  EXPECT_CONTAINS(recording->warnings().back(), "the data are damaged or cut off");
 }
 
 TEST(RealRangeTable, ReadsTheQuadrotorTakeoff) {

@@ -38,18 +38,21 @@ struct ScanRecord {
 struct OfflineRun {
   Trajectory trajectory;  ///< one pose per processed scan; for a lost scan, the predicted pose
   std::vector<ScanRecord> scans;
-  std::map<std::string, std::size_t> dropped;  ///< scans that could not be used, by reason
-  std::size_t left_out = 0;                    ///< scans that the perturbation removed
-  std::vector<std::string> warnings;           ///< for the user; each problem is reported once
-  double distance_m = 0.0;                     ///< traveled
-  double duration_s = 0.0;                     ///< recorded
-  double processing_s = 0.0;                   ///< measured
-  double peak_memory_mb = 0.0;                 ///< measured, of the whole process
+  std::map<std::string, std::size_t> dropped;        ///< scans that could not be used, by reason
+  std::map<std::string, std::string> drop_messages;  ///< the first message of each reason, if any
+  std::size_t left_out = 0;                          ///< scans that the perturbation removed
+  std::vector<std::string> warnings;  ///< for the user; each problem is reported once
+  double distance_m = 0.0;            ///< traveled
+  double duration_s = 0.0;            ///< recorded
+  double processing_s = 0.0;          ///< measured
+  double peak_memory_mb = 0.0;        ///< measured, of the whole process
   std::size_t map_memory_bytes = 0;
   MapSnapshot map;
   std::optional<FilterStatus> filter;  ///< status at the end; absent if the pose filter did not run
 
   std::size_t droppedCount() const;
+  /// The most frequent reason why scans could not be used, with its numbers.
+  std::string mainProblem() const;
   /// Recorded time divided by processing time. 0 if no time was measured.
   double speedFactor() const;
 };

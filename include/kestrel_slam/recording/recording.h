@@ -40,7 +40,9 @@ struct RecordingOptions {
   std::string imu_topic;   ///< bags: empty: the Imu topic with the most messages
   std::string height_topic;    ///< bags: empty: the Range topic that looks down
   bool prefer_clouds = false;  ///< bags: use PointCloud2 even if there is a LaserScan topic
-  double rate_hz = 40.0;       ///< scan rate of a table of ranges, which has no stamps
+  double rate_hz = 40.0;       ///< tables of ranges: scan rate, if the table has no stamps
+  double fov_deg = 0.0;        ///< tables of ranges: field of view, if the table has no angles; 0:
+                               ///< from the number of ranges
 };
 
 /// A rosbag or log file. Scans are read one by one in the order of the file.

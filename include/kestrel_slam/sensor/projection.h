@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "kestrel_slam/sensor/planar_scan.h"
 
@@ -32,10 +33,23 @@ enum class ScanError {
   kBadStamp,
   kTilted,      ///< the vehicle is tilted beyond the limit
   kNoAttitude,  ///< no attitude for the time of the sweep
+  kWrongUnit,   ///< ranges and their limits have different units
 };
 
 /// A lower-case word or hyphenated phrase for each error, for statistics and diagnostics.
 const char* toString(ScanError error);
+
+/// Fewer beams cannot be matched reliably: walls are seen as single points.
+constexpr std::size_t kMinBeamsToMatch = 24;
+
+/// What is wrong with a scan that is used all the same.
+struct ScanWarning {
+  const char* kind;  ///< one of a few words, as ScanError
+  std::string text;  ///< with the values
+};
+
+/// "kind: text; kind: text"
+std::string textOf(const std::vector<ScanWarning>& warnings);
 
 /// Result of a projection. `scan` is valid only if `error` is kNone.
 struct Projection {
@@ -46,7 +60,8 @@ struct Projection {
   std::optional<double> floor_height_m;  ///< the same, from beams that hit the floor
   double tilt_rad = 0.0;                 ///< largest tilt during the sweep
   ScanError error = ScanError::kNone;
-  std::string message;  ///< what is wrong, with the values; empty if kNone
+  std::string message;                ///< what is wrong, with the values; empty if kNone
+  std::vector<ScanWarning> warnings;  ///< if kNone
 };
 
 }  // namespace kestrel

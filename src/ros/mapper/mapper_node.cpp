@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::uint32_t kCommandQueue = 10;
 constexpr double kComplainEvery = 5.0;  // s
+constexpr double kRemindEvery = 60.0;   // s; for problems that persist
 
 ProjectionStageConfig levelProjection(const MapperNodeConfig& config) {
   ProjectionStageConfig result;
@@ -126,6 +127,10 @@ std::optional<PlanarScan> MapperNode::planarOf(const ReadyScan& scan) {
   const LaserScan laser_scan = fromMessage(*scan.message.laser_scan);
   constexpr bool kLevel = true;
   Projection projection = projection_.project(laser_scan, scan.base_T_laser, kLevel).projection;
+  if (!projection.warnings.empty()) {
+    ROS_WARN_THROTTLE(kRemindEvery, "Scans on %s are used, but %s.", input_->topic().c_str(),
+                      textOf(projection.warnings).c_str());
+  }
   if (projection.error == ScanError::kNone) return std::move(projection.scan);
   drop(toString(projection.error), projection.message);
   return std::nullopt;

@@ -70,6 +70,7 @@ void ProjectorDiagnostics::warn() const {
 void ProjectorDiagnostics::fillScans(Status& status) const {
   const ProjectorStatistics& statistics = report_.statistics;
   status.summary(DiagnosticStatus::OK, "scans are projected");
+  if (!statistics.warning.empty()) status.summary(DiagnosticStatus::WARN, statistics.warning);
   if (statistics.dropped_lately > 0) {
     status.summaryf(DiagnosticStatus::WARN, "%zu scans dropped recently, the last one: %s",
                     statistics.dropped_lately, statistics.last_drop.c_str());

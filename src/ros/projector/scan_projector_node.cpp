@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kPatrolPeriod = 0.01;  // s; period of checking the waiting sweeps
 constexpr double kComplainEvery = 5.0;  // s
+constexpr double kRemindEvery = 60.0;   // s; for problems that persist
 
 ProjectionStageConfig projectionConfigOf(const ProjectorNodeConfig& config) {
   return {config.slam.projector, config.slam.attitude, config.isLevel(),
@@ -124,6 +125,11 @@ void ScanProjectorNode::project(const Sweep& sweep, const Eigen::Isometry3d& bas
   if (projection.error != ScanError::kNone) {
     drop(sweep, toString(projection.error), projection.message);
     return;
+  }
+  statistics_.warning = textOf(projection.warnings);
+  if (!statistics_.warning.empty()) {
+    ROS_WARN_THROTTLE(kRemindEvery, "Scans on %s are used, but %s.", sweep.topic.c_str(),
+                      statistics_.warning.c_str());
   }
   ++statistics_.projected;
   if (projected.level) ++statistics_.projected_level;

@@ -14,14 +14,12 @@ namespace {
 
 constexpr std::uint32_t kQueue = 5;
 constexpr double kComplainEvery = 5.0;  // s
-constexpr double kMaxSweep = 2.0;       // s; in longer sweeps time_increment has a wrong unit
 
 }  // namespace
 
 SweepInput::SweepInput(ros::NodeHandle nh, const ProjectorNodeConfig& config,
                        ProjectorStatistics& statistics, Callback on_sweep)
     : max_beams_(static_cast<std::size_t>(config.slam.projector.beams.max_beams)),
-      is_level_(config.isLevel()),
       statistics_(statistics),
       on_sweep_(std::move(on_sweep)) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
@@ -68,13 +66,6 @@ void SweepInput::onScan(const sensor_msgs::LaserScanConstPtr& message, const std
   scan.stamp = toSeconds(
       message->header.stamp);  // same conversion as for IMU stamps, so that both are comparable
   sweep.times = sweepTimes(scan);
-  if (!is_level_ && sweep.times.last - sweep.times.first > kMaxSweep) {
-    refuse(topic, toString(ScanError::kBadGeometry),
-           "its time_increment of " + std::to_string(scan.time_increment) + " s gives a sweep of " +
-               std::to_string(sweep.times.last - sweep.times.first) +
-               " s; the laser driver must set it in seconds");
-    return;
-  }
   sweep.data = std::move(scan);
   pass(std::move(sweep), message->header, topic);
 }

@@ -308,8 +308,9 @@ TEST_F(ProjectorGarbage, ScansOfEveryKind) {
   scan.header.stamp = ros::Time();
   expectDropped("bad-stamp", scan);
   scan = client_->nextScan();
-  scan.time_increment = 17.0F;  // in us
-  expectDropped("bad-geometry", scan);
+  scan.ranges.assign(scan.ranges.size(), 4000.0F);  // in mm
+  scan.ranges.front() = 4001.0F;
+  expectDropped("wrong-unit", scan);
   scan = client_->nextScan();
   scan.ranges.assign(1000000, 1.0F);
   expectDropped("too-many-beams", scan);

@@ -18,6 +18,7 @@ struct ProjectorStatistics {
   std::size_t projected_level = 0;             ///< of these, assumed to be level
   std::map<std::string, std::size_t> dropped;  ///< by reason
   std::size_t dropped_lately = 0;              ///< since the last report
+  std::string warning;                         ///< about the newest projected scan, or empty
   std::string last_drop;                       ///< reason and sentence of the newest one
   BeamCounts beams;                            ///< of the newest projected sweep
   WaitingTime since_received;

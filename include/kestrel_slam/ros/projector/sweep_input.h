@@ -36,7 +36,6 @@ class SweepInput {
   void pass(Sweep sweep, const std_msgs::Header& header, const std::string& topic);
 
   std::size_t max_beams_;
-  bool is_level_;
   ProjectorStatistics& statistics_;
   Callback on_sweep_;
   std::map<std::string, ros::Time> last_stamps_;  ///< by topic
