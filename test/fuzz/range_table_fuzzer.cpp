@@ -9,7 +9,7 @@ KESTREL_FUZZER(range_table, bytes) {
   const FuzzFile file(bytes);
   expectResultOrReason([&] {
     looksLikeRangeTable(file.path());
-    RangeTable table(file.path(), 40.0);
+    RangeTable table(file.path(), RecordingOptions());
     readAll(table);
   });
 }

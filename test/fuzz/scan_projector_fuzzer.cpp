@@ -15,8 +15,9 @@ void step(FuzzInput& input, double stamp, ScanProjector& projector, AttitudeBuff
   }
   VehicleState vehicle;
   if (input.flag()) vehicle.attitude = &attitude;
-  if (input.flag()) vehicle.height_m = input.any(-1.0, 4.0);
-  if (input.flag()) vehicle.velocity = {input.any(-3, 3), input.any(-3, 3)};
+  // ProjectionStage lets only plausible heights and velocities through.
+  if (input.flag()) vehicle.height_m = input.within(-1.0, 4.0);
+  if (input.flag()) vehicle.velocity = {input.within(-50, 50), input.within(-50, 50)};
   const Eigen::Isometry3d mounting = input.anyMounting();
   const Projection projection =
       input.flag() ? projector.project(anyLaserScan(input, stamp), mounting, vehicle)
