@@ -26,7 +26,7 @@ TEST_P(FuzzCorpus, EveryFileGivesAResultOrAReason) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Fuzzers, FuzzCorpus, ::testing::ValuesIn(fuzzers()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& entry) { return entry.param.name; });
 
 }  // namespace
 }  // namespace kestrel::fuzz

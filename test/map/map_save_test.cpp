@@ -108,6 +108,18 @@ TEST(MapSave, TheFolderKeepsItsLinkAndItsPermissions) {
   expectOneRun(folder.file("out"));
 }
 
+TEST(MapSave, TheWorkingFolderIsNotReplaced) {
+  const TemporaryFolder folder;
+  const fs::path before = fs::current_path();
+  fs::current_path(folder.file(""));
+  writeRun(".", 1);
+  writeRun(".", 0);
+  EXPECT_EQ(namesIn("."),
+            (std::set<std::string>{"map.pgm", "map.yaml", "report.html", "stats.json"}));
+  expectOneRun(".");
+  fs::current_path(before);
+}
+
 TEST(MapSave, APipeInTheFolderIsAnError) {
   const TemporaryFolder folder;
   ASSERT_EQ(::mkfifo(folder.file("report.html").c_str(), 0600), 0);
