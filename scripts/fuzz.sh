@@ -14,8 +14,7 @@ build_fuzzers() {
 
 # fuzz NAME: from the corpus in the repository. New inputs stay in the build folder.
 fuzz() {
-  local program
-  program=$(find "$BUILD/fuzz" -type f -name "fuzz_$1")
+  local program=$BUILD/fuzz/devel/lib/kestrel_slam/fuzz_$1
   mkdir -p "$BUILD/fuzz/corpus/$1" "$LOGS/fuzz"
   "$program" -max_total_time="${KESTREL_FUZZ_SECONDS:-60}" -timeout=20 -rss_limit_mb=2048 \
     -max_len=20000 -print_final_stats=1 -verbosity=0 -artifact_prefix="$LOGS/fuzz/$1-" \
