@@ -12,7 +12,6 @@
 
 #include "kestrel_slam/evaluation/covariance_file.h"
 #include "kestrel_slam/geometry/angles.h"
-#include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/map/map_folder.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
 #include "kestrel_slam/recording/trajectory.h"
@@ -179,9 +178,7 @@ void prepareOutput(const fs::path& folder) {
     throw std::runtime_error("cannot create the output folder " + folder.string() + ": " +
                              error.message() + "; choose another --output");
   }
-  const fs::path probe = folder / ".kestrel_slam_probe";
-  writeFileAtomically(probe.string(), "");
-  fs::remove(probe, error);
+  requireWritable(folder.string());
 }
 
 void stopOnSignals() {

@@ -151,4 +151,8 @@ void writeMapFolder(const std::string& folder, const MapSnapshot& map,
   writeFiles(in_place, files, others);
 }
 
+void requireWritable(const std::string& folder) {
+  OutputFolder(folder).requireWritable(std::string(kMapName) + ".yaml");
+}
+
 }  // namespace kestrel

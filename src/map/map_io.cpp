@@ -203,6 +203,7 @@ std::set<std::string> namesOfMap(const std::string& name) {
 
 void writeMapFiles(OutputFolder& folder, const std::string& name, const MapFiles& files) {
   const std::string yaml = name + ".yaml", image = name + ".pgm", saving = name + kSavingEnding;
+  for (const std::string& file : namesOfMap(name)) folder.requireReplaceable(file);
   // While an older YAML file names the image, the image must not be replaced. So the new YAML file
   // first names a second copy. A process that was killed may have left it like that.
   const bool in_use = imageNamedBy(folder.pathOf(yaml)) == saving;

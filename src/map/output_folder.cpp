@@ -146,6 +146,11 @@ void OutputFolder::write(const std::string& name, const std::string& content) {
   ::fsync(folder_);
 }
 
+void OutputFolder::requireWritable(const std::string& name) {
+  requireReplaceable(name);
+  ::unlinkat(folder_, writeTemporary(name, "").c_str(), 0);
+}
+
 void OutputFolder::remove(const std::string& name) {
   ::unlinkat(folder_, name.c_str(), 0);
   ::fsync(folder_);

@@ -34,6 +34,10 @@ class OutputFolder {
   /// target is not touched. Throws std::runtime_error with the file and the reason.
   void write(const std::string& name, const std::string& content);
   void remove(const std::string& name);
+  /// Throws std::runtime_error if this name is taken by something else than a file.
+  void requireReplaceable(const std::string& name) const;
+  /// Throws std::runtime_error if this file could not be written.
+  void requireWritable(const std::string& name);
   /// Whether the file is there, or a link to nothing.
   bool has(const std::string& name) const;
 
@@ -48,7 +52,6 @@ class OutputFolder {
  private:
   void lock();
   void removeStale();
-  void requireReplaceable(const std::string& name) const;
   std::string writeTemporary(const std::string& name, const std::string& content);
 
   HeldSignals signals_;

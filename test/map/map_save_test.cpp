@@ -108,10 +108,33 @@ TEST(MapSave, TheFolderKeepsItsLinkAndItsPermissions) {
   expectOneRun(folder.file("out"));
 }
 
+TEST(MapSave, TheWorkingFolderIsNotReplaced) {
+  const TemporaryFolder folder;
+  const fs::path before = fs::current_path();
+  fs::current_path(folder.file(""));
+  writeRun(".", 1);
+  writeRun(".", 0);
+  EXPECT_EQ(namesIn("."),
+            (std::set<std::string>{"map.pgm", "map.yaml", "report.html", "stats.json"}));
+  expectOneRun(".");
+  fs::current_path(before);
+}
+
 TEST(MapSave, APipeInTheFolderIsAnError) {
   const TemporaryFolder folder;
   ASSERT_EQ(::mkfifo(folder.file("report.html").c_str(), 0600), 0);
   EXPECT_CONTAINS(messageOf([&] { writeRun(folder.file(""), 0); }), "report.html: a pipe");
+}
+
+TEST(MapSave, AnImageThatCannotBeReplacedLeavesTheOlderMap) {
+  const TemporaryFolder folder;
+  const std::string stem = folder.file("map");
+  writeMap(stem, oneOfTwoMaps(false));
+  const std::string before = readFile(stem + ".yaml");
+  fs::remove(stem + ".pgm");
+  ASSERT_EQ(::mkfifo((stem + ".pgm").c_str(), 0600), 0);
+  EXPECT_CONTAINS(messageOf([&] { writeMap(stem, oneOfTwoMaps(true)); }), "map.pgm: a pipe");
+  EXPECT_EQ(readFile(stem + ".yaml"), before);
 }
 
 TEST(MapSave, EveryNameIsFoundAgain) {

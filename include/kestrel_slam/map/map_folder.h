@@ -22,4 +22,7 @@ struct NamedContent {
 void writeMapFolder(const std::string& folder, const MapSnapshot& map,
                     const std::vector<NamedContent>& others);
 
+/// Throws std::runtime_error with the reason if writeMapFolder could not write into the folder.
+void requireWritable(const std::string& folder);
+
 }  // namespace kestrel
