@@ -109,6 +109,8 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
     const double distance =
         lost_scans_ > 0 ? kMaxSpeed * (scan.time - found_time_) : kSigmas * error.position_m();
     result.search_scale = std::clamp(1.0 + distance / wide_window_m_, 1.0, kMaxSearchScale);
+    // Scans that did not fit are a sign of a blocked view, not of a long way.
+    if (lost_scans_ == 0) result.moved_scale = result.search_scale;
   }
   result.plausible_m = std::max(kMinPlausibleM, kMaxSpeed * (scan.time - found_time_));
   if (placed_) result.plausible_m = std::numeric_limits<double>::infinity();

@@ -178,8 +178,8 @@ double jumpMargin(const MatcherConfig& config, const MatchRequest& request, cons
 
 CorrelativeConfig preferencesFor(const MatchRequest& request, const CorrelativeConfig& config) {
   CorrelativeConfig result = config;
-  result.linear_preference /= request.search_scale;
-  result.angular_preference /= request.search_scale;
+  result.linear_preference /= request.moved_scale;
+  result.angular_preference /= request.moved_scale;
   return result;
 }
 

@@ -42,8 +42,7 @@ constexpr std::size_t kCoarsePoints = 150;
 /// Number of points for the search of a lost vehicle in a wide window.
 constexpr std::size_t kLostPoints = 200;
 
-/// The penalty of a motion for this request: the larger the window, the less is known of the
-/// motion.
+/// The penalty of a motion for this request: smaller if nothing was seen for some time.
 CorrelativeConfig preferencesFor(const MatchRequest& request, const CorrelativeConfig& config);
 
 /// The score of a fit minus the penalty of the motion to its pose. Candidates are compared by it.

@@ -20,16 +20,11 @@ bool exists(const Covariance& covariance) {
   return covariance[0] != kAbsent;
 }
 
-std::string frameOf(const std_msgs::Header& header) {
-  const std::string& name = header.frame_id;
-  return !name.empty() && name.front() == '/' ? name.substr(1) : name;
-}
-
 /// Copies the fields that LaserScan and MultiEchoLaserScan have in common.
 template <typename Message>
 LaserScan withoutRanges(const Message& message) {
   LaserScan scan;
-  scan.frame = frameOf(message.header);
+  scan.frame = withoutSlash(message.header.frame_id);
   scan.stamp = toSeconds(message.header.stamp);
   scan.angle_min = static_cast<double>(message.angle_min);
   scan.angle_increment = static_cast<double>(message.angle_increment);
@@ -96,14 +91,14 @@ PointCloud toPointCloud(const sensor_msgs::PointCloud2& message) {
   buffer.data = message.data.data();
   buffer.size = message.data.size();
   PointCloud cloud = unpackPoints(buffer, toSeconds(message.header.stamp));
-  cloud.frame = frameOf(message.header);
+  cloud.frame = withoutSlash(message.header.frame_id);
   return cloud;
 }
 
 PointCloud toPointCloud(const sensor_msgs::PointCloud& message) {
   if (message.points.empty()) throw std::invalid_argument("the cloud has zero points");
   PointCloud cloud;
-  cloud.frame = frameOf(message.header);
+  cloud.frame = withoutSlash(message.header.frame_id);
   cloud.stamp = toSeconds(message.header.stamp);
   cloud.points.reserve(message.points.size());
   for (const geometry_msgs::Point32& point : message.points) {
