@@ -9,6 +9,8 @@
 #include "kestrel_slam/mapping/motion_model.h"
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 #include "kestrel_slam/matching/ambiguity.h"
+#include "kestrel_slam/matching/thinned.h"
+#include "kestrel_slam/sensor/projection.h"
 
 namespace kestrel {
 namespace {
@@ -16,6 +18,11 @@ namespace {
 /// A lost vehicle is found if the scan fits well (search_score) and this share of it is in known
 /// space. In a large window half of a scan fits at many places.
 constexpr double kFoundKnownShare = 0.5;
+/// At least this many points are matched, where a scan has more. The time of a match and of a
+/// search is proportional to their number; more points add little accuracy. All are inserted.
+constexpr std::size_t kMatchPoints = 1100;
+/// Fewer than one out of this many beams are few.
+constexpr std::size_t kMostBeams = 2;
 /// Larger coordinates of a ray, m, and coordinates that are not finite are invalid.
 constexpr float kMaxRayM = 1e4F;
 /// Larger times, and times that are not finite, are invalid, s.
@@ -103,10 +110,23 @@ struct Mapper::State {
              const PredictionError& error, MapperResult& result);
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
+  bool isBlank(const Points& points, const PlanarScan& scan,
+               const std::optional<Pose2>& odom_T_base) const;
   MatchState judge(const MatchResult& match, bool was_lost) const;
   void insert(const PlanarScan& scan, MapperResult& result);
   bool movedEnough() const;
 };
+
+/// Whether the scan has too few hits for a match: a few hits fit in many places. If they are most
+/// of the beams, the laser has no more, and without another source they are better than nothing.
+bool Mapper::State::isBlank(const Points& points, const PlanarScan& scan,
+                            const std::optional<Pose2>& odom_T_base) const {
+  if (points.empty()) return true;
+  if (points.size() >= kMinBeamsToMatch) return false;
+  const bool is_measured =
+      motion.predictionSourceOf(scan, odom_T_base) != PredictionSource::kVelocity;
+  return is_measured || points.size() * kMostBeams < scan.rays.size();
+}
 
 /// The first scan defines the map.
 void Mapper::State::begin(MapperResult& result) {
@@ -146,15 +166,18 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   }
 }
 
-/// A scan without hits shows nothing to match: the motion goes on as predicted. As long as the
-/// search around the prediction will find the vehicle again, it is not lost.
+/// The scan shows nothing to match: the motion goes on as predicted. The vehicle is lost if the
+/// near search around the prediction may not find it again, unless the odometry carries it.
 void Mapper::State::carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                           const PredictionError& error, MapperResult& result) {
+  const bool has_odometry =
+      motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry;
   motion.carry(scan, odom_T_base);
   uncertainty.carry(motion.pose(), error);
   result.match.pose = motion.pose();
   result.carried = true;
-  result.state = motion.isWide(error) ? MatchState::kLost : MatchState::kDegraded;
+  const bool lost = motion.isWide(error) && !has_odometry;
+  result.state = lost ? MatchState::kLost : MatchState::kDegraded;
 }
 
 MatchState Mapper::State::judge(const MatchResult& match, bool was_lost) const {
@@ -199,10 +222,10 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   if (odom_T_base && !isUsable(*odom_T_base)) return process(scan);
   State& s = *state_;
   MapperResult result;
-  const Points points = hitsOf(scan);
+  const Points points = thinned(hitsOf(scan), kMatchPoints);
   const PredictionError error = s.motion.errorAt(scan, odom_T_base);
   if (s.map.scans() > 0) {
-    if (points.empty()) {
+    if (s.isBlank(points, scan, odom_T_base)) {
       s.carry(scan, odom_T_base, error, result);
     } else {
       s.match(points, scan, odom_T_base, error, result);

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "hybrid_matcher.h"
-#include "thinned.h"
+#include "kestrel_slam/matching/thinned.h"
 
 namespace kestrel {
 namespace {

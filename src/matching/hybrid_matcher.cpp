@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "kestrel_slam/matching/covariance.h"
-#include "thinned.h"
+#include "kestrel_slam/matching/thinned.h"
 
 namespace kestrel {
 namespace {

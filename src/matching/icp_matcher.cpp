@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "hybrid_matcher.h"
-#include "thinned.h"
+#include "kestrel_slam/matching/thinned.h"
 
 namespace kestrel {
 namespace {

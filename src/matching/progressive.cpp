@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "kestrel_slam/geometry/random.h"
-#include "thinned.h"
+#include "kestrel_slam/matching/thinned.h"
 
 namespace kestrel {
 namespace {

@@ -8,7 +8,7 @@ namespace kestrel::fuzz {
 KESTREL_FUZZER(bag_recording, bytes) {
   const FuzzFile file(bytes);
   expectResultOrReason([&] {
-    BagRecording bag(file.path(), RecordingOptions());
+    BagRecording bag({file.path()}, RecordingOptions());
     readAll(bag);
   });
 }

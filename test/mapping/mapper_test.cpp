@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "kestrel_slam/matching/thinned.h"
 #include "room.h"
 
 namespace kestrel {
@@ -151,6 +152,32 @@ TEST(Mapper, IsDeterministic) {
     ASSERT_EQ(first.process(scanAt(i)).pose, second.process(scanAt(i)).pose);
   }
   EXPECT_EQ(first.snapshot().cells, second.snapshot().cells);
+}
+
+TEST(Mapper, FourBeamsAreNotMatchedButTheOdometryCarriesThePose) {
+  Mapper mapper{MapperConfig()};
+  MapperResult result;
+  for (int i = 0; i <= 40; ++i) {
+    const Pose2 truth(-1.0 + 0.05 * i, 0.3, 0.02 * i);
+    PlanarScan scan = room::scanFrom(truth, room::walls(), 4);
+    scan.stamp = scan.time = 0.1 * i;
+    if (i == 0) mapper.reset(truth);
+    result = mapper.process(scan, Pose2(5, 5, 1) * truth);
+    EXPECT_NEAR((truth.inverse() * result.pose).distance(), 0.0, 1e-6) << i;
+  }
+  EXPECT_TRUE(result.carried);
+  EXPECT_EQ(result.state, MatchState::kDegraded);
+  EXPECT_GT(std::sqrt(result.covariance(0, 0)), 0.2) << "10 % of 2 m";
+  EXPECT_LT(std::sqrt(result.covariance(0, 0)), 0.5);
+}
+
+TEST(Mapper, ADenseScanIsMatchedWithAPartOfItsPoints) {
+  Mapper mapper{MapperConfig()};
+  mapper.process(room::scanFrom(Pose2(), room::walls(), 20000));
+  const Pose2 truth(0.1, -0.05, 0.08);
+  const MapperResult result = mapper.process(room::scanFrom(truth, room::walls(), 20000));
+  EXPECT_NEAR((truth.inverse() * result.pose).distance(), 0.0, 0.01);
+  EXPECT_EQ(thinned(hitsOf(room::scanFrom(truth, room::walls(), 20000)), 1100).size(), 1112U);
 }
 
 TEST(Mapper, ReportsAFullMapAndContinues) {

@@ -66,6 +66,7 @@ struct Setting {
   Blank blank = Blank::kNoHits;
   double blank_s = 1.0;
   bool square = false;
+  int dust = 0;  ///< hits in each blank scan
 };
 
 struct Outcome {
@@ -139,6 +140,9 @@ class BlankFlight {
       scan.ranges.push_back(isBlank(t) ? std::numeric_limits<float>::infinity()
                                        : static_cast<float>(range));
     }
+    for (int i = 0; isBlank(t) && i < setting_.dust; ++i) {
+      scan.ranges[random_() % kBeams] = 0.3F + 0.001F * static_cast<float>(random_() % 3000);
+    }
     PipelineScan input;
     input.data = scan;
     pipeline_.addScan(input, t);
@@ -184,6 +188,7 @@ TEST(MapperBlank, ForAThousandRandomFlightsTheTruthIsWithinThreeSigmas) {
     setting.filter = seed % 3 == 1;
     setting.blank = seed % 2 == 0 ? Blank::kNoHits : Blank::kNoScans;
     setting.square = seed % 5 == 0;
+    setting.dust = seed % 7 < 2 ? 8 : 0;
     setting.blank_s = std::uniform_real_distribution<double>(0.1, 5.0)(random);
     const Outcome outcome = fly(setting);
     outside += outcome.worst_sigmas > 3.0 ? 1 : 0;

@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "kestrel_slam/ros/common/names.h"
+
 namespace kestrel {
 namespace {
 
