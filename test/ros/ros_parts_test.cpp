@@ -81,15 +81,24 @@ TEST(FairMutex, OtherThreadsGetTheLock) {
   EXPECT_LT(waited.count(), 1.0) << "at most one lock of the other thread before each of ours";
 }
 
+/// Takes all changes. Returns the last part.
+MapChanges refresh(SharedMapper& mapper, MapReplica& replica) {
+  MapChanges changes;
+  do {
+    changes = mapper.takeChanges();
+    for (const TileImage& tile : changes.tiles) replica.update(tile);
+  } while (!changes.complete);
+  return changes;
+}
+
 TEST(SharedMapper, CopiesWhileScansAreMatched) {
   SharedMapper mapper{MapperConfig()};
   const TestFlight flight = laboratoryFlight(60);
   std::atomic<bool> stop{false};
+  MapReplica replica(0.05);
   std::thread reader([&] {
     while (!stop) {
-      const MapCopy copy = mapper.copy();
-      EXPECT_EQ(copy.map.cells.size(), static_cast<std::size_t>(copy.map.width) *
-                                           static_cast<std::size_t>(copy.map.height));
+      refresh(mapper, replica);
       mapper.restartMotion();
     }
   });
@@ -107,9 +116,13 @@ TEST(SharedMapper, CopiesWhileScansAreMatched) {
   stop = true;
   reader.join();
   EXPECT_GT(mapper.version(), 0U);
-  EXPECT_EQ(mapper.copy().stamp, ros::Time(flight.scans.back().scan.stamp));
+  const MapChanges last = refresh(mapper, replica);
+  EXPECT_EQ(last.stamp, ros::Time(flight.scans.back().scan.stamp));
+  EXPECT_GT(replica.known().x1 - replica.known().x0, 100);
   mapper.reset(Pose2());
-  EXPECT_TRUE(mapper.copy().map.empty());
+  const MapChanges after = mapper.takeChanges();
+  EXPECT_NE(after.map_number, last.map_number);
+  EXPECT_TRUE(after.complete && after.tiles.empty());
 }
 
 TEST(TrajectoryLog, IsThinnedOutAndLimited) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <map_msgs/OccupancyGridUpdate.h>
 #include <nav_msgs/GetMap.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
 
@@ -15,12 +16,45 @@ namespace {
 
 constexpr std::size_t kScans = 400;  // 40 s, most of the loop
 
+/// The map as a client sees it that also uses map_updates.
+struct UpdatedMap {
+  nav_msgs::OccupancyGrid map;
+  std::size_t updates = 0, outside = 0;
+  ros::Subscriber map_subscriber, update_subscriber;
+
+  UpdatedMap() {
+    ros::NodeHandle nh;
+    const boost::function<void(const nav_msgs::OccupancyGrid&)> replace =
+        [this](const nav_msgs::OccupancyGrid& whole) { map = whole; };
+    const boost::function<void(const map_msgs::OccupancyGridUpdate&)> apply =
+        [this](const map_msgs::OccupancyGridUpdate& update) { add(update); };
+    map_subscriber = nh.subscribe<nav_msgs::OccupancyGrid>("map", 10, replace);
+    update_subscriber = nh.subscribe<map_msgs::OccupancyGridUpdate>("map_updates", 10, apply);
+  }
+
+  void add(const map_msgs::OccupancyGridUpdate& update) {
+    ++updates;
+    if (update.x < 0 || update.y < 0 || update.x + update.width > map.info.width ||
+        update.y + update.height > map.info.height) {
+      ++outside;
+      return;
+    }
+    for (std::size_t row = 0; row < update.height; ++row) {
+      const auto from = update.data.begin() + static_cast<std::ptrdiff_t>(row * update.width);
+      const std::size_t to = (static_cast<std::size_t>(update.y) + row) * map.info.width +
+                             static_cast<std::size_t>(update.x);
+      std::copy(from, from + update.width, map.data.begin() + static_cast<std::ptrdiff_t>(to));
+    }
+  }
+};
+
 /// One flight, mapped by the node that the .test file starts. Every test checks one part of the
 /// result.
 class LiveMapping : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     client_ = new MapperClient;
+    updated_ = new UpdatedMap;
     flight_ = new TestFlight(laboratoryFlight(kScans));
     ASSERT_TRUE(client_->connect()) << "the mapper does not subscribe to scan";
     const Pose2 base_T_laser;  // the simulated laser is at the origin of the base
@@ -37,6 +71,7 @@ class LiveMapping : public testing::Test {
         << "the newest map was not published";
   }
   static void TearDownTestSuite() {
+    delete updated_;
     delete client_;
     delete flight_;
   }
@@ -48,6 +83,7 @@ class LiveMapping : public testing::Test {
   }
 
   inline static MapperClient* client_ = nullptr;
+  inline static UpdatedMap* updated_ = nullptr;
   inline static TestFlight* flight_ = nullptr;
   inline static std::vector<Pose2> poses_;
 };
@@ -116,6 +152,12 @@ TEST_F(LiveMapping, MapShowsTheRoom) {
   EXPECT_EQ(other_values, 0U);
   EXPECT_GT(occupied, 500U);
   EXPECT_GT(at_a_wall, 0.98 * static_cast<double>(occupied));
+}
+
+TEST_F(LiveMapping, UpdatesKeepAMapUpToDate) {
+  EXPECT_GT(updated_->updates, 0U);
+  EXPECT_EQ(updated_->outside, 0U);
+  EXPECT_TRUE(client_->waitFor([&] { return updated_->map.data == client_->map.data; }));
 }
 
 TEST_F(LiveMapping, PathIsFreeInTheMap) {
