@@ -87,11 +87,14 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     const double margin = request.trusted ? jumpMargin(config_, request, other.descent.pose) : 0.0;
     if (other.penalized_score > best.penalized_score + margin) best = other;
   }
-  if (best.fit.score < config_.search_score && !request.trusted) {
+  const Pose2& first_guess = request.initial_guesses.front();
+  const bool jumps = (first_guess.inverse() * best.descent.pose).distance() > request.plausible_m;
+  if ((best.fit.score < config_.search_score || jumps) && !request.trusted) {
     // An object that covers part of the view may mislead the coarse stages.
-    const Candidate near = refine(map, request, request.initial_guesses.front(), kLastStage);
+    const Candidate near = refine(map, request, first_guess, kLastStage);
     result.iterations += near.descent.iterations;
-    if (near.penalized_score > best.penalized_score) best = near;
+    const double margin = jumps ? jumpMargin(config_, request, best.descent.pose) : 0.0;
+    if (near.penalized_score + margin > best.penalized_score) best = near;
   }
   if (best.fit.score < config_.search_score && (request.lost || !isWellConstrained(best.fit)))
     search(map, request, result, best);
@@ -173,7 +176,8 @@ std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const Match
 
 double jumpMargin(const MatcherConfig& config, const MatchRequest& request, const Pose2& pose) {
   const Pose2 jump = request.initial_guesses.front().inverse() * pose;
-  return config.jump_margin * std::max(1.0, jump.distance() / request.plausible_m);
+  const double ratio = std::max(1.0, jump.distance() / request.plausible_m);
+  return config.jump_margin * ratio * ratio;
 }
 
 CorrelativeConfig preferencesFor(const MatchRequest& request, const CorrelativeConfig& config) {
