@@ -285,7 +285,7 @@ class Runner {
   std::optional<Pose2> last_counted_;
   Occurrence lost_, full_, without_odometry_;
   std::map<std::string, Doubt> doubts_;  ///< by kind
-  bool says_filter_ = false;  ///< a warning says why the filter does not run
+  bool says_filter_ = false;             ///< a warning says why the filter does not run
 };
 
 }  // namespace

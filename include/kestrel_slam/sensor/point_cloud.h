@@ -15,7 +15,7 @@ struct PointCloud {
   double stamp = 0.0;  ///< as recorded, s
   std::vector<Point> points;
   std::string time_problem;  ///< why the recorded times of the points are not used; "" if they are
-  std::string frame;  ///< of the lidar; clouds of the same frame come from the same source
+  std::string frame;         ///< of the lidar; clouds of the same frame come from the same source
 };
 
 }  // namespace kestrel

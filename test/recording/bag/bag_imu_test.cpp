@@ -247,24 +247,6 @@ TEST_F(BagImuTest, BagWithoutImuHasNoSamples) {
   EXPECT_TRUE(recording->warnings().empty());
 }
 
-TEST(RangeMessage, GivesTheHeightOfTheBaseAlongTheBeam) {
-  EXPECT_EQ(toHeightSample(rangeAt(2.5, 1.5F), 0.0).height_m, 1.5);
-  EXPECT_EQ(toHeightSample(rangeAt(2.5, 1.5F), -0.25).height_m, 1.75);
-  EXPECT_EQ(toHeightSample(rangeAt(2.5, 1.5F), 0.0).stamp, 2.5);
-}
-
-TEST(RangeMessage, RangesOutsideTheLimitsFollowRep117) {
-  const float infinity = std::numeric_limits<float>::infinity();
-  EXPECT_EQ(toHeightSample(rangeAt(1.0, infinity), -0.25).height_m, kInfinity);
-  EXPECT_EQ(toHeightSample(rangeAt(1.0, -infinity), -0.25).height_m, -kInfinity);
-  EXPECT_EQ(toHeightSample(rangeAt(1.0, 4.5F), 0.0).height_m, kInfinity);
-  EXPECT_EQ(toHeightSample(rangeAt(1.0, 0.0F), 0.0).height_m, -kInfinity);
-  EXPECT_TRUE(std::isnan(toHeightSample(rangeAt(1.0, std::nanf("")), 0.0).height_m));
-  sensor_msgs::Range unlimited = rangeAt(1.0, 4.5F);
-  unlimited.min_range = unlimited.max_range = 0.0F;
-  EXPECT_EQ(toHeightSample(unlimited, 0.0).height_m, 4.5);
-}
-
 TEST_F(BagImuTest, UsesTheRangeFinderThatLooksDown) {
   const auto recording = read([](rosbag::Bag& bag) {
     bag.write("/tf_static", ros::Time(1.0), mounting("front", Eigen::Quaterniond::Identity()));
