@@ -11,6 +11,7 @@ namespace kestrel {
 namespace {
 
 constexpr double kMaxVelocityAge = 0.3;  // s; older velocities are not used
+constexpr double kMaxVelocity = 100.0;   // m/s; larger ones are garbage
 constexpr double kOtherClock = 1.0;      // s; larger differences: the stamps come from two clocks
 
 HeightConfig heightConfigOf(const ProjectorConfig& projector) {
@@ -87,7 +88,8 @@ bool ProjectionStage::addRange(const HeightSample& sample, bool is_upright) {
 
 void ProjectionStage::addVelocity(double stamp, const Eigen::Vector2d& velocity) {
   const bool is_older = stamp < velocity_stamp_ && velocity_stamp_ - stamp < kMaxVelocityAge;
-  if (is_older || !velocity.allFinite()) return;
+  // The comparison is false for NaN.
+  if (is_older || !(velocity.norm() < kMaxVelocity)) return;
   velocity_stamp_ = stamp;
   velocity_ = velocity;
 }

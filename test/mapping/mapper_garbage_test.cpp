@@ -205,7 +205,7 @@ TEST_P(MapperGarbage, AThousandScansOfArbitraryBits) {
   for (int i = 0; i < 1000; ++i) {
     PlanarScan scan;
     scan.time = i % 11 == 0 ? kNan : 0.1 * i;
-    scan.rays.resize(random() % 60);
+    scan.rays.resize(random() % 120);
     for (PlanarRay& ray : scan.rays) {
       ray = {{anyFloat(random), 0.0F}, {anyFloat(random), anyFloat(random)}, random() % 2 == 0};
     }

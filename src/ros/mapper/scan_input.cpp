@@ -25,10 +25,11 @@ constexpr std::uint32_t kWaitingScans = 50;  // may wait for tf; more than one s
 constexpr double kExplainAfter = 1.0;        // s; waiting time before a warning
 constexpr double kComplainEvery = 5.0;       // s
 // A larger jump back means that a recording was restarted, not that a scan is late.
-constexpr double kClockJump = 2.0;     // s
-constexpr double kRemindEvery = 30.0;  // s; for problems that persist
-constexpr double kHour = 3600.0;       // s
-constexpr double kOtherClock = kHour;  // late tf is late by seconds
+constexpr std::size_t kMostFrames = 32;  // more are garbage
+constexpr double kClockJump = 2.0;       // s
+constexpr double kRemindEvery = 30.0;    // s; for problems that persist
+constexpr double kHour = 3600.0;         // s
+constexpr double kOtherClock = kHour;    // late tf is late by seconds
 
 std::string publishHint(const std::string& parent, const std::string& child) {
   return "rosrun tf2_ros static_transform_publisher 0 0 0 0 0 0 " + parent + " " + child;
@@ -103,11 +104,18 @@ void ScanInput::onPlanarScan(const kestrel_slam::PlanarScanConstPtr& message) {
   receive({{nullptr, message}, config_.base_frame, message->header.stamp}, message->hit.size());
 }
 
+/// Two lasers on one topic may have equal stamps.
+bool ScanInput::isRepeated(const ReceivedScan& scan) const {
+  const auto last = last_stamps_.find(scan.frame);
+  return last != last_stamps_.end() && last->second == scan.stamp;
+}
+
 void ScanInput::receive(const ReceivedScan& scan, std::size_t beams) {
   statistics_.received();
   if (!acceptable(scan, beams)) return;
   noticeJump(scan.stamp);
-  last_stamp_ = scan.stamp;
+  if (last_stamps_.size() >= kMostFrames) last_stamps_.clear();
+  last_stamp_ = last_stamps_[scan.frame] = scan.stamp;
   const bool other_clock = hasOtherClock(scan);
   if (!needsTransform(scan) || (other_clock && !config_.usesOdometry())) return handOver(scan);
   ReceivedScan waiting = scan;
@@ -128,7 +136,7 @@ bool ScanInput::acceptable(const ReceivedScan& scan, std::size_t beams) {
     refuse("no-frame", "its frame_id is empty; the laser driver must set it");
   } else if (scan.stamp.isZero()) {
     refuse(toString(ScanError::kBadStamp), "its stamp is zero; the laser driver must set it");
-  } else if (scan.stamp == last_stamp_ && !config_.usesPlanarScans()) {
+  } else if (isRepeated(scan) && !config_.usesPlanarScans()) {
     refuse("repeated-stamp", "its stamp equals that of the previous scan (two publishers?)");
   } else {
     return true;

@@ -101,6 +101,8 @@ void SweepInput::onCloud(const sensor_msgs::PointCloud2ConstPtr& message,
 bool SweepInput::accept(const std_msgs::Header& header, const std::string& topic) {
   ++statistics_.received;
   statistics_.since_received = WaitingTime();
+  constexpr std::size_t kMostFrames = 32;  // more are garbage
+  if (last_stamps_.size() >= kMostFrames) last_stamps_.clear();
   ros::Time& last_stamp = last_stamps_[topic + " " + withoutSlash(header.frame_id)];
   if (withoutSlash(header.frame_id).empty()) {
     refuse(topic, "no-frame", "its frame_id is empty; the laser driver must set it");

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -86,6 +87,7 @@ class ScanInput {
   void handOver(const ReceivedScan& scan);
   void onFailure(const ReceivedScanPtr& scan, tf2_ros::FilterFailureReason reason);
   bool acceptable(const ReceivedScan& scan, std::size_t beams);
+  bool isRepeated(const ReceivedScan& scan) const;
   void refuse(const std::string& reason, const std::string& sentence);
   void noticeJump(const ros::Time& stamp);
   bool needsTransform(const ReceivedScan& scan) const;
@@ -100,6 +102,7 @@ class ScanInput {
   ScanStatistics& statistics_;
   Callback on_ready_;
   ros::Time last_stamp_;
+  std::map<std::string, ros::Time> last_stamps_;  ///< by frame
   std::size_t epoch_ = 0;
   ros::WallTime waiting_since_;  ///< start of waiting for a transform; zero: not waiting
 
