@@ -94,7 +94,11 @@ void AttitudeBuffer::integrateFrom(std::size_t index) {
   }
 }
 
-double AttitudeBuffer::yawChange(const Entry& a, const Entry& b) {
+/// What the vehicle did in a gap of the IMU is unknown. The change is then so large that nobody takes
+/// the difference across the gap for a turn.
+double AttitudeBuffer::yawChange(const Entry& a, const Entry& b) const {
+  constexpr double kUnknownTurn = 1e4;  // rad
+  if (b.stamp - a.stamp > config_.max_gap_s) return kUnknownTurn;
   if (!a.yaw_rate || !b.yaw_rate) return normalizeAngle(b.yaw - a.yaw);
   return 0.5 * (*a.yaw_rate + *b.yaw_rate) * (b.stamp - a.stamp);
 }

@@ -13,6 +13,7 @@ constexpr double kDelayStep = 0.05;  // s
 constexpr int kDelaySteps = 10;      // each side
 constexpr std::size_t kMostWaiting = 100;
 const double kMoving = degToRad(1.5);  // smaller turns of a scan are inaccurate
+constexpr double kMostTurn = 1e3;      // rad; larger ones are differences across a gap of the IMU
 constexpr double kKept = 0.97;         // weight of the old turns: about 33 turns count
 constexpr int kFewest = 8;             // turns before a verdict
 constexpr double kPath = 0.7;          // rad; before a verdict
@@ -58,6 +59,7 @@ void TurnCheck::use(const Turn& turn, const YawAt& yaw) {
     if (!from || !to) continue;
     const double other = *to - *from;
     if (std::max(std::abs(other), std::abs(turn.turn)) < kMoving) continue;
+    if (std::abs(other) > kMostTurn) continue;
     Sums& sums = sums_[i];
     for (double* sum : {&sums.other_squares, &sums.scan_squares, &sums.products, &sums.path,
                         &sums.large, &sums.other_at_large}) {

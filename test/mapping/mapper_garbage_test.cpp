@@ -195,7 +195,7 @@ float anyFloat(std::mt19937_64& random) {
 TEST_P(MapperGarbage, AThousandScansOfArbitraryBits) {
   MapperConfig quick = config();
   quick.matcher.near_window = quick.matcher.wide_window = {0.1, 0.1};
-  quick.grid.memory_limit_mb = 1.0;
+  quick.grid.memory_limit_mb = 0.3;
   quick.lost_score = quick.min_known_share = 0.0;  // so that the garbage is inserted
   quick.evaluation.enabled = false;
   Mapper mapper(quick);

@@ -75,7 +75,7 @@ class AttitudeBuffer {
   using Iterator = std::deque<Entry>::const_iterator;
 
   Iterator firstNotBefore(double time) const;
-  static double yawChange(const Entry& a, const Entry& b);
+  double yawChange(const Entry& a, const Entry& b) const;
   static Eigen::Vector2d velocityChange(const Entry& a, const Entry& b);
   void integrateFrom(std::size_t index);
 
