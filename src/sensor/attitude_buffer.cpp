@@ -94,8 +94,8 @@ void AttitudeBuffer::integrateFrom(std::size_t index) {
   }
 }
 
-/// What the vehicle did in a gap of the IMU is unknown. The change is then so large that nobody takes
-/// the difference across the gap for a turn.
+/// What the vehicle did in a gap of the IMU is unknown. The change is then so large that nobody
+/// takes the difference across the gap for a turn.
 double AttitudeBuffer::yawChange(const Entry& a, const Entry& b) const {
   constexpr double kUnknownTurn = 1e4;  // rad
   if (b.stamp - a.stamp > config_.max_gap_s) return kUnknownTurn;
