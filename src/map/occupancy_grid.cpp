@@ -128,7 +128,10 @@ void OccupancyGrid::markMisses(const PlanarScan& scan, const Pose2& map_T_base) 
     return Eigen::Vector2f(t.x() + c * p.x() - s * p.y(), t.y() + s * p.x() + c * p.y());
   };
   for (const PlanarRay& ray : scan.rays) {
-    traceRay(toMap(ray.origin), toMap(ray.end), ray.no_return);
+    const Passing passing = ray.presumed    ? Passing::kPresumedUpToWall
+                            : ray.no_return ? Passing::kFreeUpToWall
+                                            : Passing::kFree;
+    traceRay(toMap(ray.origin), toMap(ray.end), passing);
   }
 }
 
@@ -141,9 +144,9 @@ void OccupancyGrid::removeMissesOfKnownHits(const PlanarScan& scan, const Pose2&
   }
 }
 
-/// Marks the cells between the points as missed: up to the first wall if the ray `stops_at_walls`.
+/// Marks the cells between the points as missed or as presumably free.
 void OccupancyGrid::traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2f& end,
-                             bool stops_at_walls) {
+                             Passing passing) {
   const Eigen::Vector2f from = origin * inverse_resolution_, to = end * inverse_resolution_;
   if (!(from.cwiseAbs().maxCoeff() < kMaxCellCoordinate) ||
       !(to.cwiseAbs().maxCoeff() < kMaxCellCoordinate)) {
@@ -163,8 +166,10 @@ void OccupancyGrid::traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2
     const Cell cell{static_cast<int>(x >> 32), static_cast<int>(y >> 32)};
     const int run = std::min(steps - i, stepsInTile(x, y, step_x, step_y));
     if (Tile* tile = touch(cell)) {
-      const int free = stops_at_walls ? stepsToWall(*tile, x, y, step_x, step_y, run) : run;
-      markMissed(*tile, x, y, step_x, step_y, free);
+      const int free =
+          passing == Passing::kFree ? run : stepsToWall(*tile, x, y, step_x, step_y, run);
+      mark(passing == Passing::kPresumedUpToWall ? tile->presumed : tile->missed, x, y, step_x,
+           step_y, free);
       if (free < run) return;
     }
     x += run * step_x, y += run * step_y;
@@ -172,11 +177,11 @@ void OccupancyGrid::traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2
   }
 }
 
-/// Marks `count` cells from (x, y) on, all in the tile.
-void OccupancyGrid::markMissed(Tile& tile, std::int64_t x, std::int64_t y, std::int64_t step_x,
-                               std::int64_t step_y, int count) {
+/// Marks `count` cells from (x, y) on, all in one tile.
+void OccupancyGrid::mark(std::array<Row, kTileSide>& rows, std::int64_t x, std::int64_t y,
+                         std::int64_t step_x, std::int64_t step_y, int count) {
   for (int k = 0; k < count; ++k, x += step_x, y += step_y) {
-    tile.missed[static_cast<std::uint64_t>(y) >> 32 & (kTileSide - 1U)] |=
+    rows[static_cast<std::uint64_t>(y) >> 32 & (kTileSide - 1U)] |=
         1U << (static_cast<std::uint64_t>(x) >> 32 & (kTileSide - 1U));
   }
 }
@@ -204,7 +209,8 @@ void OccupancyGrid::apply(Tile& tile, std::int16_t hit_in_free) {
     for (Row bits = tile.hit[row]; bits != 0U; bits &= bits - 1U) {
       const auto column = static_cast<std::size_t>(__builtin_ctz(bits));
       std::int16_t& value = tile.log_odds[row * kTileSide + column];
-      const int weight = value < kEstablishedFree ? hit_in_free : hit_;
+      const bool is_presumed = value <= 0 && (tile.presumed[row] >> column & 1U) != 0U;
+      const int weight = value < kEstablishedFree || is_presumed ? hit_in_free : hit_;
       const int sum = std::min<int>(value + weight, max_);
       value = static_cast<std::int16_t>(sum == 0 ? -1 : sum);
       if (value > 0) tile.occupied[row] |= 1U << column;

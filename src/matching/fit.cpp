@@ -36,7 +36,7 @@ Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, doub
       // Points on walls are in known space. The grid is only needed for the others.
       on_wall[i] = 0.0F;
       ++off_walls;
-      if (map.grid().isKnown(map.grid().cellAt({p.px[i], p.py[i]}))) continue;
+      if (map.grid().isKnownOrPresumed(map.grid().cellAt({p.px[i], p.py[i]}))) continue;
       fit[i] = 0.0F;
       ++unknown;
     }

@@ -18,6 +18,7 @@ constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
 constexpr std::uint8_t kClear = kestrel_slam::PlanarScan::CLEAR;
 constexpr std::uint8_t kHit = kestrel_slam::PlanarScan::HIT;
 constexpr std::uint8_t kNoReturn = kestrel_slam::PlanarScan::NO_RETURN;
+constexpr std::uint8_t kPresumed = kestrel_slam::PlanarScan::PRESUMED;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -51,8 +52,14 @@ PlanarRay rayAt(const kestrel_slam::PlanarScan& message, std::size_t i) {
                 {message.end_x[i], message.end_y[i]},
                 message.hit[i] == kHit};
   ray.no_return = message.hit[i] == kNoReturn;
+  ray.presumed = message.hit[i] == kPresumed;
   if (ray.origin.allFinite() && ray.end.allFinite()) return ray;
   throw std::invalid_argument("ray " + std::to_string(i) + " is not finite");
+}
+
+std::uint8_t kindOf(const PlanarRay& ray) {
+  if (ray.hit) return kHit;
+  return ray.no_return ? kNoReturn : ray.presumed ? kPresumed : kClear;
 }
 
 }  // namespace
@@ -80,7 +87,7 @@ kestrel_slam::PlanarScanPtr toPlanarScanMessage(const PlanarScan& scan, const st
     message->origin_y.push_back(ray.origin.y());
     message->end_x.push_back(ray.end.x());
     message->end_y.push_back(ray.end.y());
-    message->hit.push_back(ray.hit ? kHit : ray.no_return ? kNoReturn : kClear);
+    message->hit.push_back(kindOf(ray));
   }
   return message;
 }

@@ -50,6 +50,9 @@ void UnansweredBeams::appendTo(std::vector<PlanarRay>& rays) const {
     PlanarRay ray{beam.origin, end, false};
     ray.no_return = true;
     rays.push_back(ray);
+    PlanarRay presumed{beam.origin, beam.origin + beam.reach, false};
+    presumed.presumed = true;
+    if (!returns_.empty()) rays.push_back(presumed);
   }
 }
 

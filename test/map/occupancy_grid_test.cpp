@@ -67,6 +67,20 @@ TEST(OccupancyGrid, ABeamWithoutReturnStopsAtAWall) {
   EXPECT_FALSE(grid.isKnown({21, 0}));
 }
 
+TEST(OccupancyGrid, PresumablyFreeSpaceIsUsedForTheMatchOnly) {
+  PlanarScan glance = beam(60, false);
+  glance.rays[0].presumed = true;
+  OccupancyGrid grid{OccupancyGridConfig()};
+  for (int i = 0; i < 20; ++i) grid.insert(glance, Pose2());
+  EXPECT_TRUE(grid.isKnownOrPresumed({30, 0}));
+  EXPECT_FALSE(grid.isKnown({30, 0}) || grid.isKnownOrPresumed({30, 1}));
+  EXPECT_TRUE(grid.snapshot().empty());
+  OccupancyGrid walled{OccupancyGridConfig()};
+  walled.insert(beam(40, true), Pose2());
+  walled.insert(glance, Pose2());
+  EXPECT_FALSE(walled.isKnownOrPresumed({41, 0})) << "behind a wall";
+}
+
 TEST(OccupancyGrid, ABeamWithoutReturnDoesNotPassBetweenCellsThatTouchAtACorner) {
   // A diagonal wall of cells (i, 40 - i), and beams across it.
   OccupancyGrid grid{OccupancyGridConfig()};

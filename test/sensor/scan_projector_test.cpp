@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -38,6 +39,17 @@ ProjectorConfig projectorConfig(const BeamFilterConfig& beams) {
 Projection project(const LaserScan& scan, const BeamFilterConfig& config = BeamFilterConfig(),
                    const Eigen::Isometry3d& base_T_laser = Eigen::Isometry3d::Identity()) {
   return ScanProjector(projectorConfig(config)).project(scan, base_T_laser);
+}
+
+/// The same without the rays that are only presumably free.
+Projection projectCertain(const LaserScan& scan,
+                          const BeamFilterConfig& config = BeamFilterConfig()) {
+  Projection result = project(scan, config);
+  std::vector<PlanarRay>& rays = result.scan.rays;
+  rays.erase(
+      std::remove_if(rays.begin(), rays.end(), [](const PlanarRay& ray) { return ray.presumed; }),
+      rays.end());
+  return result;
 }
 
 void expectPoint(const Eigen::Vector2f& actual, float x, float y) {
@@ -118,7 +130,7 @@ TEST(ScanProjector, FollowsRep117) {
   LaserScan scan =
       makeScan({kNan, kInf, -kInf, 0.0F, -1.0F, 0.25F, 0.5F, 25.0F, 20.0F, 19.0F, -0.0F, 1e-40F});
   scan.angle_increment = 0.1;
-  const Projection result = project(scan, config);
+  const Projection result = projectCertain(scan, config);
   EXPECT_EQ(result.counts.invalid, 4U);    // NaN, 0, -1, -0
   EXPECT_EQ(result.counts.too_close, 3U);  // -inf, 0.25, the denormal number
   EXPECT_EQ(result.counts.clears, 3U);     // +inf, 25, 20
@@ -136,8 +148,8 @@ TEST(ScanProjector, ClearsAtMostUpToTheRangeOfTheSensor) {
   LaserScan scan = makeScan({5.5F, kInf, 5.6F, 5.5F});
   scan.angle_increment = 0.1;
   scan.range_max = 5.6F;
-  const Projection result = project(scan);  // clear_range_m is 10
-  EXPECT_EQ(result.counts.clears, 2U);      // some drivers send range_max for no return
+  const Projection result = projectCertain(scan);  // clear_range_m is 10
+  EXPECT_EQ(result.counts.clears, 2U);             // some drivers send range_max for no return
   ASSERT_EQ(result.scan.rays.size(), 4U);
   for (const std::size_t i : {2U, 3U}) {
     EXPECT_TRUE(result.scan.rays[i].no_return && !result.scan.rays[i].hit);
@@ -156,7 +168,7 @@ TEST(ScanProjector, ABeamWithoutAReturnClearsUpToTheLineBetweenItsNeighbors) {
   LaserScan scan = makeScan(ranges);
   scan.angle_min = degToRad(-40.0);
   scan.angle_increment = degToRad(1.0);
-  const Projection result = project(scan);
+  const Projection result = projectCertain(scan);
   ASSERT_EQ(result.scan.rays.size(), ranges.size());
   for (const PlanarRay& ray : result.scan.rays) {
     const float before = ray.no_return ? 4.0F - 0.05F * ray.end.normalized().x() : 4.0F;
@@ -168,13 +180,23 @@ TEST(ScanProjector, ABeamWithoutAReturnClearsUpToTheLineBetweenItsNeighbors) {
 TEST(ScanProjector, WithoutNeighborsNothingIsCleared) {
   LaserScan scan = makeScan(std::vector<float>(90, kInf));
   scan.angle_increment = degToRad(4.0);
-  for (const PlanarRay& ray : project(scan).scan.rays) {
+  for (const PlanarRay& ray : projectCertain(scan).scan.rays) {
     EXPECT_EQ(ray.end, ray.origin);
   }
   scan.ranges[45] = 2.0F;  // all others are more than half a turn between it and itself
-  for (const PlanarRay& ray : project(scan).scan.rays) {
+  for (const PlanarRay& ray : projectCertain(scan).scan.rays) {
     EXPECT_EQ(ray.end.norm(), ray.hit ? 2.0F : 0.0F);
   }
+}
+
+TEST(ScanProjector, BeyondTheLineTheSpaceIsOnlyPresumablyFree) {
+  LaserScan scan = makeScan({4.0F, kInf, 4.0F});
+  scan.angle_increment = 0.1;
+  const std::vector<PlanarRay> rays = project(scan).scan.rays;
+  ASSERT_EQ(rays.size(), 4U);
+  EXPECT_TRUE(rays[2].no_return && !rays[2].presumed);
+  EXPECT_TRUE(rays[3].presumed && !rays[3].no_return && !rays[3].hit);
+  EXPECT_NEAR(rays[3].end.norm(), 10.0F, 1e-3F);  // clear_range_m
 }
 
 TEST(ScanProjector, ClearRangeZeroTurnsClearingOff) {

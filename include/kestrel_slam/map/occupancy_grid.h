@@ -69,6 +69,15 @@ class OccupancyGrid {
     const Tile* tile = tiles_.find(cell);
     return tile != nullptr && tile->log_odds[offsetInTile(cell)] != 0;
   }
+  /// Whether a return in this cell would be a surprise or confirm a wall: the cell is known, or it
+  /// is presumably free because beams without a return passed it.
+  bool isKnownOrPresumed(const Cell& cell) const {
+    const Tile* tile = tiles_.find(cell);
+    if (tile == nullptr) return false;
+    const std::size_t offset = offsetInTile(cell);
+    return tile->log_odds[offset] != 0 ||
+           (tile->presumed[offset >> kTileShift] >> (offset & (kTileSide - 1U)) & 1U) != 0U;
+  }
   bool isOccupied(const Cell& cell) const {
     const Tile* tile = tiles_.find(cell);
     return tile != nullptr && tile->log_odds[offsetInTile(cell)] > 0;
@@ -100,8 +109,9 @@ class OccupancyGrid {
     std::array<std::int16_t, kTileCells / 4> level1{};
     std::array<std::int16_t, kTileCells / 16> level2{};
     std::array<Row, kTileSide> occupied{};
-    std::array<Row, kTileSide> missed{};  ///< passed by a beam of the current scan
-    std::array<Row, kTileSide> hit{};     ///< hit by a beam of the current scan
+    std::array<Row, kTileSide> missed{};    ///< passed by a beam of the current scan
+    std::array<Row, kTileSide> hit{};       ///< hit by a beam of the current scan
+    std::array<Row, kTileSide> presumed{};  ///< presumably free
     Cell corner;
     bool touched = false;
     bool changed = false;  ///< in `changed_tiles_`
@@ -111,11 +121,12 @@ class OccupancyGrid {
   void markHits(const PlanarScan& scan, const Pose2& map_T_base);
   void markMisses(const PlanarScan& scan, const Pose2& map_T_base);
   void removeMissesOfKnownHits(const PlanarScan& scan, const Pose2& map_T_base);
-  void traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2f& end, bool stops_at_walls);
+  enum class Passing { kFree, kFreeUpToWall, kPresumedUpToWall };
+  void traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2f& end, Passing passing);
   static int stepsToWall(const Tile& tile, std::int64_t x, std::int64_t y, std::int64_t step_x,
                          std::int64_t step_y, int count);
-  static void markMissed(Tile& tile, std::int64_t x, std::int64_t y, std::int64_t step_x,
-                         std::int64_t step_y, int count);
+  static void mark(std::array<Row, kTileSide>& rows, std::int64_t x, std::int64_t y,
+                   std::int64_t step_x, std::int64_t step_y, int count);
   void apply(Tile& tile, std::int16_t hit_in_free);
   void applyMisses(Tile& tile);
   static void pool(Tile& tile);

@@ -24,6 +24,9 @@ struct PlanarRay {
   /// The beam had no return. The space up to `end` is free only as far as the map has no wall:
   /// glass gives no return.
   bool no_return = false;
+  /// The same beam up to the range limit: the space is presumably free up to `end`. The match uses
+  /// this, but the map does not show it.
+  bool presumed = false;
 };
 
 /// Hits and clears of one sweep: the only type that is passed from projector to mapper.
