@@ -17,6 +17,7 @@
 #include <limits>
 #include <vector>
 
+#include "bag_maker.h"
 #include "kestrel_slam/recording/bag/bag_writer.h"
 #include "kestrel_slam/recording/carmen_log.h"
 #include "temporary_folder.h"
@@ -35,20 +36,6 @@ sensor_msgs::LaserScan scanAt(double stamp, const std::string& frame = "laser") 
   scan.range_max = 10.0F;
   scan.ranges = {1.0F, std::numeric_limits<float>::infinity(), 3.0F};
   return scan;
-}
-
-tf2_msgs::TFMessage transform(const std::string& parent, const std::string& child, double stamp,
-                              double x, double yaw = 0.0) {
-  geometry_msgs::TransformStamped t;
-  t.header.stamp = ros::Time(stamp);
-  t.header.frame_id = parent;
-  t.child_frame_id = child;
-  t.transform.translation.x = x;
-  t.transform.rotation.z = std::sin(yaw / 2.0);
-  t.transform.rotation.w = std::cos(yaw / 2.0);
-  tf2_msgs::TFMessage message;
-  message.transforms.push_back(t);
-  return message;
 }
 
 nav_msgs::Odometry odometryAt(double stamp, double x) {
