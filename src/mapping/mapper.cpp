@@ -9,6 +9,7 @@
 #include "kestrel_slam/mapping/motion_model.h"
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 #include "kestrel_slam/matching/ambiguity.h"
+#include "kestrel_slam/matching/fit.h"
 #include "kestrel_slam/matching/thinned.h"
 #include "kestrel_slam/sensor/projection.h"
 
@@ -23,6 +24,9 @@ constexpr double kFoundKnownShare = 0.5;
 constexpr std::size_t kMatchPoints = 1100;
 /// Fewer than one out of this many beams are few.
 constexpr std::size_t kMostBeams = 2;
+/// The match shows the errors of the odometry if this share of the points constrains the weakest
+/// direction.
+constexpr double kWellConstrained = 0.1;
 /// Larger coordinates of a ray, m, and coordinates that are not finite are invalid.
 constexpr float kMaxRayM = 1e4F;
 /// Larger times, and times that are not finite, are invalid, s.
@@ -110,10 +114,15 @@ struct Mapper::State {
              const PredictionError& error, MapperResult& result);
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
+  bool isCarried(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
+                 const PredictionError& error) const;
+  void carryUnmatched(const Points& points, const PlanarScan& scan,
+                      const std::optional<Pose2>& odom_T_base, const PredictionError& error,
+                      MapperResult& result);
   bool isBlank(const Points& points, const PlanarScan& scan,
                const std::optional<Pose2>& odom_T_base) const;
   MatchState judge(const MatchResult& match, bool was_lost) const;
-  void insert(const PlanarScan& scan, MapperResult& result);
+  void insert(const PlanarScan& scan, bool has_odometry, MapperResult& result);
   bool movedEnough() const;
 };
 
@@ -156,6 +165,12 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
     result.state = MatchState::kLost;
   }
   const bool lost = result.state == MatchState::kLost;
+  if (lost && isCarried(scan, odom_T_base, error)) {
+    carryUnmatched(points, scan, odom_T_base, error, result);
+    return;
+  }
+  motion.learnOdometry(result.match.pose, odom_T_base,
+                       result.state == MatchState::kOk && result.match.constraint > kWellConstrained);
   const double moved = (motion.pose().inverse() * result.match.pose).distance();
   motion.move(result.match.pose, request.initial_guesses.front(), lost, scan);
   if (lost) {
@@ -166,18 +181,37 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   }
 }
 
-/// The scan shows nothing to match: the motion goes on as predicted. The vehicle is lost if the
-/// near search around the prediction may not find it again, unless the odometry carries it.
+/// Whether the prediction is good enough to go on without a match: by odometry always, otherwise as
+/// long as the near search around the prediction finds the vehicle again.
+bool Mapper::State::isCarried(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
+                              const PredictionError& error) const {
+  return motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry ||
+         !motion.isWide(error);
+}
+
+/// The scan shows nothing to match: the motion goes on as predicted.
 void Mapper::State::carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                           const PredictionError& error, MapperResult& result) {
-  const bool has_odometry =
-      motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry;
+  const bool lost = !isCarried(scan, odom_T_base, error);
   motion.carry(scan, odom_T_base);
+  motion.learnOdometry(motion.pose(), odom_T_base, false);
   uncertainty.carry(motion.pose(), error);
   result.match.pose = motion.pose();
   result.carried = true;
-  const bool lost = motion.isWide(error) && !has_odometry;
   result.state = lost ? MatchState::kLost : MatchState::kDegraded;
+}
+
+/// The scan fits nowhere near the prediction, for example because most of it is in new space: the
+/// motion goes on as predicted. What of the scan is in known space decides on the insertion.
+void Mapper::State::carryUnmatched(const Points& points, const PlanarScan& scan,
+                                   const std::optional<Pose2>& odom_T_base,
+                                   const PredictionError& error, MapperResult& result) {
+  carry(scan, odom_T_base, error, result);
+  const Fit fit = fitOf(map, points, motion.pose(), config.matcher.score_scale_m);
+  result.match.score = fit.score;
+  result.match.known = fit.known;
+  for (StageEstimate& stage : result.match.stages) stage = {motion.pose(), fit.score};
+  result.evaluation = evaluationFunction(result.match, config.evaluation);
 }
 
 MatchState Mapper::State::judge(const MatchResult& match, bool was_lost) const {
@@ -190,11 +224,14 @@ MatchState Mapper::State::judge(const MatchResult& match, bool was_lost) const {
 }
 
 /// Only a scan that fits well enough is inserted [MAV SLAM 2013, eq. 4-5].
-void Mapper::State::insert(const PlanarScan& scan, MapperResult& result) {
+void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResult& result) {
   const bool first = map.scans() == 0;
-  const bool accepted =
-      !config.evaluation.enabled || first || result.evaluation < config.evaluation.threshold;
-  if (result.carried || result.state == MatchState::kLost || !accepted || !(first || movedEnough()))
+  const bool new_space = result.carried && result.match.known < config.min_known_share;
+  const bool accepted = !config.evaluation.enabled || first || new_space ||
+                        result.evaluation < config.evaluation.threshold;
+  const bool by_odometry = result.carried && has_odometry;
+  if ((result.carried && !by_odometry) || result.state == MatchState::kLost || !accepted ||
+      !(first || movedEnough()))
     return;
   // Without an IMU the laser is level and always sees the same slice: a new object is moving or was
   // moved, and is not a new view.
@@ -233,7 +270,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   } else if (!points.empty()) {
     s.begin(result);
   }
-  s.insert(scan, result);
+  s.insert(scan, s.motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry, result);
   result.map_full = s.map.isFull();
   s.motion.remember(scan, odom_T_base, result.isMatched() ? std::nullopt : std::optional(error));
   result.pose = s.motion.pose();

@@ -40,6 +40,9 @@ constexpr double kAccurateM = 0.05;
 /// The windows of the search cover this many standard deviations.
 constexpr double kSigmas = 3.0;
 
+/// The errors of the matches at both ends of a motion by the odometry.
+constexpr double kPriorM = 0.02, kPriorRad = 0.01;
+
 /// Time constant of the velocity, s.
 constexpr double kVelocityTime = 0.15;
 
@@ -60,8 +63,9 @@ MotionModel::MotionModel(const MapperConfig& config, const Pose2& map_T_base)
       wide_window_m_(config.matcher.wide_window.linear_m),
       pose_(map_T_base) {}
 
-/// The initial guesses, best first ([Xie 2010, eq. 5-6]: constant velocity). Odometry is not the
-/// first one: its bias would pull every scan in a corridor slightly in the same direction.
+/// The initial guesses, best first ([Xie 2010, eq. 5-6]: constant velocity). Odometry is the first
+/// one only where the match may not converge from the others: its bias would pull every scan in a
+/// corridor slightly in the same direction.
 std::vector<Pose2> MotionModel::initialGuesses(const PlanarScan& scan,
                                                const std::optional<Pose2>& odom_T_base) const {
   const Pose2 continued = pose_ * continuedMotion(scan);
@@ -75,7 +79,7 @@ std::vector<Pose2> MotionModel::initialGuesses(const PlanarScan& scan,
     result = {predicted, turned, halfway(turned, predicted), continued};
   }
   if (const std::optional<Pose2> moved = odometryMotion(odom_T_base)) {
-    result.insert(lost_scans_ > 0 ? result.begin() : result.end(), pose_ * *moved);
+    result.insert(needsOdometry(scan) ? result.begin() : result.end(), pose_ * *moved);
   }
   if (const std::optional<Pose2> moved = filterMotionSince(scan)) {
     // If this guess fits poorly, the reason is rarely the guess. Two other guesses are enough.
@@ -94,7 +98,7 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
   const bool is_filtered = filterMotionSince(scan).has_value();
   const bool is_gap = carried_ || isGap(seconds);
   const PredictionError error = errorAt(scan, odom_T_base);
-  MatchRequest result{points, pose_, initialGuesses(scan, odom_T_base), false, 1.0};
+  MatchRequest result{points, pose_, initialGuesses(scan, odom_T_base)};
   result.trusted = is_filtered || (has_turn && integrated_acceleration_ &&
                                    scan.integrated_acceleration && seconds <= gap_s_);
   result.trusted &= lost_scans_ == 0 && !placed_ && error.position_m() < kAccurateM;
@@ -104,6 +108,8 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
                      result.yaw_error_rad < near_window_.angular_rad;
   result.lost = lost_scans_ > 0 || (is_gap && isWide(error));
   result.search_all_yaws = result.lost && !result.yaw_known;
+  result.prior = priorAt(odom_T_base, error, scan);
+  if (result.prior) result.last = result.prior->pose;
   if (is_gap) result.last = result.initial_guesses.front();
   if (result.lost) {
     const double distance =
@@ -115,6 +121,23 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
   result.plausible_m = std::max(kMinPlausibleM, kMaxSpeed * (scan.time - found_time_));
   if (placed_) result.plausible_m = std::numeric_limits<double>::infinity();
   return result;
+}
+
+/// Whether the match may not find the pose without odometry.
+bool MotionModel::needsOdometry(const PlanarScan& scan) const {
+  return lost_scans_ > 0 || carried_ || isWide(errorAt(scan, std::nullopt));
+}
+
+/// The pose by the odometry. Nothing if a pose filter knows better, or if the odometry did not
+/// measure the last motion.
+std::optional<MotionPrior> MotionModel::priorAt(const std::optional<Pose2>& odom_T_base,
+                                                const PredictionError& error,
+                                                const PlanarScan& scan) const {
+  if (placed_ || filterMotionSince(scan) || !needsOdometry(scan)) return std::nullopt;
+  const std::optional<Pose2> moved = odometryMotion(odom_T_base);
+  if (!moved) return std::nullopt;
+  return MotionPrior{pose_ * *moved, std::hypot(error.position_m(), kPriorM),
+                     std::hypot(error.yaw_rad(), kPriorRad)};
 }
 
 bool MotionModel::isGap(double seconds) const {
@@ -139,7 +162,8 @@ Pose2 MotionModel::continuedMotion(const PlanarScan& scan) const {
 }
 
 std::optional<Pose2> MotionModel::odometryMotion(const std::optional<Pose2>& odom_T_base) const {
-  return odom_ && odom_T_base ? std::optional(odom_->inverse() * *odom_T_base) : std::nullopt;
+  if (!odom_ || !odom_T_base) return std::nullopt;
+  return odometry_.corrected(odom_->inverse() * *odom_T_base);
 }
 
 /// The pose if the velocity stays constant. The gyro and the accelerometer measure its changes.
@@ -172,6 +196,8 @@ PredictionError MotionModel::errorAt(const PlanarScan& scan,
   step.source = predictionSourceOf(scan, odom_T_base);
   step.yaw_measured =
       step.source == PredictionSource::kOdometry || filterMotionSince(scan) || yawChangeSince(scan);
+  if (step.source == PredictionSource::kOdometry)
+    step.odometry = odometry_.errorOf(odom_->inverse() * *odom_T_base);
   PredictionError result = error_;
   result.grow(step);
   return result;
@@ -218,9 +244,10 @@ std::optional<Pose2> MotionModel::motionPrediction(const MatchRequest& request,
                                                    const PlanarScan& scan,
                                                    const std::optional<Pose2>& odom_T_base) const {
   const double seconds = scan.time - time_;
-  if (lost_scans_ > 0 || placed_ || !(seconds >= 0.0) || seconds > gap_s_) return std::nullopt;
-  const bool by_odometry = odom_ && odom_T_base && !filterMotionSince(scan);
-  return by_odometry ? pose_ * (odom_->inverse() * *odom_T_base) : request.initial_guesses.front();
+  if (lost_scans_ > 0 || placed_ || !(seconds >= 0.0)) return std::nullopt;
+  if (const auto moved = odometryMotion(odom_T_base); moved && !filterMotionSince(scan))
+    return pose_ * *moved;
+  return seconds > gap_s_ ? std::nullopt : std::optional(request.initial_guesses.front());
 }
 
 double MotionModel::secondsSince(const PlanarScan& scan) const {
@@ -260,6 +287,17 @@ void MotionModel::updateVelocity(const Pose2& next, const PlanarScan& scan, bool
   const double gain = 1.0 / (since_found + kVelocityTime);
   velocity_ += gained + gain * (next.translation() - expected.translation());
   yaw_rate_ += gain * normalizeAngle(next.yaw - pose_.yaw - seconds * yaw_rate_);
+}
+
+void MotionModel::learnOdometry(const Pose2& found, const std::optional<Pose2>& odom_T_base,
+                                bool well_matched) {
+  const bool since_last = last_well_matched_ && odom_ && odom_T_base && !placed_;
+  if (well_matched && since_last) {
+    odometry_.learn(odom_->inverse() * *odom_T_base, pose_.inverse() * found);
+  } else {
+    odometry_.interrupt();
+  }
+  last_well_matched_ = well_matched;
 }
 
 void MotionModel::carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {

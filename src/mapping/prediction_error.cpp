@@ -20,10 +20,6 @@ constexpr double kGyroError = 0.01;  // rad/s
 /// Standard deviation of a yaw of which nothing is known: uniform in ±180 degrees.
 constexpr double kUnknownYaw = 1.82;
 
-/// Errors of the odometry, relative to the distance and to the rotation, and its yaw error per
-/// meter.
-constexpr double kOdometryError = 0.1, kOdometryYawError = 0.03;
-
 /// Extends `total` by a step in which its rate grows to at most `max_rate`.
 void extend(double seconds, double growth, double max_rate, double& rate, double& total) {
   const double before = rate;
@@ -37,7 +33,7 @@ void PredictionError::grow(const PredictedStep& step) {
   growYaw(step);
   const double moved = step.motion.distance();
   if (step.source == PredictionSource::kOdometry) {
-    position_m_ += (kOdometryError + yaw_rad_) * moved;
+    position_m_ += step.odometry.position_m + yaw_rad_ * moved;
     return;
   }
   const bool measured = step.source == PredictionSource::kAccelerometer;
@@ -51,8 +47,7 @@ void PredictionError::growYaw(const PredictedStep& step) {
     rate_rad_s_ = std::max(rate_rad_s_, kFirstRate);
     extend(step.seconds, kUnknownAngularAcceleration, kMaxRate, rate_rad_s_, yaw_rad_);
   } else if (step.source == PredictionSource::kOdometry) {
-    yaw_rad_ +=
-        kOdometryError * std::abs(step.motion.yaw) + kOdometryYawError * step.motion.distance();
+    yaw_rad_ += step.odometry.yaw_rad;
   } else {
     yaw_rad_ += kGyroError * step.seconds;
   }

@@ -45,6 +45,23 @@ constexpr double kSampleSpread = 3.0;
 /// part of the view.
 constexpr double kConstrainedShare = 0.4, kConstrainedSigmaM = 0.03, kConstrainedLeast = 0.1;
 
+/// A pose at this distance from the prior, in standard deviations, must have a score that is higher
+/// by kPriorPenalty.
+constexpr double kPlausibleChi2 = 9.0, kPriorPenalty = 0.035;
+
+/// The window of three standard deviations, and of some cells and angular steps.
+SearchWindow windowOf(const MotionPrior& prior) {
+  constexpr double kLeastM = 0.15, kLeastRad = 0.05;
+  const double sigmas = std::sqrt(kPlausibleChi2);
+  return {std::max(kLeastM, sigmas * prior.sigma_m), std::max(kLeastRad, sigmas * prior.sigma_rad)};
+}
+
+/// Whether the pose is farther from the prediction than the vehicle can have moved.
+bool isJump(const MatchRequest& request, const Pose2& pose) {
+  if (request.prior) return request.prior->chi2(pose) > kPlausibleChi2;
+  return (request.initial_guesses.front().inverse() * pose).distance() > request.plausible_m;
+}
+
 bool isWellConstrained(const Fit& fit) {
   return fit.on_wall >= kConstrainedShare &&
          fit.residual_variance <= kConstrainedSigmaM * kConstrainedSigmaM &&
@@ -88,7 +105,7 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     if (other.penalized_score > best.penalized_score + margin) best = other;
   }
   const Pose2& first_guess = request.initial_guesses.front();
-  const bool jumps = (first_guess.inverse() * best.descent.pose).distance() > request.plausible_m;
+  const bool jumps = isJump(request, best.descent.pose);
   if ((best.fit.score < config_.search_score || jumps) && !request.trusted) {
     // An object that covers part of the view may mislead the coarse stages.
     const Candidate near = refine(map, request, first_guess, kLastStage);
@@ -96,8 +113,9 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     const double margin = jumps ? jumpMargin(config_, request, best.descent.pose) : 0.0;
     if (near.penalized_score + margin > best.penalized_score) best = near;
   }
-  if (best.fit.score < config_.search_score && (request.lost || !isWellConstrained(best.fit)))
-    search(map, request, result, best);
+  const bool fits = best.fit.score >= config_.search_score ||
+                    (!request.lost && isWellConstrained(best.fit));
+  if (!fits || request.prior) search(map, request, result, best);
   if (request.lost) {
     // The last descent began far away and may have ended before it converged.
     const Candidate closer = refine(map, request, best.descent.pose, kLastStage);
@@ -119,7 +137,7 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
   std::vector<SearchWindow> windows = searchWindows(config_, request);
   if (request.lost) windows.erase(windows.begin(), windows.end() - 1);
   for (const SearchWindow& window : windows) {
-    if (best.fit.score >= config_.search_score) break;
+    if (best.fit.score >= config_.search_score && !(request.prior && &window == &windows.front())) break;
     Pose2 center = request.last;
     if (request.yaw_known) center = Pose2(center.x, center.y, request.initial_guesses.front().yaw);
     const SearchResult found = searchWindow(map.surface(), points, center, window,
@@ -162,8 +180,18 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   return result;
 }
 
+double MotionPrior::chi2(const Pose2& other) const {
+  const Eigen::Vector3d offset = offsetBetween(pose, other);
+  return offset.head<2>().squaredNorm() / (sigma_m * sigma_m) +
+         offset.z() * offset.z() / (sigma_rad * sigma_rad);
+}
+
 std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const MatchRequest& request) {
   std::vector<SearchWindow> windows = {config.near_window, config.wide_window};
+  if (request.prior && !request.lost) {
+    windows.insert(windows.begin(), windowOf(*request.prior));
+    return windows;
+  }
   if (request.search_all_yaws) windows.push_back({config.wide_window.linear_m, kPi});
   for (SearchWindow& window : windows) {
     window.linear_m *= request.search_scale;
@@ -175,6 +203,7 @@ std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const Match
 }
 
 double jumpMargin(const MatcherConfig& config, const MatchRequest& request, const Pose2& pose) {
+  if (request.prior) return 0.0;  // the score has a penalty for the distance
   const Pose2 jump = request.initial_guesses.front().inverse() * pose;
   const double ratio = std::max(1.0, jump.distance() / request.plausible_m);
   return config.jump_margin * ratio * ratio;
@@ -189,6 +218,9 @@ CorrelativeConfig preferencesFor(const MatchRequest& request, const CorrelativeC
 
 double penalizedScore(const MatchRequest& request, const Fit& fit, const Pose2& pose,
                       const CorrelativeConfig& preferences) {
+  // The logarithm leaves a chance to a slip of the wheels, if the scan fits much better there.
+  if (request.prior)
+    return fit.score - kPriorPenalty * std::log2(1.0 + request.prior->chi2(pose) / kPlausibleChi2);
   const CorrelativeConfig config = preferencesFor(request, preferences);
   const Pose2 motion = request.last.inverse() * pose;
   return fit.score - config.linear_preference * motion.distance() -

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kestrel_slam/mapping/mapper_config.h"
+#include "kestrel_slam/mapping/odometry_model.h"
 #include "kestrel_slam/mapping/prediction_error.h"
 #include "kestrel_slam/matching/matcher.h"
 #include "kestrel_slam/sensor/planar_scan.h"
@@ -58,6 +59,11 @@ class MotionModel {
   /// Updates the pose and the velocity: to `found`, or to `predicted` if lost.
   void move(const Pose2& found, const Pose2& predicted, bool lost, const PlanarScan& scan);
 
+  /// Learns the errors of the odometry from the step to the pose `found`, which was matched well in
+  /// every direction if `well_matched`. To be called before move().
+  void learnOdometry(const Pose2& found, const std::optional<Pose2>& odom_T_base,
+                     bool well_matched);
+
   /// Moves to the predicted pose at `scan`, which shows nothing to match.
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base);
 
@@ -72,6 +78,9 @@ class MotionModel {
  private:
   std::vector<Pose2> initialGuesses(const PlanarScan& scan,
                                     const std::optional<Pose2>& odom_T_base) const;
+  bool needsOdometry(const PlanarScan& scan) const;
+  std::optional<MotionPrior> priorAt(const std::optional<Pose2>& odom_T_base,
+                                     const PredictionError& error, const PlanarScan& scan) const;
   bool isGap(double seconds) const;
   bool isLongAgo(const PlanarScan& scan) const;
   std::optional<Pose2> odometryMotion(const std::optional<Pose2>& odom_T_base) const;
@@ -94,6 +103,8 @@ class MotionModel {
   Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
   double yaw_rate_ = 0.0;  ///< smoothed, rad/s
   PredictionError error_;  ///< of the pose, since the last match
+  OdometryModel odometry_;
+  bool last_well_matched_ = false;  ///< the last scan was matched well in every direction
   double time_ = 0.0;
   double typical_s_ = 0.0;   ///< smoothed interval between two matched scans, s
   double interval_s_ = 0.0;  ///< between the last two matched scans, s

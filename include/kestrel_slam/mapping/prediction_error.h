@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/mapping/odometry_model.h"
 
 namespace kestrel {
 
@@ -14,6 +15,7 @@ struct PredictedStep {
   Pose2 motion;  ///< predicted, in the base frame at the beginning of the step
   PredictionSource source = PredictionSource::kVelocity;
   bool yaw_measured = false;  ///< by a gyro, a pose filter or the odometry
+  MotionError odometry;       ///< error of `motion`, if the odometry is the source
 };
 
 /// The error of a pose that is predicted over several steps without a match. Errors of a prediction

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,16 @@ struct MatcherConfig {
                                     ///< the normals is below this
 };
 
+/// A prediction of the pose from measured motion.
+struct MotionPrior {
+  Pose2 pose;             ///< map_T_base
+  double sigma_m = 0.0;   ///< standard deviation along x and along y
+  double sigma_rad = 0.0; ///< standard deviation of the yaw
+
+  /// Squared distance of `other`, in standard deviations.
+  double chi2(const Pose2& other) const;
+};
+
 /// A scan to match.
 struct MatchRequest {
   const Points& points;
@@ -50,6 +61,7 @@ struct MatchRequest {
   bool trusted = false;        ///< the first initial guess is accurate to some centimeters
   double plausible_m = 1e9;    ///< a pose farther than this from the first initial guess needs a
                                ///< larger increase of the score, proportional to the distance
+  std::optional<MotionPrior> prior = std::nullopt;  ///< of the odometry: the distance from it is penalized
   bool lost = false;           ///< the last poses were only predicted: search the widest window
 };
 

@@ -9,7 +9,7 @@ namespace kestrel {
 /// Which beams of a scan are used, and how far a beam without a return clears.
 struct BeamFilterConfig {
   double min_range_m = 0.1;     ///< closer returns are ignored (parts of the vehicle)
-  double max_range_m = 30.0;    ///< farther returns only clear free space, up to `clear_range_m`
+  double max_range_m = 80.0;    ///< farther returns only clear free space, up to `clear_range_m`
   double clear_range_m = 10.0;  ///< a beam without a return clears free space up to here; 0: never
   int max_beams = 100000;       ///< scans with more beams are rejected
 };
