@@ -18,7 +18,8 @@ namespace {
 
 /// A lost vehicle is found if the scan fits well (search_score) and this share of it is in known
 /// space. In a large window half of a scan fits at many places.
-constexpr double kFoundKnownShare = 0.5;
+static const double kFoundScore = getenv("FS")?atof(getenv("FS")):0.6, kFoundKnownShare = getenv("FK")?atof(getenv("FK")):0.3;
+constexpr int kSettlingScans = 10;
 /// At least this many points are matched, where a scan has more. The time of a match and of a
 /// search is proportional to their number; more points add little accuracy. All are inserted.
 constexpr std::size_t kMatchPoints = 1100;
@@ -108,6 +109,7 @@ struct Mapper::State {
   MotionModel motion;
   Pose2 inserted_pose;  ///< pose of the last inserted scan
   PoseUncertainty uncertainty;
+  int unsettled_scans = 0;  ///< scans that have to fit before the state is ok again
 
   void begin(MapperResult& result);
   void match(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
@@ -122,6 +124,7 @@ struct Mapper::State {
   bool isBlank(const Points& points, const PlanarScan& scan,
                const std::optional<Pose2>& odom_T_base) const;
   MatchState judge(const MatchResult& match, bool was_lost) const;
+  void settle(MapperResult& result);
   void insert(const PlanarScan& scan, bool has_odometry, MapperResult& result);
   bool movedEnough() const;
 };
@@ -159,11 +162,12 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
     keepPredictionAlong(*motion_prediction, result.match);
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request.lost);
-  if (request.lost && result.state != MatchState::kLost &&
+  if ((request.lost || request.wide) && result.state != MatchState::kLost &&
       secondExplanation(map, request, result.match, config.matcher)) {
     result.match.ambiguous = true;
-    result.state = MatchState::kLost;
+    result.state = request.lost ? MatchState::kLost : MatchState::kDegraded;
   }
+  settle(result);
   const bool lost = result.state == MatchState::kLost;
   if (lost && isCarried(scan, odom_T_base, error)) {
     carryUnmatched(points, scan, odom_T_base, error, result);
@@ -214,8 +218,18 @@ void Mapper::State::carryUnmatched(const Points& points, const PlanarScan& scan,
   result.evaluation = evaluationFunction(result.match, config.evaluation);
 }
 
+/// After a pose that may be wrong, the state is degraded until some scans in a row fit.
+void Mapper::State::settle(MapperResult& result) {
+  if (result.state == MatchState::kLost || result.match.ambiguous) {
+    unsettled_scans = kSettlingScans;
+  } else if (unsettled_scans > 0) {
+    if (result.state == MatchState::kOk) --unsettled_scans;
+    result.state = MatchState::kDegraded;
+  }
+}
+
 MatchState Mapper::State::judge(const MatchResult& match, bool was_lost) const {
-  if (match.score < (was_lost ? config.matcher.search_score : config.lost_score) ||
+  if (match.score < (was_lost ? kFoundScore : config.lost_score) ||
       match.known < (was_lost ? kFoundKnownShare : config.min_known_share)) {
     return MatchState::kLost;
   }

@@ -106,6 +106,7 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
   result.yaw_error_rad = kSigmas * error.yaw_rad();
   result.yaw_known = (has_turn || is_filtered || by_odometry) && lost_scans_ < kTrustedLostScans &&
                      result.yaw_error_rad < near_window_.angular_rad;
+  result.wide = isWide(error) && !result.prior;
   result.lost = lost_scans_ > 0 || (is_gap && isWide(error));
   result.search_all_yaws = result.lost && !result.yaw_known;
   result.prior = priorAt(odom_T_base, error, scan);
@@ -141,7 +142,7 @@ std::optional<MotionPrior> MotionModel::priorAt(const std::optional<Pose2>& odom
 }
 
 bool MotionModel::isGap(double seconds) const {
-  return seconds > gap_s_ || (typical_s_ > 0.0 && seconds > kLongInterval * typical_s_);
+  return typical_s_ > 0.0 && seconds > kLongInterval * typical_s_;
 }
 
 bool MotionModel::isWide(const PredictionError& error) const {
@@ -319,8 +320,9 @@ void MotionModel::remember(const PlanarScan& scan, const std::optional<Pose2>& o
   error_ = error.value_or(PredictionError());
   if (!error) {
     interval_s_ = scan.time - found_time_;
-    typical_s_ = typical_s_ > 0.0 ? typical_s_ + kIntervalGain * (interval_s_ - typical_s_)
-                                  : std::min(interval_s_, gap_s_);
+    const double usual_s = std::min(interval_s_, kLongInterval * typical_s_);
+    typical_s_ = typical_s_ > 0.0 ? typical_s_ + kIntervalGain * (usual_s - typical_s_)
+                                  : interval_s_;
     found_time_ = scan.time;
   }
   time_ = scan.time;

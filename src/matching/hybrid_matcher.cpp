@@ -115,7 +115,7 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
   }
   const bool fits = best.fit.score >= config_.search_score ||
                     (!request.lost && isWellConstrained(best.fit));
-  if (!fits || request.prior) search(map, request, result, best);
+  if (!fits || request.prior || request.wide) search(map, request, result, best);
   if (request.lost) {
     // The last descent began far away and may have ended before it converged.
     const Candidate closer = refine(map, request, best.descent.pose, kLastStage);
@@ -137,7 +137,8 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
   std::vector<SearchWindow> windows = searchWindows(config_, request);
   if (request.lost) windows.erase(windows.begin(), windows.end() - 1);
   for (const SearchWindow& window : windows) {
-    if (best.fit.score >= config_.search_score && !(request.prior && &window == &windows.front())) break;
+    const bool required = (request.prior || request.wide) && &window == &windows.front();
+    if (best.fit.score >= config_.search_score && !required) break;
     Pose2 center = request.last;
     if (request.yaw_known) center = Pose2(center.x, center.y, request.initial_guesses.front().yaw);
     const SearchResult found = searchWindow(map.surface(), points, center, window,
@@ -203,7 +204,7 @@ std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const Match
 }
 
 double jumpMargin(const MatcherConfig& config, const MatchRequest& request, const Pose2& pose) {
-  if (request.prior) return 0.0;  // the score has a penalty for the distance
+  if (request.prior || request.wide) return 0.0;
   const Pose2 jump = request.initial_guesses.front().inverse() * pose;
   const double ratio = std::max(1.0, jump.distance() / request.plausible_m);
   return config.jump_margin * ratio * ratio;
