@@ -18,7 +18,7 @@ namespace {
 
 /// A lost vehicle is found if the scan fits well (search_score) and this share of it is in known
 /// space. In a large window half of a scan fits at many places.
-static const double kFoundScore = getenv("FS")?atof(getenv("FS")):0.6, kFoundKnownShare = getenv("FK")?atof(getenv("FK")):0.3;
+constexpr double kFoundScore = 0.6, kFoundKnownShare = 0.3;
 constexpr int kSettlingScans = 10;
 /// At least this many points are matched, where a scan has more. The time of a match and of a
 /// search is proportional to their number; more points add little accuracy. All are inserted.
@@ -123,7 +123,7 @@ struct Mapper::State {
                       MapperResult& result);
   bool isBlank(const Points& points, const PlanarScan& scan,
                const std::optional<Pose2>& odom_T_base) const;
-  MatchState judge(const MatchResult& match, bool was_lost) const;
+  MatchState judge(const MatchResult& match, bool was_unmatched) const;
   void settle(MapperResult& result);
   void insert(const PlanarScan& scan, bool has_odometry, MapperResult& result);
   bool movedEnough() const;
@@ -161,7 +161,7 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   if (motion_prediction && isUnobservable(result.match, prediction_source))
     keepPredictionAlong(*motion_prediction, result.match);
   result.evaluation = evaluationFunction(result.match, config.evaluation);
-  result.state = judge(result.match, request.lost);
+  result.state = judge(result.match, request.lost || (motion.isCarried() && !request.prior));
   if ((request.lost || request.wide) && result.state != MatchState::kLost &&
       secondExplanation(map, request, result.match, config.matcher)) {
     result.match.ambiguous = true;
@@ -173,8 +173,9 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
     carryUnmatched(points, scan, odom_T_base, error, result);
     return;
   }
-  motion.learnOdometry(result.match.pose, odom_T_base,
-                       result.state == MatchState::kOk && result.match.constraint > kWellConstrained);
+  motion.learnOdometry(
+      result.match.pose, odom_T_base,
+      result.state == MatchState::kOk && result.match.constraint > kWellConstrained);
   const double moved = (motion.pose().inverse() * result.match.pose).distance();
   motion.move(result.match.pose, request.initial_guesses.front(), lost, scan);
   if (lost) {
@@ -189,8 +190,9 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
 /// long as the near search around the prediction finds the vehicle again.
 bool Mapper::State::isCarried(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                               const PredictionError& error) const {
-  return motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry ||
-         !motion.isWide(error);
+  return !motion.isPlaced() &&
+         (motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry ||
+          !motion.isWide(error));
 }
 
 /// The scan shows nothing to match: the motion goes on as predicted.
@@ -228,9 +230,9 @@ void Mapper::State::settle(MapperResult& result) {
   }
 }
 
-MatchState Mapper::State::judge(const MatchResult& match, bool was_lost) const {
-  if (match.score < (was_lost ? kFoundScore : config.lost_score) ||
-      match.known < (was_lost ? kFoundKnownShare : config.min_known_share)) {
+MatchState Mapper::State::judge(const MatchResult& match, bool was_unmatched) const {
+  if (match.score < (was_unmatched ? kFoundScore : config.lost_score) ||
+      match.known < (was_unmatched ? kFoundKnownShare : config.min_known_share)) {
     return MatchState::kLost;
   }
   const bool good = match.score >= config.matcher.search_score && !match.degenerate;
@@ -284,7 +286,8 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   } else if (!points.empty()) {
     s.begin(result);
   }
-  s.insert(scan, s.motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry, result);
+  s.insert(scan, s.motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry,
+           result);
   result.map_full = s.map.isFull();
   s.motion.remember(scan, odom_T_base, result.isMatched() ? std::nullopt : std::optional(error));
   result.pose = s.motion.pose();
@@ -303,7 +306,9 @@ void Mapper::reset(const Pose2& map_T_base) {
 }
 
 void Mapper::setPose(const Pose2& map_T_base) {
-  if (isUsable(map_T_base)) state_->motion.setPose(map_T_base);
+  if (!isUsable(map_T_base)) return;
+  state_->motion.setPose(map_T_base);
+  state_->unsettled_scans = 0;
 }
 
 const Pose2& Mapper::pose() const { return state_->motion.pose(); }

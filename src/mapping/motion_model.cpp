@@ -321,8 +321,8 @@ void MotionModel::remember(const PlanarScan& scan, const std::optional<Pose2>& o
   if (!error) {
     interval_s_ = scan.time - found_time_;
     const double usual_s = std::min(interval_s_, kLongInterval * typical_s_);
-    typical_s_ = typical_s_ > 0.0 ? typical_s_ + kIntervalGain * (usual_s - typical_s_)
-                                  : interval_s_;
+    typical_s_ =
+        typical_s_ > 0.0 ? typical_s_ + kIntervalGain * (usual_s - typical_s_) : interval_s_;
     found_time_ = scan.time;
   }
   time_ = scan.time;

@@ -113,8 +113,8 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     const double margin = jumps ? jumpMargin(config_, request, best.descent.pose) : 0.0;
     if (near.penalized_score + margin > best.penalized_score) best = near;
   }
-  const bool fits = best.fit.score >= config_.search_score ||
-                    (!request.lost && isWellConstrained(best.fit));
+  const bool fits =
+      best.fit.score >= config_.search_score || (!request.lost && isWellConstrained(best.fit));
   if (!fits || request.prior || request.wide) search(map, request, result, best);
   if (request.lost) {
     // The last descent began far away and may have ended before it converged.

@@ -41,6 +41,12 @@ class MotionModel {
   /// The error of `predict`, since the last match.
   PredictionError errorAt(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
 
+  /// setPose was called since the last scan: only an approximate pose is known.
+  bool isPlaced() const { return placed_; }
+
+  /// The last scan was not matched, and the pose was predicted.
+  bool isCarried() const { return carried_; }
+
   /// True if the vehicle may be outside of the near search window around a prediction.
   bool isWide(const PredictionError& error) const;
 

@@ -40,9 +40,9 @@ struct MatcherConfig {
 
 /// A prediction of the pose from measured motion.
 struct MotionPrior {
-  Pose2 pose;             ///< map_T_base
-  double sigma_m = 0.0;   ///< standard deviation along x and along y
-  double sigma_rad = 0.0; ///< standard deviation of the yaw
+  Pose2 pose;              ///< map_T_base
+  double sigma_m = 0.0;    ///< standard deviation along x and along y
+  double sigma_rad = 0.0;  ///< standard deviation of the yaw
 
   /// Squared distance of `other`, in standard deviations.
   double chi2(const Pose2& other) const;
@@ -61,9 +61,10 @@ struct MatchRequest {
   bool trusted = false;        ///< the first initial guess is accurate to some centimeters
   double plausible_m = 1e9;    ///< a pose farther than this from the first initial guess needs a
                                ///< larger increase of the score, proportional to the distance
-  std::optional<MotionPrior> prior = std::nullopt;  ///< of the odometry: the distance from it is penalized
-  bool wide = false;           ///< the local match may not find the pose: search the near window
-  bool lost = false;           ///< the last poses were only predicted: search the widest window
+  std::optional<MotionPrior> prior =
+      std::nullopt;   ///< of the odometry: the distance from it is penalized
+  bool wide = false;  ///< the local match may not find the pose: search the near window
+  bool lost = false;  ///< the last poses were only predicted: search the widest window
 };
 
 /// Aligns a scan with a map. Has no state: equal requests give equal results.
