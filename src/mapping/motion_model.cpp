@@ -103,6 +103,7 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
   result.yaw_known = (has_turn || is_filtered || by_odometry) && lost_scans_ < kTrustedLostScans &&
                      result.yaw_error_rad < near_window_.angular_rad;
   result.lost = lost_scans_ > 0 || (is_gap && isWide(error));
+  result.lost_scans = lost_scans_;
   result.search_all_yaws = result.lost && !result.yaw_known;
   if (is_gap) result.last = result.initial_guesses.front();
   if (result.lost) {

@@ -7,6 +7,7 @@
 
 #include "kestrel_slam/matching/covariance.h"
 #include "kestrel_slam/matching/thinned.h"
+#include "rough_search.h"
 
 namespace kestrel {
 namespace {
@@ -44,6 +45,9 @@ constexpr double kSampleSpread = 3.0;
 /// chance, even if the other points do not fit: people, moved objects, or an object that covers
 /// part of the view.
 constexpr double kConstrainedShare = 0.4, kConstrainedSigmaM = 0.03, kConstrainedLeast = 0.1;
+
+/// This many of the hypotheses of a search are refined with all points.
+constexpr std::size_t kRefined = 3;
 
 bool isWellConstrained(const Fit& fit) {
   return fit.on_wall >= kConstrainedShare &&
@@ -115,28 +119,58 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
 void HybridMatcher::search(const Submap& map, const MatchRequest& request, MatchResult& result,
                            Candidate& best) const {
   result.searched = true;
-  const Points points = request.lost ? thinned(request.points, kLostPoints) : request.points;
+  WorkBudget budget(kSearchWork);
   std::vector<SearchWindow> windows = searchWindows(config_, request);
   if (request.lost) windows.erase(windows.begin(), windows.end() - 1);
   for (const SearchWindow& window : windows) {
     if (best.fit.score >= config_.search_score) break;
-    Pose2 center = request.last;
-    if (request.yaw_known) center = Pose2(center.x, center.y, request.initial_guesses.front().yaw);
-    const SearchResult found = searchWindow(map.surface(), points, center, window,
-                                            preferencesFor(request, config_.correlative));
-    Candidate other = refine(map, request, found.pose);
-    result.iterations += other.descent.iterations;
-    if (other.penalized_score >
-        best.penalized_score + jumpMargin(config_, request, other.descent.pose))
-      best = other;
+    const RoughWindow rough{searchCenter(request), window,
+                            preferencesFor(request, config_.correlative), {}, request.lost_scans};
+    const Hypotheses hypotheses = searchRoughly(map.surface(), request.points, rough, budget);
+    result.incomplete = !hypotheses.complete;
+    for (const Pose2& pose : mostLikely(map, request, hypotheses.poses, budget)) {
+      Candidate other = refine(map, request, pose);
+      result.iterations += other.descent.iterations;
+      if (other.penalized_score >
+          best.penalized_score + jumpMargin(config_, request, other.descent.pose))
+        best = other;
+    }
   }
+}
+
+/// The hypotheses that fit best after a descent with a part of the points, best first.
+std::vector<Pose2> HybridMatcher::mostLikely(const Submap& map, const MatchRequest& request,
+                                             const std::vector<Pose2>& hypotheses,
+                                             WorkBudget& budget) const {
+  const Points few = thinned(request.points, kCoarsePoints);
+  std::vector<Candidate> candidates;
+  for (const Pose2& pose : hypotheses) {
+    if (!budget.take(descentWork(few))) break;
+    candidates.push_back(refine(map, request, few, pose, 0));
+  }
+  const auto better = [](const Candidate& a, const Candidate& b) {
+    return a.penalized_score > b.penalized_score;
+  };
+  std::stable_sort(candidates.begin(), candidates.end(), better);
+  std::vector<Pose2> result;
+  for (const Candidate& candidate : candidates) {
+    if (result.size() == kRefined) break;
+    result.push_back(candidate.descent.pose);
+  }
+  return result;
 }
 
 HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchRequest& request,
                                                const Pose2& initial_guess,
                                                std::size_t first_stage) const {
+  return refine(map, request, request.points, initial_guess, first_stage);
+}
+
+HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchRequest& request,
+                                               const Points& all, const Pose2& initial_guess,
+                                               std::size_t first_stage) const {
   Candidate result;
-  const Points few = thinned(request.points, kCoarsePoints);
+  const Points few = thinned(all, kCoarsePoints);
   GaussNewtonConfig coarse = config_.gauss_newton;
   coarse.min_step_m = std::max(coarse.min_step_m, kCoarseStepM);
   coarse.min_step_rad = std::max(coarse.min_step_rad, kCoarseStepRad);
@@ -145,7 +179,7 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   for (std::size_t stage = first_stage; stage < kMatchStages; ++stage) {
     const bool last = stage == kLastStage;
     const float scale = kStageScales[stage];
-    const Points& points = last ? request.points : few;
+    const Points& points = last ? all : few;
     const Eigen::Vector3f pull =
         Eigen::Vector3f::Constant(kPriorWeight * static_cast<float>(points.size()));
     result.descent = descend(
@@ -157,9 +191,14 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   }
   for (std::size_t stage = 0; stage < first_stage; ++stage) result.stages[stage] = pose;
   result.descent.iterations = iterations;
-  result.fit = fitOf(map, request.points, pose, config_.score_scale_m);
+  result.fit = fitOf(map, all, pose, config_.score_scale_m);
   result.penalized_score = penalizedScore(request, result.fit, pose, config_.correlative);
   return result;
+}
+
+Pose2 searchCenter(const MatchRequest& request) {
+  const Pose2& last = request.last;
+  return {last.x, last.y, request.yaw_known ? request.initial_guesses.front().yaw : last.yaw};
 }
 
 std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const MatchRequest& request) {

@@ -3,11 +3,12 @@
 
 #include "kestrel_slam/matching/fit.h"
 #include "kestrel_slam/matching/matcher.h"
+#include "kestrel_slam/matching/work_budget.h"
 
 namespace kestrel {
 
 /// Gauss-Newton on the distance to the walls, starting at the prediction. If the fit is poor, the
-/// other initial guesses are tried, and then the exhaustive search.
+/// other initial guesses are tried, and then the search of a window.
 class HybridMatcher : public Matcher {
  public:
   explicit HybridMatcher(const MatcherConfig& config) : config_(config) {}
@@ -25,11 +26,19 @@ class HybridMatcher : public Matcher {
   /// The local optimum near `initial_guess`, with the stages from `first_stage` on.
   Candidate refine(const Submap& map, const MatchRequest& request, const Pose2& initial_guess,
                    std::size_t first_stage = 0) const;
+  /// The same with `all` instead of all points of the scan.
+  Candidate refine(const Submap& map, const MatchRequest& request, const Points& all,
+                   const Pose2& initial_guess, std::size_t first_stage) const;
   void search(const Submap& map, const MatchRequest& request, MatchResult& result,
               Candidate& best) const;
+  std::vector<Pose2> mostLikely(const Submap& map, const MatchRequest& request,
+                                const std::vector<Pose2>& hypotheses, WorkBudget& budget) const;
 
   MatcherConfig config_;
 };
+
+/// The center of the search windows: the last pose, with the predicted yaw if that is accurate.
+Pose2 searchCenter(const MatchRequest& request);
 
 /// The search windows for a scan without a good fit near the initial guesses, smallest first.
 std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const MatchRequest& request);
@@ -39,8 +48,12 @@ double jumpMargin(const MatcherConfig& config, const MatchRequest& request, cons
 
 /// Number of points for the coarse stages.
 constexpr std::size_t kCoarsePoints = 150;
-/// Number of points for the search of a lost vehicle in a wide window.
-constexpr std::size_t kLostPoints = 200;
+/// Work for the searches of one scan, and for the descent from one hypothesis with these points.
+constexpr std::int64_t kSearchWork = 14'000'000;
+inline std::int64_t descentWork(const Points& points) {
+  constexpr std::int64_t kPerPoint = 600;
+  return kPerPoint * static_cast<std::int64_t>(points.size());
+}
 
 /// The penalty of a motion for this request: smaller if nothing was seen for some time.
 CorrelativeConfig preferencesFor(const MatchRequest& request, const CorrelativeConfig& config);
