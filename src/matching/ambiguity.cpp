@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "hybrid_matcher.h"
@@ -17,28 +16,15 @@ namespace {
 constexpr double kSameM = 0.5, kSameRad = 0.35;
 /// The second explanation is nearly as good if its score is lower by less than this.
 constexpr double kClearlyBetter = 0.1;
-/// Number of points that are compared.
-constexpr std::size_t kComparedPoints = 200;
-/// Cauchy scales of the descent from a hypothesis, m.
-constexpr std::array<float, 2> kScales = {0.3F, 0.12F};
 
 /// How well the points fit at poses: without the penalty of the motion, because the question is
 /// only how well the scan fits.
 class Comparison {
  public:
   Comparison(const SurfelField& surface, const MatchRequest& request, const MatcherConfig& config)
-      : surface_(surface), points_(thinned(request.points, kComparedPoints)), config_(config) {}
+      : surface_(surface), points_(sampled(request.points, kSketchPoints)), config_(config) {}
 
   const Points& points() const { return points_; }
-
-  Pose2 descendFrom(Pose2 pose) const {
-    for (const float scale : kScales) {
-      pose = descend(pose, config_.gauss_newton, Eigen::Vector3f::Zero(), [&](const Pose2& at) {
-               return linearizeDistance(surface_, points_, at, scale);
-             }).pose;
-    }
-    return pose;
-  }
 
   /// Mean likelihood of the points, as in the exhaustive search.
   double scoreAt(const Pose2& pose) const {
@@ -77,14 +63,13 @@ std::optional<Pose2> secondExplanation(const Submap& map, const MatchRequest& re
   const Comparison comparison(map.surface(), request, config);
   WorkBudget budget(kSearchWork);
   Hypotheses hypotheses = searchRoughly(map.surface(), request.points, window, budget);
-  const double first = std::max(comparison.scoreAt(found.pose),
-                                comparison.scoreAt(comparison.descendFrom(found.pose)));
+  const double first = comparison.scoreAt(found.pose);
   // What was not searched may hold a pose that fits as well.
   double least = hypotheses.complete ? first - kClearlyBetter : -1.0;
   std::optional<Pose2> second;
   for (const Pose2& hypothesis : hypotheses.poses) {
-    if (!budget.take(descentWork(comparison.points()))) break;
-    const Pose2 pose = comparison.descendFrom(hypothesis);
+    if (!budget.take(sketchWork(comparison.points()))) break;
+    const Pose2 pose = sketch(map.surface(), comparison.points(), hypothesis);
     const double score = comparison.scoreAt(pose);
     if (score <= least || isNear(window.excluded, pose)) continue;
     least = score;

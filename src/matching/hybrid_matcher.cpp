@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kestrel_slam/matching/covariance.h"
 #include "kestrel_slam/matching/thinned.h"
@@ -48,6 +49,7 @@ constexpr double kConstrainedShare = 0.4, kConstrainedSigmaM = 0.03, kConstraine
 
 /// This many of the hypotheses of a search are refined with all points.
 constexpr std::size_t kRefined = 3;
+constexpr int kSketchIterations = 6;
 
 bool isWellConstrained(const Fit& fit) {
   return fit.on_wall >= kConstrainedShare &&
@@ -142,20 +144,20 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
 std::vector<Pose2> HybridMatcher::mostLikely(const Submap& map, const MatchRequest& request,
                                              const std::vector<Pose2>& hypotheses,
                                              WorkBudget& budget) const {
-  const Points few = thinned(request.points, kCoarsePoints);
-  std::vector<Candidate> candidates;
-  for (const Pose2& pose : hypotheses) {
-    if (!budget.take(descentWork(few))) break;
-    candidates.push_back(refine(map, request, few, pose, 0));
+  const Points sample = sampled(request.points, kSketchPoints);
+  std::vector<std::pair<double, Pose2>> sketches;  // negative score, pose
+  for (const Pose2& hypothesis : hypotheses) {
+    if (!budget.take(sketchWork(sample))) break;
+    const Pose2 pose = sketch(map.surface(), sample, hypothesis);
+    const Fit fit = fitOf(map, sample, pose, config_.score_scale_m);
+    sketches.emplace_back(-penalizedScore(request, fit, pose, config_.correlative), pose);
   }
-  const auto better = [](const Candidate& a, const Candidate& b) {
-    return a.penalized_score > b.penalized_score;
-  };
-  std::stable_sort(candidates.begin(), candidates.end(), better);
+  std::stable_sort(sketches.begin(), sketches.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Pose2> result;
-  for (const Candidate& candidate : candidates) {
+  for (const auto& [score, pose] : sketches) {
     if (result.size() == kRefined) break;
-    result.push_back(candidate.descent.pose);
+    result.push_back(pose);
   }
   return result;
 }
@@ -163,14 +165,8 @@ std::vector<Pose2> HybridMatcher::mostLikely(const Submap& map, const MatchReque
 HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchRequest& request,
                                                const Pose2& initial_guess,
                                                std::size_t first_stage) const {
-  return refine(map, request, request.points, initial_guess, first_stage);
-}
-
-HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchRequest& request,
-                                               const Points& all, const Pose2& initial_guess,
-                                               std::size_t first_stage) const {
   Candidate result;
-  const Points few = thinned(all, kCoarsePoints);
+  const Points few = thinned(request.points, kCoarsePoints);
   GaussNewtonConfig coarse = config_.gauss_newton;
   coarse.min_step_m = std::max(coarse.min_step_m, kCoarseStepM);
   coarse.min_step_rad = std::max(coarse.min_step_rad, kCoarseStepRad);
@@ -179,7 +175,7 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   for (std::size_t stage = first_stage; stage < kMatchStages; ++stage) {
     const bool last = stage == kLastStage;
     const float scale = kStageScales[stage];
-    const Points& points = last ? all : few;
+    const Points& points = last ? request.points : few;
     const Eigen::Vector3f pull =
         Eigen::Vector3f::Constant(kPriorWeight * static_cast<float>(points.size()));
     result.descent = descend(
@@ -191,9 +187,25 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   }
   for (std::size_t stage = 0; stage < first_stage; ++stage) result.stages[stage] = pose;
   result.descent.iterations = iterations;
-  result.fit = fitOf(map, all, pose, config_.score_scale_m);
+  result.fit = fitOf(map, request.points, pose, config_.score_scale_m);
   result.penalized_score = penalizedScore(request, result.fit, pose, config_.correlative);
   return result;
+}
+
+Pose2 sketch(const SurfelField& surface, const Points& sample, const Pose2& hypothesis) {
+  GaussNewtonConfig config;
+  config.max_iterations = kSketchIterations;
+  config.min_step_m = kCoarseStepM;
+  config.min_step_rad = kCoarseStepRad;
+  const Eigen::Vector3f pull =
+      Eigen::Vector3f::Constant(kPriorWeight * static_cast<float>(sample.size()));
+  Pose2 pose = hypothesis;
+  for (std::size_t stage = 0; stage < kLastStage; ++stage) {
+    pose = descend(pose, config, pull, [&](const Pose2& at) {
+             return linearizeDistance(surface, sample, at, kStageScales[stage]);
+           }).pose;
+  }
+  return pose;
 }
 
 Pose2 searchCenter(const MatchRequest& request) {

@@ -26,9 +26,6 @@ class HybridMatcher : public Matcher {
   /// The local optimum near `initial_guess`, with the stages from `first_stage` on.
   Candidate refine(const Submap& map, const MatchRequest& request, const Pose2& initial_guess,
                    std::size_t first_stage = 0) const;
-  /// The same with `all` instead of all points of the scan.
-  Candidate refine(const Submap& map, const MatchRequest& request, const Points& all,
-                   const Pose2& initial_guess, std::size_t first_stage) const;
   void search(const Submap& map, const MatchRequest& request, MatchResult& result,
               Candidate& best) const;
   std::vector<Pose2> mostLikely(const Submap& map, const MatchRequest& request,
@@ -48,11 +45,16 @@ double jumpMargin(const MatcherConfig& config, const MatchRequest& request, cons
 
 /// Number of points for the coarse stages.
 constexpr std::size_t kCoarsePoints = 150;
-/// Work for the searches of one scan, and for the descent from one hypothesis with these points.
-constexpr std::int64_t kSearchWork = 14'000'000;
-inline std::int64_t descentWork(const Points& points) {
-  constexpr std::int64_t kPerPoint = 600;
-  return kPerPoint * static_cast<std::int64_t>(points.size());
+/// Work for the searches of one scan.
+constexpr std::int64_t kSearchWork = 10'000'000;
+/// Number of points for a sketch.
+constexpr std::size_t kSketchPoints = 100;
+
+/// A short descent from a hypothesis with a sample of the points, to see whether the scan fits.
+Pose2 sketch(const SurfelField& surface, const Points& sample, const Pose2& hypothesis);
+inline std::int64_t sketchWork(const Points& sample) {
+  constexpr std::int64_t kPerPoint = 500;
+  return kPerPoint * static_cast<std::int64_t>(sample.size());
 }
 
 /// The penalty of a motion for this request: smaller if nothing was seen for some time.

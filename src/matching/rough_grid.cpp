@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kestrel_slam/matching/thinned.h"
+
 namespace kestrel {
 namespace {
 
@@ -26,10 +28,7 @@ Points sampleOf(const Points& points) {
   for (const Eigen::Vector2f& p : points) {
     if (p.norm() <= kFarthestM) near.push_back(p);  // false for NaN
   }
-  if (near.size() <= kPoints) return near;
-  Points result;
-  for (std::size_t i = 0; i < kPoints; ++i) result.push_back(near[i * near.size() / kPoints]);
-  return result;
+  return sampled(near, kPoints);
 }
 
 float medianRange(const Points& points) {
@@ -43,7 +42,7 @@ float medianRange(const Points& points) {
 /// The layer for a point that one half of an angular step moves by `pixels`.
 int layerFor(double pixels) {
   int layer = 0;
-  for (double reach = 0.75; pixels > reach && layer + 1 < WallImage::kLayers; reach *= 2.0) ++layer;
+  for (double reach = 0.75; pixels > reach && layer + 1 < WallImage::kMostLayers; reach *= 2.0) ++layer;
   return layer;
 }
 
@@ -66,8 +65,9 @@ RoughGrid::RoughGrid(const SurfelField& surface, const Points& points, const Rou
   for (const Eigen::Vector2f& p : sample) {
     const auto r = static_cast<double>(p.norm());
     range = std::max(range, r);
-    points_.push_back({p / static_cast<float>(pixel_m_),
-                       layerFor(0.5 * angular_step_ * r / pixel_m_)});
+    const int layer = layerFor(0.5 * angular_step_ * r / pixel_m_);
+    layers_ = std::max(layers_, layer + 1);
+    points_.push_back({p / static_cast<float>(pixel_m_), layer});
   }
   pixels_.resize(points_.size());
   score_of_one_ = 1.0 / (WallImage::kWall * static_cast<double>(points_.size()));
@@ -123,6 +123,12 @@ void RoughGrid::sum(const RoughPart& part, Sums& sums) const {
       for (int i = 0; i < kSide; ++i) sum[i] = static_cast<std::uint16_t>(sum[i] + a[i]);
     }
   }
+}
+
+std::int64_t RoughGrid::imageWork() const { return WallImage::workFor(box_, shift_, layers_); }
+
+WallImage RoughGrid::imageOf(const SurfelField& surface) const {
+  return WallImage(surface, box_, shift_, layers_);
 }
 
 std::int64_t RoughGrid::rotationWork() const {

@@ -33,15 +33,15 @@ class RoughGrid {
   Pose2 pose(int k, int dx, int dy) const;
   double score(int sum) const { return sum * score_of_one_; }
 
-  /// The cells that the image must cover.
-  const CellBox& box() const { return box_; }
-  int shift() const { return shift_; }
+  /// The image of the walls that the points can reach.
+  WallImage imageOf(const SurfelField& surface) const;
 
-  /// Rotates the points by `k` steps. `image` is that of `box()`.
+  /// Rotates the points by `k` steps in `imageOf` the surface.
   void rotate(const WallImage& image, int k);
   /// Adds up the values of all points for the poses of `part`, at the angle of the last rotation.
   void sum(const RoughPart& part, Sums& sums) const;
 
+  std::int64_t imageWork() const;
   std::int64_t rotationWork() const;
   std::int64_t sumWork(const RoughPart& part) const;
 
@@ -57,7 +57,8 @@ class RoughGrid {
   double angular_step_ = 1.0;
   int linear_steps_, angular_steps_ = 0;
   std::vector<Point> points_;
-  CellBox box_{};
+  CellBox box_{};  ///< the cells that the points can reach
+  int layers_ = 1;
   double score_of_one_ = 0.0;
   std::vector<const std::uint8_t*> pixels_;  ///< of the rotated points
   int stride_ = 0;

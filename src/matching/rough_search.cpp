@@ -11,15 +11,14 @@
 namespace kestrel {
 namespace {
 
-/// The largest size of a pixel, m, and how much larger it is in the first search of a large window.
+/// The sizes of pixels, m: the small one where the whole window can be searched with it.
 constexpr double kPixelM = 0.2;
-constexpr int kCoarser = 1;  // 2^kCoarser
-/// Only the best pose of this many poses in x and y is a candidate.
-constexpr int kBin = 4;
-/// Number of candidates of the first search, and of hypotheses.
-constexpr std::size_t kCandidates = 160, kHypotheses = 24;
-/// Hypotheses are farther apart than this many pixels and angular steps.
-constexpr double kApart = 2.0;
+constexpr int kCoarser = 1;  // 2^kCoarser times as large
+/// Only the best pose of a square of this size is a candidate.
+constexpr double kBinM = 0.8;
+/// Number of candidates and of hypotheses. Hypotheses are farther apart than this.
+constexpr std::size_t kCandidates = 400, kHypotheses = 40;
+constexpr double kApartM = 0.41, kApartSteps = 2.0;
 /// The window is divided into parts of this many pixels. A search does this many of them in turn,
 /// apart from the one at the center, and more if there is some budget left.
 constexpr int kPart = RoughPart::kSide;
@@ -66,55 +65,37 @@ class Ranking {
 /// Searches in one size of pixels.
 class Search {
  public:
-  Search(const SurfelField& surface, const Points& points, const RoughWindow& window, int shift,
-         std::size_t most)
+  Search(const SurfelField& surface, const Points& points, const RoughWindow& window, int shift)
       : surface_(surface),
         window_(window),
         grid_(surface, points, window, shift),
-        ranking_(most) {}
+        bin_(std::max(1, static_cast<int>(std::lround(kBinM / grid_.pixel())))),
+        ranking_(kCandidates) {}
 
-  const RoughGrid& grid() const { return grid_; }
-  const std::vector<Candidate>& best() { return ranking_.sorted(); }
-
-  /// Returns false if the budget did not suffice for the whole window.
-  bool searchWindow(WorkBudget& budget) {
-    if (!makeImage(budget)) return false;
-    const std::vector<RoughPart> parts = affordableParts(budget);
-    for (int k = -grid_.angularSteps(); k <= grid_.angularSteps(); ++k) {
-      grid_.rotate(*image_, k);
-      for (const RoughPart& part : parts) rank(part, k);
-    }
-    return parts.size() == allParts().size();
+  /// The work for the whole window.
+  std::int64_t work() const {
+    std::int64_t work = grid_.imageWork();
+    for (const RoughPart& part : allParts()) work += angles() * grid_.sumWork(part);
+    return work + angles() * grid_.rotationWork();
   }
 
-  /// Searches near the candidates of a search with larger pixels.
-  bool searchNear(const RoughGrid& coarse, const std::vector<Candidate>& candidates,
-                  WorkBudget& budget) {
-    if (!makeImage(budget)) return false;
-    const double linear = coarse.pixel() / grid_.pixel();
-    const double angular = coarse.angularStep() / grid_.angularStep();
-    const int turns = static_cast<int>(std::ceil(0.5 * angular));
-    for (const Candidate& candidate : candidates) {
-      const RoughPart part = within({static_cast<int>(std::floor((candidate.dx - 0.5) * linear)),
-                                     static_cast<int>(std::floor((candidate.dy - 0.5) * linear)),
-                                     kBin, kBin});
-      const int k = static_cast<int>(std::lround(candidate.k * angular));
-      if (!budget.take((2 * turns + 1) * (grid_.rotationWork() + grid_.sumWork(part)))) return false;
-      for (int turn = -turns; turn <= turns; ++turn) {
-        if (std::abs(k + turn) > grid_.angularSteps()) continue;
-        grid_.rotate(*image_, k + turn);
-        rank(part, k + turn);
-      }
+  /// Searches the part at the center, and as many others in turn as the budget allows.
+  Hypotheses run(WorkBudget& budget) {
+    Hypotheses result;
+    const std::vector<RoughPart> parts = affordableParts(budget);
+    result.complete = parts.size() == allParts().size();
+    if (parts.empty()) return result;
+    const WallImage image = grid_.imageOf(surface_);
+    for (int k = -grid_.angularSteps(); k <= grid_.angularSteps(); ++k) {
+      grid_.rotate(image, k);
+      for (const RoughPart& part : parts) rank(part, k);
     }
-    return true;
+    result.poses = distinct();
+    return result;
   }
 
  private:
-  bool makeImage(WorkBudget& budget) {
-    if (!budget.take(WallImage::workFor(grid_.box(), grid_.shift()))) return false;
-    image_.emplace(surface_, grid_.box(), grid_.shift());
-    return true;
-  }
+  std::int64_t angles() const { return 2 * grid_.angularSteps() + 1; }
 
   RoughPart within(RoughPart part) const {
     const int steps = grid_.linearSteps();
@@ -149,32 +130,32 @@ class Search {
   /// The part at the center, and as many others in turn as the budget allows.
   std::vector<RoughPart> affordableParts(WorkBudget& budget) const {
     const std::vector<RoughPart> all = allParts();
-    const std::int64_t angles = 2 * grid_.angularSteps() + 1;
-    std::vector<RoughPart> parts;
-    if (!budget.take(angles * (grid_.rotationWork() + grid_.sumWork(all.front())))) return parts;
-    parts.push_back(all.front());
+    std::vector<RoughPart> result;
+    const std::int64_t center = grid_.rotationWork() + grid_.sumWork(all.front());
+    if (!budget.take(grid_.imageWork() + angles() * center)) return result;
+    result.push_back(all.front());
     const std::size_t others = all.size() - 1;
     const std::size_t first = static_cast<std::size_t>(window_.turn) * kInTurn;
     for (std::size_t i = 0; i < others; ++i) {
       const RoughPart& part = all[1 + (first + i) % others];
-      if (!budget.take(angles * grid_.sumWork(part))) break;
-      parts.push_back(part);
+      if (!budget.take(angles() * grid_.sumWork(part))) break;
+      result.push_back(part);
     }
-    return parts;
+    return result;
   }
 
   void rank(const RoughPart& part, int k) {
     grid_.sum(part, sums_);
-    for (int y = 0; y < part.rows; y += kBin) {
-      for (int x = 0; x < part.columns; x += kBin) rankBin(part, k, x, y);
+    for (int y = 0; y < part.rows; y += bin_) {
+      for (int x = 0; x < part.columns; x += bin_) rankBin(part, k, x, y);
     }
   }
 
   /// Adds the best pose of a square of poses to the ranking.
   void rankBin(const RoughPart& part, int k, int x, int y) {
     int best = -1, best_x = 0, best_y = 0;
-    for (int row = y; row < std::min(y + kBin, part.rows); ++row) {
-      for (int column = x; column < std::min(x + kBin, part.columns); ++column) {
+    for (int row = y; row < std::min(y + bin_, part.rows); ++row) {
+      for (int column = x; column < std::min(x + bin_, part.columns); ++column) {
         const int sum = sums_[static_cast<std::size_t>(row * kPart + column)];
         if (sum > best) best = sum, best_x = part.dx + column, best_y = part.dy + row;
       }
@@ -188,34 +169,35 @@ class Search {
     ranking_.add({score, k, best_x, best_y});
   }
 
+  /// The best candidates that are not near a better one.
+  std::vector<Pose2> distinct() {
+    std::vector<Pose2> poses;
+    for (const Candidate& candidate : ranking_.sorted()) {
+      const Pose2 pose = grid_.pose(candidate.k, candidate.dx, candidate.dy);
+      const auto isSame = [&](const Pose2& other) {
+        return (pose.translation() - other.translation()).norm() <= kApartM &&
+               std::abs(normalizeAngle(pose.yaw - other.yaw)) <= kApartSteps * grid_.angularStep();
+      };
+      if (std::any_of(poses.begin(), poses.end(), isSame)) continue;
+      poses.push_back(pose);
+      if (poses.size() == kHypotheses) break;
+    }
+    return poses;
+  }
+
   const SurfelField& surface_;
   RoughWindow window_;
   RoughGrid grid_;
+  int bin_;  ///< in pixels
   Ranking ranking_;
-  std::optional<WallImage> image_;
   RoughGrid::Sums sums_{};
 };
-
-/// The best candidates that are not near a better one.
-std::vector<Pose2> distinct(const RoughGrid& grid, const std::vector<Candidate>& candidates) {
-  std::vector<Pose2> poses;
-  for (const Candidate& candidate : candidates) {
-    const Pose2 pose = grid.pose(candidate.k, candidate.dx, candidate.dy);
-    const auto isSame = [&](const Pose2& other) {
-      return (pose.translation() - other.translation()).norm() <= kApart * grid.pixel() &&
-             std::abs(normalizeAngle(pose.yaw - other.yaw)) <= kApart * grid.angularStep();
-    };
-    if (std::any_of(poses.begin(), poses.end(), isSame)) continue;
-    poses.push_back(pose);
-    if (poses.size() == kHypotheses) break;
-  }
-  return poses;
-}
 
 /// The largest pixels that are not larger than kPixelM.
 int pixelShift(double cell_m) {
   int shift = 0;
-  while (shift + 1 < kTileShift && cell_m * (2 << shift) <= kPixelM * (1.0 + 1e-6)) ++shift;
+  while (shift + 1 + kCoarser < kTileShift && cell_m * (2 << shift) <= kPixelM * (1.0 + 1e-6))
+    ++shift;
   return shift;
 }
 
@@ -224,17 +206,9 @@ int pixelShift(double cell_m) {
 Hypotheses searchRoughly(const SurfelField& surface, const Points& points,
                          const RoughWindow& window, WorkBudget& budget) {
   const int shift = pixelShift(static_cast<double>(surface.resolution()));
-  Hypotheses result;
-  Search fine(surface, points, window, shift, 4 * kCandidates);
-  if (fine.grid().linearSteps() < kPart / 2) {
-    result.complete = fine.searchWindow(budget);
-  } else {
-    Search coarse(surface, points, window, shift + kCoarser, kCandidates);
-    result.complete = coarse.searchWindow(budget);
-    result.complete &= fine.searchNear(coarse.grid(), coarse.best(), budget);
-  }
-  result.poses = distinct(fine.grid(), fine.best());
-  return result;
+  Search fine(surface, points, window, shift);
+  if (fine.work() <= budget.left()) return fine.run(budget);
+  return Search(surface, points, window, shift + kCoarser).run(budget);
 }
 
 }  // namespace kestrel

@@ -7,50 +7,48 @@
 namespace kestrel {
 namespace {
 
-/// A point in the pixel next to a wall is worth this much less than one on the wall.
-constexpr int kDrop = 25;
 /// The last layer reaches this many pixels farther than layer 0, which reaches one.
-constexpr int kReach = 1 << (WallImage::kLayers - 2);
+constexpr int kReach = 1 << (WallImage::kMostLayers - 2);
 constexpr int kPad = 2 * kReach;
-/// Work per pixel for all layers, and per tile of the map.
-constexpr std::int64_t kWorkPerPixel = 4, kWorkPerTile = 120;
+/// Work per pixel of each layer, and per tile of the map.
+constexpr std::int64_t kWorkPerPixel = 2, kWorkPerTile = 300;
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// The maximum of every byte and of those `step` bytes before and after it, each reduced by `drop`.
-void takeMaximum(const Bytes& in, std::ptrdiff_t step, int drop, Bytes& out) {
-  const std::uint8_t* middle = in.data();
-  const auto end = static_cast<std::ptrdiff_t>(in.size()) - step;
-  const auto less = static_cast<std::uint8_t>(drop);
-  for (std::ptrdiff_t i = step; i < end; ++i) {
-    const std::uint8_t beside = std::max(middle[i - step], middle[i + step]);
-    const auto reduced = static_cast<std::uint8_t>(std::max(beside, less) - less);
-    out[static_cast<std::size_t>(i)] = std::max(middle[i], reduced);
+/// The maximum of every byte and of those `step` bytes before and after it, which are divided by
+/// 2^shift. Plain pointers and a known shift, so that the compiler uses vector instructions.
+template <int shift>
+void takeMaximum(const Bytes& in, std::ptrdiff_t step, Bytes& out) {
+  const auto count = static_cast<std::ptrdiff_t>(in.size()) - 2 * step;
+  const std::uint8_t *before = in.data(), *middle = before + step, *after = middle + step;
+  std::uint8_t* result = out.data() + step;
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const std::uint8_t beside = std::max(before[i], after[i]);
+    result[i] = std::max(middle[i], static_cast<std::uint8_t>(beside >> shift));
   }
 }
 
 }  // namespace
 
-int WallImage::pad() { return kPad; }
-
-WallImage::WallImage(const SurfelField& surface, const CellBox& box, int shift)
+WallImage::WallImage(const SurfelField& surface, const CellBox& box, int shift, int layers)
     : shift_(shift),
       low_{(box.low.x >> shift) - kPad, (box.low.y >> shift) - kPad},
       width_((box.high.x >> shift) - low_.x + 1 + kPad),
       height_((box.high.y >> shift) - low_.y + 1 + kPad),
-      layers_(kLayers) {
+      layers_(static_cast<std::size_t>(layers)) {
   const std::size_t size = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   for (Bytes& layer : layers_) layer.assign(size, 0);
   surface.forEachTile(box.low, box.high,
                       [this](const Cell& corner, const auto& rows) { mark(corner, rows); });
   soften();
-  for (int n = 1; n < kLayers; ++n) spread(n, n == 1 ? 1 : 1 << (n - 2));
+  for (int n = 1; n < layers; ++n) spread(n, n == 1 ? 1 : 1 << (n - 2));
 }
 
-std::int64_t WallImage::workFor(const CellBox& box, int shift) {
+std::int64_t WallImage::workFor(const CellBox& box, int shift, int layers) {
   const std::int64_t width = ((box.high.x - box.low.x) >> shift) + 2 * kPad;
   const std::int64_t height = ((box.high.y - box.low.y) >> shift) + 2 * kPad;
-  return width * height * (kWorkPerPixel + (kWorkPerTile >> (2 * (kTileShift - shift))));
+  return width * height *
+         (kWorkPerPixel * layers + (kWorkPerTile >> (2 * (kTileShift - shift))));
 }
 
 void WallImage::mark(const Cell& tile_corner, const SurfelField::OccupiedRows& rows) {
@@ -74,16 +72,16 @@ void WallImage::mark(const Cell& tile_corner, const SurfelField::OccupiedRows& r
 }
 
 void WallImage::soften() {
-  Bytes& buffer = layers_[1];
-  takeMaximum(layers_[0], 1, kDrop, buffer);
-  takeMaximum(buffer, width_, kDrop, layers_[0]);
+  Bytes buffer(layers_[0].size(), 0);
+  takeMaximum<1>(layers_[0], 1, buffer);
+  takeMaximum<1>(buffer, width_, layers_[0]);
 }
 
 /// Makes a layer from the one before it, which is extended by `pixels` in all directions.
 void WallImage::spread(int layer, int pixels) {
   Bytes buffer(layers_[0].size(), 0);
-  takeMaximum(layers_[static_cast<std::size_t>(layer - 1)], pixels, 0, buffer);
-  takeMaximum(buffer, static_cast<std::ptrdiff_t>(pixels) * width_, 0,
+  takeMaximum<0>(layers_[static_cast<std::size_t>(layer - 1)], pixels, buffer);
+  takeMaximum<0>(buffer, static_cast<std::ptrdiff_t>(pixels) * width_,
               layers_[static_cast<std::size_t>(layer)]);
 }
 

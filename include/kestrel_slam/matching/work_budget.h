@@ -18,6 +18,7 @@ class WorkBudget {
     return true;
   }
   std::int64_t used() const { return used_; }
+  std::int64_t left() const { return limit_ - used_; }
 
  private:
   std::int64_t limit_;
