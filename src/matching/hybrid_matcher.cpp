@@ -48,7 +48,7 @@ constexpr double kSampleSpread = 3.0;
 constexpr double kConstrainedShare = 0.4, kConstrainedSigmaM = 0.03, kConstrainedLeast = 0.1;
 
 /// This many of the hypotheses of a search are refined with all points.
-constexpr std::size_t kRefined = 3;
+constexpr std::size_t kRefined = 1;
 constexpr int kSketchIterations = 6;
 
 bool isWellConstrained(const Fit& fit) {
@@ -149,7 +149,10 @@ std::vector<Pose2> HybridMatcher::mostLikely(const Submap& map, const MatchReque
   for (const Pose2& hypothesis : hypotheses) {
     if (!budget.take(sketchWork(sample))) break;
     const Pose2 pose = sketch(map.surface(), sample, hypothesis);
-    const Fit fit = fitOf(map, sample, pose, config_.score_scale_m);
+    Fit fit = fitOf(map, sample, pose, config_.score_scale_m);
+    // Points in unknown space count as well: of many poses, one where most points are in unknown
+    // space and the others fit by chance would be the best.
+    fit.score *= fit.known;
     sketches.emplace_back(-penalizedScore(request, fit, pose, config_.correlative), pose);
   }
   std::stable_sort(sketches.begin(), sketches.end(),
