@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "kestrel_slam/matching/covariance.h"
@@ -48,13 +49,25 @@ constexpr double kSampleSpread = 3.0;
 constexpr double kConstrainedShare = 0.4, kConstrainedSigmaM = 0.03, kConstrainedLeast = 0.1;
 
 /// This many of the hypotheses of a search are refined with all points.
-constexpr std::size_t kRefined = 1;
+constexpr std::size_t kRefined = 4;
 constexpr int kSketchIterations = 6;
+/// Work to refine a hypothesis.
+std::int64_t refineWork(const Points& points) {
+  constexpr std::int64_t kPerPoint = 400, kCoarseStages = 150'000;
+  return kCoarseStages + kPerPoint * static_cast<std::int64_t>(points.size());
+}
 
 bool isWellConstrained(const Fit& fit) {
   return fit.on_wall >= kConstrainedShare &&
          fit.residual_variance <= kConstrainedSigmaM * kConstrainedSigmaM &&
          leastConstraint(fit) >= kConstrainedLeast;
+}
+
+/// The penalized score if points in unknown space count as well. Hypotheses are compared by it: of
+/// many poses, one where most points are in unknown space and the others fit by chance would have
+/// the highest score.
+double allPointsScore(const Fit& fit, double penalized_score) {
+  return penalized_score - fit.score * (1.0 - fit.known);
 }
 
 /// Covariance of the match from the Hessian and the variance of the residuals, or from samples
@@ -126,17 +139,24 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
   if (request.lost) windows.erase(windows.begin(), windows.end() - 1);
   for (const SearchWindow& window : windows) {
     if (best.fit.score >= config_.search_score) break;
-    const RoughWindow rough{searchCenter(request), window,
-                            preferencesFor(request, config_.correlative), {}, request.lost_scans};
+    const RoughWindow rough{searchCenter(request),
+                            window,
+                            preferencesFor(request, config_.correlative),
+                            {},
+                            request.lost_scans};
     const Hypotheses hypotheses = searchRoughly(map.surface(), request.points, rough, budget);
     result.incomplete = !hypotheses.complete;
+    std::optional<Candidate> found;
     for (const Pose2& pose : mostLikely(map, request, hypotheses.poses, budget)) {
-      Candidate other = refine(map, request, pose);
+      const Candidate other = refine(map, request, pose);
       result.iterations += other.descent.iterations;
-      if (other.penalized_score >
-          best.penalized_score + jumpMargin(config_, request, other.descent.pose))
-        best = other;
+      if (!found || allPointsScore(other.fit, other.penalized_score) >
+                        allPointsScore(found->fit, found->penalized_score))
+        found = other;
     }
+    if (found && found->penalized_score >
+                     best.penalized_score + jumpMargin(config_, request, found->descent.pose))
+      best = *found;
   }
 }
 
@@ -149,17 +169,16 @@ std::vector<Pose2> HybridMatcher::mostLikely(const Submap& map, const MatchReque
   for (const Pose2& hypothesis : hypotheses) {
     if (!budget.take(sketchWork(sample))) break;
     const Pose2 pose = sketch(map.surface(), sample, hypothesis);
-    Fit fit = fitOf(map, sample, pose, config_.score_scale_m);
-    // Points in unknown space count as well: of many poses, one where most points are in unknown
-    // space and the others fit by chance would be the best.
-    fit.score *= fit.known;
-    sketches.emplace_back(-penalizedScore(request, fit, pose, config_.correlative), pose);
+    const Fit fit = fitOf(map, sample, pose, config_.score_scale_m);
+    const double penalized = penalizedScore(request, fit, pose, config_.correlative);
+    sketches.emplace_back(-allPointsScore(fit, penalized), pose);
   }
   std::stable_sort(sketches.begin(), sketches.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Pose2> result;
   for (const auto& [score, pose] : sketches) {
-    if (result.size() == kRefined) break;
+    const bool affordable = budget.take(refineWork(request.points));
+    if (result.size() == kRefined || (!affordable && !result.empty())) break;
     result.push_back(pose);
   }
   return result;

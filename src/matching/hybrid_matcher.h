@@ -46,14 +46,14 @@ double jumpMargin(const MatcherConfig& config, const MatchRequest& request, cons
 /// Number of points for the coarse stages.
 constexpr std::size_t kCoarsePoints = 150;
 /// Work for the searches of one scan.
-constexpr std::int64_t kSearchWork = 10'000'000;
+constexpr std::int64_t kSearchWork = 14'000'000;
 /// Number of points for a sketch.
-constexpr std::size_t kSketchPoints = 100;
+constexpr std::size_t kSketchPoints = 64;
 
 /// A short descent from a hypothesis with a sample of the points, to see whether the scan fits.
 Pose2 sketch(const SurfelField& surface, const Points& sample, const Pose2& hypothesis);
 inline std::int64_t sketchWork(const Points& sample) {
-  constexpr std::int64_t kPerPoint = 500;
+  constexpr std::int64_t kPerPoint = 1000;
   return kPerPoint * static_cast<std::int64_t>(sample.size());
 }
 

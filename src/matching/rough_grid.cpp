@@ -10,11 +10,11 @@ namespace kestrel {
 namespace {
 
 /// Number of points for a search.
-constexpr std::size_t kPoints = 128;
+constexpr std::size_t kPoints = 96;
 /// Points farther than this are ignored, because the image would be large.
 constexpr float kFarthestM = 100.0F;
 /// Limits of the angular step for pixels of 20 cm, rad.
-constexpr double kLeastStep = 0.02, kMostStep = 0.07, kPixelM = 0.2;
+constexpr double kLeastStep = 0.025, kMostStep = 0.07, kPixelM = 0.2;
 /// Number of points that are summed in bytes.
 constexpr std::size_t kTogether = 4;
 static_assert(kTogether * WallImage::kWall <= 0xFF, "the sum of four fits into a byte");
@@ -42,7 +42,8 @@ float medianRange(const Points& points) {
 /// The layer for a point that one half of an angular step moves by `pixels`.
 int layerFor(double pixels) {
   int layer = 0;
-  for (double reach = 0.75; pixels > reach && layer + 1 < WallImage::kMostLayers; reach *= 2.0) ++layer;
+  for (double reach = 0.75; pixels > reach && layer + 1 < WallImage::kMostLayers; reach *= 2.0)
+    ++layer;
   return layer;
 }
 
@@ -95,7 +96,8 @@ void RoughGrid::rotate(const WallImage& image, int k) {
     const Eigen::Vector2f& p = points_[i].place;
     const auto column = static_cast<int>(x + c * p.x() - s * p.y());
     const auto row = static_cast<int>(y + s * p.x() + c * p.y());
-    pixels_[i] = image.layer(points_[i].layer) + static_cast<std::ptrdiff_t>(row) * stride_ + column;
+    pixels_[i] =
+        image.layer(points_[i].layer) + static_cast<std::ptrdiff_t>(row) * stride_ + column;
   }
 }
 

@@ -17,7 +17,8 @@ struct RoughPart {
   int dx, dy, columns, rows;
 };
 
-/// Poses in steps of one pixel and one angular step, and how well some points of the scan fit there.
+/// Poses in steps of one pixel and one angular step, and how well some points of the scan fit
+/// there.
 class RoughGrid {
  public:
   using Sums = std::array<std::uint16_t, static_cast<std::size_t>(RoughPart::kSide) *

@@ -17,7 +17,7 @@ constexpr int kCoarser = 1;  // 2^kCoarser times as large
 /// Only the best pose of a square of this size is a candidate.
 constexpr double kBinM = 0.8;
 /// Number of candidates and of hypotheses. Hypotheses are farther apart than this.
-constexpr std::size_t kCandidates = 400, kHypotheses = 40;
+constexpr std::size_t kCandidates = 200, kHypotheses = 32;
 constexpr double kApartM = 0.41, kApartSteps = 2.0;
 /// The window is divided into parts of this many pixels. A search does this many of them in turn,
 /// apart from the one at the center, and more if there is some budget left.
@@ -84,7 +84,7 @@ class Search {
     Hypotheses result;
     const std::vector<RoughPart> parts = affordableParts(budget);
     result.complete = parts.size() == allParts().size();
-    if (parts.empty()) return result;
+    if (parts.empty() || grid_.score(1) <= 0.0) return result;
     const WallImage image = grid_.imageOf(surface_);
     for (int k = -grid_.angularSteps(); k <= grid_.angularSteps(); ++k) {
       grid_.rotate(image, k);
@@ -120,8 +120,8 @@ class Search {
     std::sort(places.begin(), places.end());
     std::vector<RoughPart> parts;
     for (const auto& [distance, row, column] : places) {
-      const RoughPart part = within(
-          {column * kPart - kPart / 2, row * kPart - kPart / 2, kPart, kPart});
+      const RoughPart part =
+          within({column * kPart - kPart / 2, row * kPart - kPart / 2, kPart, kPart});
       if (part.rows > 0 && part.columns > 0) parts.push_back(part);
     }
     return parts;
@@ -146,10 +146,18 @@ class Search {
 
   void rank(const RoughPart& part, int k) {
     grid_.sum(part, sums_);
+    // Most parts have no pose that can be among the best.
+    std::uint16_t most = 0;
+    for (int i = 0; i < part.rows * kPart; ++i)
+      most = std::max(most, sums_[static_cast<std::size_t>(i)]);
+    if (most <= leastSum()) return;
     for (int y = 0; y < part.rows; y += bin_) {
       for (int x = 0; x < part.columns; x += bin_) rankBin(part, k, x, y);
     }
   }
+
+  /// A pose with this sum, or a lower one, is not among the best.
+  int leastSum() const { return static_cast<int>(ranking_.threshold() / grid_.score(1)); }
 
   /// Adds the best pose of a square of poses to the ranking.
   void rankBin(const RoughPart& part, int k, int x, int y) {
@@ -160,6 +168,7 @@ class Search {
         if (sum > best) best = sum, best_x = part.dx + column, best_y = part.dy + row;
       }
     }
+    if (best <= leastSum()) return;
     const double penalty =
         window_.preferences.linear_preference * grid_.pixel() * std::hypot(best_x, best_y) +
         window_.preferences.angular_preference * std::abs(k) * grid_.angularStep();
@@ -207,7 +216,7 @@ Hypotheses searchRoughly(const SurfelField& surface, const Points& points,
                          const RoughWindow& window, WorkBudget& budget) {
   const int shift = pixelShift(static_cast<double>(surface.resolution()));
   Search fine(surface, points, window, shift);
-  if (fine.work() <= budget.left()) return fine.run(budget);
+  if (fine.work() <= budget.left() / 2) return fine.run(budget);
   return Search(surface, points, window, shift + kCoarser).run(budget);
 }
 

@@ -25,10 +25,10 @@ struct Hypotheses {
   bool complete = true;  ///< the whole window was searched
 };
 
-/// Searches a window in pixels of 20 cm, or of 40 cm if the budget is too small for the whole window
-/// with 20 cm. The poses are only accurate to a pixel, and no two of them are near each other: a
-/// descent from each of them shows which one fits. Needs far less time than searchWindow, but it is
-/// not exact.
+/// Searches a window in pixels of 20 cm, or of 40 cm if the budget is too small for the whole
+/// window with 20 cm. The poses are only accurate to a pixel, and no two of them are near each
+/// other: a descent from each of them shows which one fits. Needs far less time than searchWindow,
+/// but it is not exact.
 Hypotheses searchRoughly(const SurfelField& surface, const Points& points,
                          const RoughWindow& window, WorkBudget& budget);
 

@@ -11,7 +11,7 @@ namespace {
 constexpr int kReach = 1 << (WallImage::kMostLayers - 2);
 constexpr int kPad = 2 * kReach;
 /// Work per pixel of each layer, and per tile of the map.
-constexpr std::int64_t kWorkPerPixel = 2, kWorkPerTile = 300;
+constexpr std::int64_t kWorkPerPixel = 2, kWorkPerTile = 100;
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -47,8 +47,7 @@ WallImage::WallImage(const SurfelField& surface, const CellBox& box, int shift, 
 std::int64_t WallImage::workFor(const CellBox& box, int shift, int layers) {
   const std::int64_t width = ((box.high.x - box.low.x) >> shift) + 2 * kPad;
   const std::int64_t height = ((box.high.y - box.low.y) >> shift) + 2 * kPad;
-  return width * height *
-         (kWorkPerPixel * layers + (kWorkPerTile >> (2 * (kTileShift - shift))));
+  return width * height * (kWorkPerPixel * layers + (kWorkPerTile >> (2 * (kTileShift - shift))));
 }
 
 void WallImage::mark(const Cell& tile_corner, const SurfelField::OccupiedRows& rows) {
@@ -82,7 +81,7 @@ void WallImage::spread(int layer, int pixels) {
   Bytes buffer(layers_[0].size(), 0);
   takeMaximum<0>(layers_[static_cast<std::size_t>(layer - 1)], pixels, buffer);
   takeMaximum<0>(buffer, static_cast<std::ptrdiff_t>(pixels) * width_,
-              layers_[static_cast<std::size_t>(layer)]);
+                 layers_[static_cast<std::size_t>(layer)]);
 }
 
 }  // namespace kestrel

@@ -13,8 +13,9 @@ namespace kestrel {
 /// A rough image of the walls: a pixel is a square of 2^shift × 2^shift cells of the map.
 ///
 /// It is made from the occupied cells only, which are few compared to all cells. A pixel with a
-/// wall has the value kWall, those beside it half of that. In layer n > 0 every pixel has the maximum of layer
-/// 0 over 2^(n - 1) pixels in all directions, for points that are only known to that accuracy.
+/// wall has the value kWall, those beside it half of that. In layer n > 0 every pixel has the
+/// maximum of layer 0 over 2^(n - 1) pixels in all directions, for points that are only known to
+/// that accuracy.
 class WallImage {
  public:
   static constexpr int kMostLayers = 5;
