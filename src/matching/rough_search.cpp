@@ -19,10 +19,8 @@ constexpr double kBinM = 0.8;
 /// Number of candidates and of hypotheses. Hypotheses are farther apart than this.
 constexpr std::size_t kCandidates = 200, kHypotheses = 32;
 constexpr double kApartM = 0.41, kApartSteps = 2.0;
-/// The window is divided into parts of this many pixels. A search does this many of them in turn,
-/// apart from the one at the center, and more if there is some budget left.
+/// The window is divided into parts of this many pixels.
 constexpr int kPart = RoughPart::kSide;
-constexpr int kInTurn = 4;
 
 struct Candidate {
   double score;
@@ -135,7 +133,10 @@ class Search {
     if (!budget.take(grid_.imageWork() + angles() * center)) return result;
     result.push_back(all.front());
     const std::size_t others = all.size() - 1;
-    const std::size_t first = static_cast<std::size_t>(window_.turn) * kInTurn;
+    // So many parts are certain to fit into the budget: the next search goes on after them.
+    const std::int64_t in_turn =
+        std::max<std::int64_t>(1, budget.left() / (angles() * grid_.sumWork({0, 0, kPart, kPart})));
+    const std::size_t first = static_cast<std::size_t>(window_.turn * in_turn);
     for (std::size_t i = 0; i < others; ++i) {
       const RoughPart& part = all[1 + (first + i) % others];
       if (!budget.take(angles() * grid_.sumWork(part))) break;

@@ -23,6 +23,12 @@ constexpr std::int64_t kLimit = 14'000'000;
 /// A descent converges from here.
 constexpr double kBasinM = 0.35, kBasinRad = 0.15;
 
+CorrelativeConfig withoutPreference() {
+  CorrelativeConfig config;
+  config.linear_preference = config.angular_preference = 0.0;
+  return config;
+}
+
 bool isFound(const Hypotheses& hypotheses, const Pose2& truth) {
   return std::any_of(hypotheses.poses.begin(), hypotheses.poses.end(), [&](const Pose2& pose) {
     const Pose2 error = truth.inverse() * pose;
@@ -65,7 +71,7 @@ TEST(RoughSearch, ASmallBudgetDividesTheWindowAndForgetsNoPart) {
     for (bool found = false; !found && needed < kSearches; ++needed) {
       WorkBudget budget(2'500'000);
       const Hypotheses part =
-          search(map, points, {center, {8.0, kPi}, CorrelativeConfig(), {}, needed}, budget);
+          search(map, points, {center, {8.0, kPi}, withoutPreference(), {}, needed}, budget);
       EXPECT_LE(budget.used(), 2'500'000);
       EXPECT_FALSE(part.complete);
       found = isFound(part, truth);
@@ -134,9 +140,7 @@ TEST(RoughSearch, FindsThePoseInARecording) {
                          scan.pose.y + size.linear_m * share(random),
                          scan.pose.yaw + size.angular_rad * share(random));
       WorkBudget budget(kLimit);
-      CorrelativeConfig preferences;
-      preferences.linear_preference = preferences.angular_preference = 0.0;
-      const RoughWindow window{center, size, preferences, {}, 0};
+      const RoughWindow window{center, size, withoutPreference(), {}, 0};
       found += isFound(search(log.map, scan.points, window, budget), scan.pose) ? 1U : 0U;
     }
     EXPECT_GE(found, size.linear_m > 1.0 ? 90U : 98U) << size.linear_m << " m";
