@@ -217,7 +217,7 @@ Hypotheses searchRoughly(const SurfelField& surface, const Points& points,
                          const RoughWindow& window, WorkBudget& budget) {
   const int shift = pixelShift(static_cast<double>(surface.resolution()));
   Search fine(surface, points, window, shift);
-  if (fine.work() <= budget.left() / 2) return fine.run(budget);
+  if (fine.work() <= budget.left() / 4) return fine.run(budget);
   return Search(surface, points, window, shift + kCoarser).run(budget);
 }
 
