@@ -108,6 +108,7 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
                      result.yaw_error_rad < near_window_.angular_rad;
   result.wide = isWide(error) && !result.prior;
   result.lost = lost_scans_ > 0 || (is_gap && isWide(error));
+  result.lost_scans = lost_scans_;
   result.search_all_yaws = result.lost && !result.yaw_known;
   result.prior = priorAt(odom_T_base, error, scan);
   if (result.prior) result.last = result.prior->pose;

@@ -2,9 +2,12 @@
 #include "kestrel_slam/matching/ambiguity.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 
 #include "hybrid_matcher.h"
 #include "kestrel_slam/matching/thinned.h"
+#include "rough_search.h"
 
 namespace kestrel {
 namespace {
@@ -13,31 +16,69 @@ namespace {
 constexpr double kSameM = 0.5, kSameRad = 0.35;
 /// The second explanation is nearly as good if its score is lower by less than this.
 constexpr double kClearlyBetter = 0.1;
-/// The score of the pose itself is the best one within this distance, because the grid of the
-/// search has steps.
-constexpr SearchWindow kAtPose{0.1, 0.02};
 
-/// The score without the penalty of the motion: the question is only how well the scan fits.
-CorrelativeConfig withoutPreference(CorrelativeConfig config) {
-  config.linear_preference = config.angular_preference = 0.0;
-  return config;
+/// How well the points fit at poses: without the penalty of the motion, because the question is
+/// only how well the scan fits.
+class Comparison {
+ public:
+  Comparison(const SurfelField& surface, const MatchRequest& request, const MatcherConfig& config)
+      : surface_(surface), points_(sampled(request.points, kSketchPoints)), config_(config) {}
+
+  const Points& points() const { return points_; }
+
+  /// Mean likelihood of the points, as in the exhaustive search.
+  double scoreAt(const Pose2& pose) const {
+    const double inverse = -0.5 / (config_.correlative.sigma_m * config_.correlative.sigma_m);
+    double sum = 0.0;
+    for (const Eigen::Vector2f& p : points_) {
+      const Eigen::Vector2f point = (pose * p.cast<double>()).cast<float>();
+      const Surfel* surfel = surface_.nearest(point);
+      if (surfel == nullptr) continue;
+      sum += std::exp(inverse * static_cast<double>((point - surfel->mean).squaredNorm()));
+    }
+    return sum / static_cast<double>(std::max<std::size_t>(1, points_.size()));
+  }
+
+ private:
+  const SurfelField& surface_;
+  Points points_;
+  const MatcherConfig& config_;
+};
+
+RoughWindow windowOf(const MatchRequest& request, const MatchResult& found,
+                     const MatcherConfig& config) {
+  RoughWindow window{searchCenter(request),
+                     searchWindows(config, request).back(),
+                     config.correlative,
+                     {},
+                     request.lost_scans};
+  window.preferences.linear_preference = window.preferences.angular_preference = 0.0;
+  window.excluded = {found.pose, kSameM, kSameRad,
+                     found.degenerate ? found.degenerate_direction : Eigen::Vector2d(0, 0)};
+  return window;
 }
 
 }  // namespace
 
 std::optional<Pose2> secondExplanation(const Submap& map, const MatchRequest& request,
                                        const MatchResult& found, const MatcherConfig& config) {
-  const Points points = thinned(request.points, kLostPoints);
-  const CorrelativeConfig search = withoutPreference(config.correlative);
-  const double first = searchWindow(map.surface(), points, found.pose, kAtPose, search).score;
-  const Pose2& predicted = request.initial_guesses.front();
-  const Pose2 center(request.last.x, request.last.y,
-                     request.yaw_known ? predicted.yaw : request.last.yaw);
-  const ExcludedPoses near{found.pose, kSameM, kSameRad,
-                           found.degenerate ? found.degenerate_direction : Eigen::Vector2d(0, 0)};
-  const SearchResult second = searchWindow(map.surface(), points, center,
-                                           searchWindows(config, request).back(), search, near);
-  return second.score > first - kClearlyBetter ? std::optional(second.pose) : std::nullopt;
+  const RoughWindow window = windowOf(request, found, config);
+  const Comparison comparison(map.surface(), request, config);
+  WorkBudget budget(kSearchWork);
+  Hypotheses hypotheses = searchRoughly(map.surface(), request.points, window, budget);
+  const double first = comparison.scoreAt(found.pose);
+  // What was not searched may hold a pose that fits as well.
+  double least = hypotheses.complete ? first - kClearlyBetter : -1.0;
+  std::optional<Pose2> second;
+  for (const Pose2& hypothesis : hypotheses.poses) {
+    if (!budget.take(sketchWork(comparison.points()))) break;
+    const Pose2 pose = sketch(map.surface(), comparison.points(), hypothesis);
+    const double score = comparison.scoreAt(pose);
+    if (score <= least || isNear(window.excluded, pose)) continue;
+    least = score;
+    second = pose;
+  }
+  return second;
 }
 
 }  // namespace kestrel

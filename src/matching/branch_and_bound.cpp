@@ -141,13 +141,8 @@ void BranchAndBound::collect(const Lattice& lattice, const int* sums,
 /// Whether all poses of a block of `size` × `size` cells are excluded. The excluded positions are
 /// convex, so the corners decide.
 bool BranchAndBound::isExcluded(const GridPose& corner, int size) const {
-  if (excluded_.linear_m <= 0.0) return false;
   const auto is_near = [&](int dx, int dy) {
-    const Pose2 pose = grid_.pose({corner.k, corner.dx + dx, corner.dy + dy});
-    Eigen::Vector2d away = pose.translation() - excluded_.pose.translation();
-    away -= excluded_.ignored_direction * excluded_.ignored_direction.dot(away);
-    return away.lpNorm<Eigen::Infinity>() < excluded_.linear_m &&
-           std::abs(normalizeAngle(pose.yaw - excluded_.pose.yaw)) < excluded_.angular_rad;
+    return isNear(excluded_, grid_.pose({corner.k, corner.dx + dx, corner.dy + dy}));
   };
   const int last = size - 1;
   return is_near(0, 0) && is_near(last, 0) && is_near(0, last) && is_near(last, last);

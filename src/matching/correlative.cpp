@@ -2,6 +2,7 @@
 #include "kestrel_slam/matching/correlative.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -95,6 +96,14 @@ SearchResult emptyResult(const Pose2& center) {
 }
 
 }  // namespace
+
+bool isNear(const ExcludedPoses& excluded, const Pose2& pose) {
+  if (excluded.linear_m <= 0.0) return false;
+  Eigen::Vector2d away = pose.translation() - excluded.pose.translation();
+  away -= excluded.ignored_direction * excluded.ignored_direction.dot(away);
+  return away.lpNorm<Eigen::Infinity>() < excluded.linear_m &&
+         std::abs(normalizeAngle(pose.yaw - excluded.pose.yaw)) < excluded.angular_rad;
+}
 
 SearchResult searchWindow(const SurfelField& surface, const Points& points, const Pose2& center,
                           const SearchWindow& window, const CorrelativeConfig& config) {

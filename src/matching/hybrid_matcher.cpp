@@ -4,9 +4,12 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "kestrel_slam/matching/covariance.h"
 #include "kestrel_slam/matching/thinned.h"
+#include "rough_search.h"
 
 namespace kestrel {
 namespace {
@@ -62,10 +65,26 @@ bool isJump(const MatchRequest& request, const Pose2& pose) {
   return (request.initial_guesses.front().inverse() * pose).distance() > request.plausible_m;
 }
 
+/// This many of the hypotheses of a search are refined with all points.
+constexpr std::size_t kRefined = 4;
+constexpr int kSketchIterations = 6;
+/// Work to refine a hypothesis.
+std::int64_t refineWork(const Points& points) {
+  constexpr std::int64_t kPerPoint = 400, kCoarseStages = 150'000;
+  return kCoarseStages + kPerPoint * static_cast<std::int64_t>(points.size());
+}
+
 bool isWellConstrained(const Fit& fit) {
   return fit.on_wall >= kConstrainedShare &&
          fit.residual_variance <= kConstrainedSigmaM * kConstrainedSigmaM &&
          leastConstraint(fit) >= kConstrainedLeast;
+}
+
+/// The penalized score if points in unknown space count as well. Hypotheses are compared by it: of
+/// many poses, one where most points are in unknown space and the others fit by chance would have
+/// the highest score.
+double allPointsScore(const Fit& fit, double penalized_score) {
+  return penalized_score - fit.score * (1.0 - fit.known);
 }
 
 /// Covariance of the match from the Hessian and the variance of the residuals, or from samples
@@ -133,22 +152,55 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
 void HybridMatcher::search(const Submap& map, const MatchRequest& request, MatchResult& result,
                            Candidate& best) const {
   result.searched = true;
-  const Points points = request.lost ? thinned(request.points, kLostPoints) : request.points;
+  WorkBudget budget(kSearchWork);
   std::vector<SearchWindow> windows = searchWindows(config_, request);
   if (request.lost) windows.erase(windows.begin(), windows.end() - 1);
   for (const SearchWindow& window : windows) {
     const bool required = (request.prior || request.wide) && &window == &windows.front();
     if (best.fit.score >= config_.search_score && !required) break;
-    Pose2 center = request.last;
-    if (request.yaw_known) center = Pose2(center.x, center.y, request.initial_guesses.front().yaw);
-    const SearchResult found = searchWindow(map.surface(), points, center, window,
-                                            preferencesFor(request, config_.correlative));
-    Candidate other = refine(map, request, found.pose);
-    result.iterations += other.descent.iterations;
-    if (other.penalized_score >
-        best.penalized_score + jumpMargin(config_, request, other.descent.pose))
-      best = other;
+    const RoughWindow rough{searchCenter(request),
+                            window,
+                            preferencesFor(request, config_.correlative),
+                            {},
+                            request.lost_scans};
+    const Hypotheses hypotheses = searchRoughly(map.surface(), request.points, rough, budget);
+    result.incomplete = !hypotheses.complete;
+    std::optional<Candidate> found;
+    for (const Pose2& pose : mostLikely(map, request, hypotheses.poses, budget)) {
+      const Candidate other = refine(map, request, pose);
+      result.iterations += other.descent.iterations;
+      if (!found || allPointsScore(other.fit, other.penalized_score) >
+                        allPointsScore(found->fit, found->penalized_score))
+        found = other;
+    }
+    if (found && found->penalized_score >
+                     best.penalized_score + jumpMargin(config_, request, found->descent.pose))
+      best = *found;
   }
+}
+
+/// The hypotheses that fit best after a descent with a part of the points, best first.
+std::vector<Pose2> HybridMatcher::mostLikely(const Submap& map, const MatchRequest& request,
+                                             const std::vector<Pose2>& hypotheses,
+                                             WorkBudget& budget) const {
+  const Points sample = sampled(request.points, kSketchPoints);
+  std::vector<std::pair<double, Pose2>> sketches;  // negative score, pose
+  for (const Pose2& hypothesis : hypotheses) {
+    if (!budget.take(sketchWork(sample))) break;
+    const Pose2 pose = sketch(map.surface(), sample, hypothesis);
+    const Fit fit = fitOf(map, sample, pose, config_.score_scale_m);
+    const double penalized = penalizedScore(request, fit, pose, config_.correlative);
+    sketches.emplace_back(-allPointsScore(fit, penalized), pose);
+  }
+  std::stable_sort(sketches.begin(), sketches.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Pose2> result;
+  for (const auto& [score, pose] : sketches) {
+    const bool affordable = budget.take(refineWork(request.points));
+    if (result.size() == kRefined || (!affordable && !result.empty())) break;
+    result.push_back(pose);
+  }
+  return result;
 }
 
 HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchRequest& request,
@@ -185,6 +237,27 @@ double MotionPrior::chi2(const Pose2& other) const {
   const Eigen::Vector3d offset = offsetBetween(pose, other);
   return offset.head<2>().squaredNorm() / (sigma_m * sigma_m) +
          offset.z() * offset.z() / (sigma_rad * sigma_rad);
+}
+
+Pose2 sketch(const SurfelField& surface, const Points& sample, const Pose2& hypothesis) {
+  GaussNewtonConfig config;
+  config.max_iterations = kSketchIterations;
+  config.min_step_m = kCoarseStepM;
+  config.min_step_rad = kCoarseStepRad;
+  const Eigen::Vector3f pull =
+      Eigen::Vector3f::Constant(kPriorWeight * static_cast<float>(sample.size()));
+  Pose2 pose = hypothesis;
+  for (std::size_t stage = 0; stage < kLastStage; ++stage) {
+    pose = descend(pose, config, pull, [&](const Pose2& at) {
+             return linearizeDistance(surface, sample, at, kStageScales[stage]);
+           }).pose;
+  }
+  return pose;
+}
+
+Pose2 searchCenter(const MatchRequest& request) {
+  const Pose2& last = request.last;
+  return {last.x, last.y, request.yaw_known ? request.initial_guesses.front().yaw : last.yaw};
 }
 
 std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const MatchRequest& request) {

@@ -3,11 +3,12 @@
 
 #include "kestrel_slam/matching/fit.h"
 #include "kestrel_slam/matching/matcher.h"
+#include "kestrel_slam/matching/work_budget.h"
 
 namespace kestrel {
 
 /// Gauss-Newton on the distance to the walls, starting at the prediction. If the fit is poor, the
-/// other initial guesses are tried, and then the exhaustive search.
+/// other initial guesses are tried, and then the search of a window.
 class HybridMatcher : public Matcher {
  public:
   explicit HybridMatcher(const MatcherConfig& config) : config_(config) {}
@@ -27,9 +28,14 @@ class HybridMatcher : public Matcher {
                    std::size_t first_stage = 0) const;
   void search(const Submap& map, const MatchRequest& request, MatchResult& result,
               Candidate& best) const;
+  std::vector<Pose2> mostLikely(const Submap& map, const MatchRequest& request,
+                                const std::vector<Pose2>& hypotheses, WorkBudget& budget) const;
 
   MatcherConfig config_;
 };
+
+/// The center of the search windows: the last pose, with the predicted yaw if that is accurate.
+Pose2 searchCenter(const MatchRequest& request);
 
 /// The search windows for a scan without a good fit near the initial guesses, smallest first.
 std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const MatchRequest& request);
@@ -39,8 +45,17 @@ double jumpMargin(const MatcherConfig& config, const MatchRequest& request, cons
 
 /// Number of points for the coarse stages.
 constexpr std::size_t kCoarsePoints = 150;
-/// Number of points for the search of a lost vehicle in a wide window.
-constexpr std::size_t kLostPoints = 200;
+/// Work for the searches of one scan.
+constexpr std::int64_t kSearchWork = 14'000'000;
+/// Number of points for a sketch.
+constexpr std::size_t kSketchPoints = 64;
+
+/// A short descent from a hypothesis with a sample of the points, to see whether the scan fits.
+Pose2 sketch(const SurfelField& surface, const Points& sample, const Pose2& hypothesis);
+inline std::int64_t sketchWork(const Points& sample) {
+  constexpr std::int64_t kPerPoint = 1000;
+  return kPerPoint * static_cast<std::int64_t>(sample.size());
+}
 
 /// The penalty of a motion for this request: smaller if nothing was seen for some time.
 CorrelativeConfig preferencesFor(const MatchRequest& request, const CorrelativeConfig& config);

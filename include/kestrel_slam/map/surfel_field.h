@@ -93,6 +93,19 @@ class SurfelField {
   /// Whether the tile of `cell` exists. If not, no cell in it has a nearest surfel.
   bool hasTile(const Cell& cell) const { return tiles_.find(cell) != nullptr; }
 
+  /// One bit for each cell of a tile that has a surfel itself, row by row.
+  using OccupiedRows = std::array<std::uint32_t, kTileSide>;
+
+  /// Calls `visit(lower_left_cell, rows)` for every tile with a cell in [low, high].
+  template <typename Visit>
+  void forEachTile(const Cell& low, const Cell& high, Visit visit) const {
+    for (int y = low.y & ~(kTileSide - 1); y <= high.y; y += kTileSide) {
+      for (int x = low.x & ~(kTileSide - 1); x <= high.x; x += kTileSide) {
+        if (const Tile* tile = tiles_.find({x, y})) visit(Cell{x, y}, tile->own);
+      }
+    }
+  }
+
   /// Calls `visit(i, j, distance²)` for every cell (corner.x + i, corner.y + j) in a square of
   /// `side` cells that has a nearest surfel. distance²: from the center of the cell to the mean of
   /// the surfel, m². The square must lie in one tile.
@@ -136,7 +149,7 @@ class SurfelField {
     /// From the center of the cell to the mean of the nearest surfel, in steps; 0 if the cell has a
     /// surfel itself.
     std::array<std::uint16_t, kTileCells> distance2;
-    std::array<std::uint32_t, kTileSide> own{};  ///< one bit per cell: has a surfel itself
+    OccupiedRows own{};
   };
 
   std::uint32_t idAt(const Cell& cell) const;

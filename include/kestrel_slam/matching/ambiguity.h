@@ -10,6 +10,8 @@ namespace kestrel {
 /// Searches the window of `request` for a second pose at which the scan fits nearly as well as at
 /// `found`, as in a room that looks the same after a rotation. Poses near `found` do not count, and
 /// neither do those along `found.degenerate_direction`, which is already known to be unobservable.
+/// If the limited work does not suffice for the whole window, the best other pose that was found is
+/// returned, however well it fits: it may not be unique.
 std::optional<Pose2> secondExplanation(const Submap& map, const MatchRequest& request,
                                        const MatchResult& found, const MatcherConfig& config);
 

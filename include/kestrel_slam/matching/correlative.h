@@ -44,6 +44,9 @@ struct ExcludedPoses {
   Eigen::Vector2d ignored_direction = Eigen::Vector2d::Zero();
 };
 
+/// Whether `pose` is one of the excluded poses.
+bool isNear(const ExcludedPoses& excluded, const Pose2& pose);
+
 /// Exhaustive search of a window in steps of one cell and one angular step. Branch and bound on a
 /// pyramid of maxima [MAV SLAM 2013, eq. 3; Olson 2009]; the result is exact. Poses are in the map
 /// frame, `points` are in the base frame, m. Without points the result is the center.

@@ -26,7 +26,8 @@ struct MatchResult {
   /// Number of other predictions that were tried because the first one did not fit.
   int fallbacks = 0;
   bool converged = false;
-  bool searched = false;  ///< the exhaustive search was run
+  bool searched = false;    ///< the window around the prediction was searched
+  bool incomplete = false;  ///< only a part of it, because the work for one scan is limited
   /// Found after a search, but there is a second pose that fits nearly as well.
   bool ambiguous = false;
   bool degenerate = false;  ///< degenerate_direction is unobservable

@@ -16,4 +16,13 @@ inline Points thinned(const Points& points, std::size_t count) {
   return result;
 }
 
+/// At most `count` points, evenly distributed.
+inline Points sampled(const Points& points, std::size_t count) {
+  if (points.size() <= count) return points;
+  Points result;
+  result.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) result.push_back(points[i * points.size() / count]);
+  return result;
+}
+
 }  // namespace kestrel

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rough_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kestrel_slam/matching/thinned.h"
+
+namespace kestrel {
+namespace {
+
+/// Number of points for a search.
+constexpr std::size_t kPoints = 96;
+/// Points farther than this are ignored, because the image would be large.
+constexpr float kFarthestM = 100.0F;
+/// Limits of the angular step for pixels of 20 cm, rad.
+constexpr double kLeastStep = 0.025, kMostStep = 0.07, kPixelM = 0.2;
+/// Number of points that are summed in bytes.
+constexpr std::size_t kTogether = 4;
+static_assert(kTogether * WallImage::kWall <= 0xFF, "the sum of four fits into a byte");
+static_assert(kPoints * WallImage::kWall <= 0xFFFF, "the sum of all points fits");
+/// Work of one rotated point, and of a row of windows for four points.
+constexpr std::int64_t kWorkPerRotation = 20, kWorkPerRow = 16, kWorkPerPart = 1000;
+
+/// `kPoints` points of the scan, evenly distributed over the beams.
+Points sampleOf(const Points& points) {
+  Points near;
+  for (const Eigen::Vector2f& p : points) {
+    if (p.norm() <= kFarthestM) near.push_back(p);  // false for NaN
+  }
+  return sampled(near, kPoints);
+}
+
+float medianRange(const Points& points) {
+  std::vector<float> ranges;
+  for (const Eigen::Vector2f& p : points) ranges.push_back(p.norm());
+  const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
+  std::nth_element(ranges.begin(), middle, ranges.end());
+  return *middle;
+}
+
+/// The layer for a point that one half of an angular step moves by `pixels`.
+int layerFor(double pixels) {
+  int layer = 0;
+  for (double reach = 0.75; pixels > reach && layer + 1 < WallImage::kMostLayers; reach *= 2.0)
+    ++layer;
+  return layer;
+}
+
+}  // namespace
+
+RoughGrid::RoughGrid(const SurfelField& surface, const Points& points, const RoughWindow& window,
+                     int shift)
+    : window_(window), shift_(shift) {
+  const auto cell_m = static_cast<double>(surface.resolution());
+  pixel_m_ = cell_m * (1 << shift);
+  linear_steps_ = static_cast<int>(std::ceil(window.size.linear_m / pixel_m_ - 1e-6));
+  const Points sample = sampleOf(points);
+  if (sample.empty()) return;
+  const double share = pixel_m_ / kPixelM;
+  const auto median = static_cast<double>(medianRange(sample));
+  angular_step_ =
+      std::clamp(pixel_m_ / std::max(median, 1e-3), kLeastStep * share, kMostStep * share);
+  angular_steps_ = static_cast<int>(std::ceil(window.size.angular_rad / angular_step_ - 1e-6));
+  double range = 0.0;
+  for (const Eigen::Vector2f& p : sample) {
+    const auto r = static_cast<double>(p.norm());
+    range = std::max(range, r);
+    const int layer = layerFor(0.5 * angular_step_ * r / pixel_m_);
+    layers_ = std::max(layers_, layer + 1);
+    points_.push_back({p / static_cast<float>(pixel_m_), layer});
+  }
+  pixels_.resize(points_.size());
+  score_of_one_ = 1.0 / (WallImage::kWall * static_cast<double>(points_.size()));
+  // One more block of columns may be read beside the window.
+  const double reach = range + (linear_steps_ + RoughPart::kSide + 2) * pixel_m_;
+  const auto cell = [&](double x) { return static_cast<int>(std::floor(x / cell_m)); };
+  box_ = {{cell(window.center.x - reach), cell(window.center.y - reach)},
+          {cell(window.center.x + reach), cell(window.center.y + reach)}};
+}
+
+Pose2 RoughGrid::pose(int k, int dx, int dy) const {
+  return {window_.center.x + dx * pixel_m_, window_.center.y + dy * pixel_m_,
+          window_.center.yaw + k * angular_step_};
+}
+
+void RoughGrid::rotate(const WallImage& image, int k) {
+  stride_ = image.stride();
+  const double yaw = window_.center.yaw + k * angular_step_;
+  const auto c = static_cast<float>(std::cos(yaw)), s = static_cast<float>(std::sin(yaw));
+  const double cell_m = pixel_m_ / image.cellsPerPixel();
+  // Relative to the image, because floats are not accurate enough far from the origin.
+  const auto x = static_cast<float>((window_.center.x - image.corner().x * cell_m) / pixel_m_);
+  const auto y = static_cast<float>((window_.center.y - image.corner().y * cell_m) / pixel_m_);
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Eigen::Vector2f& p = points_[i].place;
+    const auto column = static_cast<int>(x + c * p.x() - s * p.y());
+    const auto row = static_cast<int>(y + s * p.x() + c * p.y());
+    pixels_[i] =
+        image.layer(points_[i].layer) + static_cast<std::ptrdiff_t>(row) * stride_ + column;
+  }
+}
+
+void RoughGrid::sum(const RoughPart& part, Sums& sums) const {
+  constexpr int kSide = RoughPart::kSide;
+  std::fill_n(sums.begin(), part.rows * kSide, std::uint16_t{0});
+  const std::ptrdiff_t offset = static_cast<std::ptrdiff_t>(part.dy) * stride_ + part.dx;
+  std::size_t n = 0;
+  for (; n + kTogether <= pixels_.size(); n += kTogether) {
+    const std::uint8_t *a = pixels_[n] + offset, *b = pixels_[n + 1] + offset,
+                       *c = pixels_[n + 2] + offset, *d = pixels_[n + 3] + offset;
+    std::uint16_t* sum = sums.data();
+    for (int row = 0; row < part.rows; ++row, sum += kSide) {
+      for (int i = 0; i < kSide; ++i) {
+        const auto four = static_cast<std::uint8_t>(a[i] + b[i] + c[i] + d[i]);
+        sum[i] = static_cast<std::uint16_t>(sum[i] + four);
+      }
+      a += stride_, b += stride_, c += stride_, d += stride_;
+    }
+  }
+  for (; n < pixels_.size(); ++n) {
+    const std::uint8_t* a = pixels_[n] + offset;
+    std::uint16_t* sum = sums.data();
+    for (int row = 0; row < part.rows; ++row, a += stride_, sum += kSide) {
+      for (int i = 0; i < kSide; ++i) sum[i] = static_cast<std::uint16_t>(sum[i] + a[i]);
+    }
+  }
+}
+
+std::int64_t RoughGrid::imageWork() const { return WallImage::workFor(box_, shift_, layers_); }
+
+WallImage RoughGrid::imageOf(const SurfelField& surface) const {
+  return WallImage(surface, box_, shift_, layers_);
+}
+
+std::int64_t RoughGrid::rotationWork() const {
+  return kWorkPerRotation * static_cast<std::int64_t>(points_.size());
+}
+
+std::int64_t RoughGrid::sumWork(const RoughPart& part) const {
+  const auto additions = static_cast<std::int64_t>(points_.size() / kTogether + kTogether);
+  return kWorkPerPart + kWorkPerRow * additions * part.rows;
+}
+
+}  // namespace kestrel

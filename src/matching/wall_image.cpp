@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "wall_image.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace kestrel {
+namespace {
+
+/// The last layer reaches this many pixels farther than layer 0, which reaches one.
+constexpr int kReach = 1 << (WallImage::kMostLayers - 2);
+constexpr int kPad = 2 * kReach;
+/// Work per pixel of each layer, and per tile of the map.
+constexpr std::int64_t kWorkPerPixel = 2, kWorkPerTile = 100;
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// The maximum of every byte and of those `step` bytes before and after it, which are divided by
+/// 2^shift. Plain pointers and a known shift, so that the compiler uses vector instructions.
+template <int shift>
+void takeMaximum(const Bytes& in, std::ptrdiff_t step, Bytes& out) {
+  const auto count = static_cast<std::ptrdiff_t>(in.size()) - 2 * step;
+  const std::uint8_t *before = in.data(), *middle = before + step, *after = middle + step;
+  std::uint8_t* result = out.data() + step;
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const std::uint8_t beside = std::max(before[i], after[i]);
+    result[i] = std::max(middle[i], static_cast<std::uint8_t>(beside >> shift));
+  }
+}
+
+}  // namespace
+
+WallImage::WallImage(const SurfelField& surface, const CellBox& box, int shift, int layers)
+    : shift_(shift),
+      low_{(box.low.x >> shift) - kPad, (box.low.y >> shift) - kPad},
+      width_((box.high.x >> shift) - low_.x + 1 + kPad),
+      height_((box.high.y >> shift) - low_.y + 1 + kPad),
+      layers_(static_cast<std::size_t>(layers)) {
+  const std::size_t size = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  for (Bytes& layer : layers_) layer.assign(size, 0);
+  surface.forEachTile(box.low, box.high,
+                      [this](const Cell& corner, const auto& rows) { mark(corner, rows); });
+  soften();
+  for (int n = 1; n < layers; ++n) spread(n, n == 1 ? 1 : 1 << (n - 2));
+}
+
+std::int64_t WallImage::workFor(const CellBox& box, int shift, int layers) {
+  const std::int64_t width = ((box.high.x - box.low.x) >> shift) + 2 * kPad;
+  const std::int64_t height = ((box.high.y - box.low.y) >> shift) + 2 * kPad;
+  return width * height * (kWorkPerPixel * layers + (kWorkPerTile >> (2 * (kTileShift - shift))));
+}
+
+void WallImage::mark(const Cell& tile_corner, const SurfelField::OccupiedRows& rows) {
+  const int side = 1 << shift_;
+  const std::uint32_t mask = side < kTileSide ? (1U << side) - 1U : ~0U;
+  for (int y = 0; y < kTileSide; y += side) {
+    std::uint32_t any = 0;
+    for (int row = y; row < y + side; ++row) any |= rows[static_cast<std::size_t>(row)];
+    while (any != 0U) {
+      const int x = __builtin_ctz(any) & ~(side - 1);
+      any &= ~(mask << x);
+      const int column = ((tile_corner.x + x) >> shift_) - low_.x;
+      const int line = ((tile_corner.y + y) >> shift_) - low_.y;
+      // A tile at the border may reach out of the image.
+      if (column < kPad || column >= width_ - kPad || line < kPad || line >= height_ - kPad)
+        continue;
+      layers_[0][static_cast<std::size_t>(line) * static_cast<std::size_t>(width_) +
+                 static_cast<std::size_t>(column)] = kWall;
+    }
+  }
+}
+
+void WallImage::soften() {
+  Bytes buffer(layers_[0].size(), 0);
+  takeMaximum<1>(layers_[0], 1, buffer);
+  takeMaximum<1>(buffer, width_, layers_[0]);
+}
+
+/// Makes a layer from the one before it, which is extended by `pixels` in all directions.
+void WallImage::spread(int layer, int pixels) {
+  Bytes buffer(layers_[0].size(), 0);
+  takeMaximum<0>(layers_[static_cast<std::size_t>(layer - 1)], pixels, buffer);
+  takeMaximum<0>(buffer, static_cast<std::ptrdiff_t>(pixels) * width_,
+                 layers_[static_cast<std::size_t>(layer)]);
+}
+
+}  // namespace kestrel

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "kestrel_slam/map/surfel_field.h"
+#include "search_grid.h"
+
+namespace kestrel {
+
+/// A rough image of the walls: a pixel is a square of 2^shift × 2^shift cells of the map.
+///
+/// It is made from the occupied cells only, which are few compared to all cells. A pixel with a
+/// wall has the value kWall, those beside it half of that. In layer n > 0 every pixel has the
+/// maximum of layer 0 over 2^(n - 1) pixels in all directions, for points that are only known to
+/// that accuracy.
+class WallImage {
+ public:
+  static constexpr int kMostLayers = 5;
+  static constexpr int kWall = 63;
+
+  /// Covers the cells of `box`.
+  WallImage(const SurfelField& surface, const CellBox& box, int shift, int layers);
+
+  /// The lower left cell of the image.
+  Cell corner() const { return {low_.x << shift_, low_.y << shift_}; }
+  int cellsPerPixel() const { return 1 << shift_; }
+  int stride() const { return width_; }
+  const std::uint8_t* layer(int n) const { return layers_[static_cast<std::size_t>(n)].data(); }
+  /// Work to make an image of this size.
+  static std::int64_t workFor(const CellBox& box, int shift, int layers);
+
+ private:
+  void mark(const Cell& tile_corner, const SurfelField::OccupiedRows& rows);
+  void soften();
+  void spread(int layer, int pixels);
+
+  int shift_;
+  Cell low_;  ///< in pixels
+  int width_, height_;
+  std::vector<std::vector<std::uint8_t>> layers_;
+};
+
+}  // namespace kestrel
