@@ -10,6 +10,7 @@
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 #include "kestrel_slam/matching/ambiguity.h"
 #include "kestrel_slam/matching/thinned.h"
+#include "kestrel_slam/matching/weak_motion.h"
 #include "kestrel_slam/sensor/projection.h"
 
 namespace kestrel {
@@ -59,22 +60,30 @@ PlanarScan repaired(const PlanarScan& scan, double last_time) {
   return result;
 }
 
-/// Whether the motion prediction is better than the scan along the degenerate direction. Without a
-/// motion sensor the little information of the scan is used: otherwise a scan may be inserted with
-/// an error of 2 cm, and loops of whole buildings do not close.
-bool isUnobservable(const MatchResult& match, PredictionSource prediction_source) {
-  constexpr double kNoConstraint = 0.005;  // share of the beams
-  return match.degenerate &&
-         (prediction_source != PredictionSource::kVelocity || match.constraint < kNoConstraint);
+WeakMotion weakMotionOf(const MatchResult& match) {
+  return {match.degenerate_direction, match.degenerate_turn, match.constraint};
 }
 
 /// Replaces the match along the unobservable direction by the motion prediction. There the match
 /// only shows the discretization error of the cells.
 void keepPredictionAlong(const Pose2& motion_prediction, MatchResult& match) {
-  const Eigen::Vector2d& along = match.degenerate_direction;
-  const double moved = along.dot(motion_prediction.translation() - match.pose.translation());
-  const Eigen::Vector2d place = match.pose.translation() + moved * along;
-  match.pose = Pose2(place.x(), place.y(), match.pose.yaw);
+  const Eigen::Vector2d missing = motion_prediction.translation() - match.pose.translation();
+  match.pose = weakMotionOf(match).moved(match.pose, match.degenerate_direction.dot(missing));
+}
+
+/// Corrects the predicted position along the unobservable direction by the few beams that show it.
+/// `variance`: of the prediction, m².
+void correctAlong(const Submap& map, const Points& points, double variance, MatchResult& match) {
+  // As in the covariance of a match: correlated errors of neighboring beams, and the least noise.
+  constexpr double kBeamCorrelation = 4.0, kLeastNoiseM = 0.01, kSigmas = 3.0;
+  const WeakMotion weak = weakMotionOf(match);
+  const AlongFit fit =
+      fitAlong(map.surface(), points, match.pose, weak, kSigmas * std::sqrt(variance));
+  if (fit.beams < 1.0) return;
+  match.along_variance =
+      kBeamCorrelation * std::max(fit.variance_m2, kLeastNoiseM * kLeastNoiseM) / fit.beams;
+  match.pose =
+      weak.moved(match.pose, fit.distance_m * variance / (variance + match.along_variance));
 }
 
 }  // namespace
@@ -146,8 +155,14 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   const std::optional<Pose2> motion_prediction =
       motion.motionPrediction(request, scan, odom_T_base);
   result.match = matcher->match(map, request);
-  if (motion_prediction && isUnobservable(result.match, prediction_source))
+  if (motion_prediction && result.match.degenerate) {
     keepPredictionAlong(*motion_prediction, result.match);
+    const double moved = (motion.pose().inverse() * result.match.pose).distance();
+    correctAlong(map, points,
+                 uncertainty.alongVariance(result.match, motion.secondsSince(scan), moved,
+                                           prediction_source),
+                 result.match);
+  }
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request.lost);
   if (request.lost && result.state != MatchState::kLost &&
@@ -206,9 +221,12 @@ void Mapper::State::insert(const PlanarScan& scan, MapperResult& result) {
   inserted_pose = motion.pose();
 }
 
+/// Along an unobservable direction the vehicle may have moved although its pose did not. What it
+/// sees then must be in the map before it is passed.
 bool Mapper::State::movedEnough() const {
   const Pose2 moved = inserted_pose.inverse() * motion.pose();
   return moved.distance() >= config.insert_distance_m ||
+         uncertainty.driftSinceInsertion() >= config.insert_distance_m ||
          std::abs(moved.yaw) >= config.insert_angle_rad;
 }
 

@@ -219,8 +219,15 @@ std::optional<Pose2> MotionModel::motionPrediction(const MatchRequest& request,
                                                    const std::optional<Pose2>& odom_T_base) const {
   const double seconds = scan.time - time_;
   if (lost_scans_ > 0 || placed_ || !(seconds >= 0.0) || seconds > gap_s_) return std::nullopt;
-  const bool by_odometry = odom_ && odom_T_base && !filterMotionSince(scan);
-  return by_odometry ? pose_ * (odom_->inverse() * *odom_T_base) : request.initial_guesses.front();
+  switch (predictionSourceOf(scan, odom_T_base)) {
+    case PredictionSource::kOdometry:
+      return pose_ * (odom_->inverse() * *odom_T_base);
+    case PredictionSource::kVelocity:
+      return movedWithVelocity(scan);  // the motion between two scans is noisy
+    case PredictionSource::kAccelerometer:
+      break;
+  }
+  return request.initial_guesses.front();
 }
 
 double MotionModel::secondsSince(const PlanarScan& scan) const {
