@@ -74,14 +74,11 @@ void keepPredictionAlong(const Pose2& motion_prediction, MatchResult& match) {
 /// Corrects the predicted position along the unobservable direction by the few beams that show it.
 /// `variance`: of the prediction, m².
 void correctAlong(const Submap& map, const Points& points, double variance, MatchResult& match) {
-  // As in the covariance of a match: correlated errors of neighboring beams, and the least noise.
-  constexpr double kBeamCorrelation = 4.0, kLeastNoiseM = 0.01, kSigmas = 3.0;
+  constexpr double kSigmas = 3.0;
   const WeakMotion weak = weakMotionOf(match);
   const AlongFit fit =
       fitAlong(map.surface(), points, match.pose, weak, kSigmas * std::sqrt(variance));
-  if (fit.beams < 1.0) return;
-  match.along_variance =
-      kBeamCorrelation * std::max(fit.variance_m2, kLeastNoiseM * kLeastNoiseM) / fit.beams;
+  match.along_variance = fit.variance_m2;
   match.pose =
       weak.moved(match.pose, fit.distance_m * variance / (variance + match.along_variance));
 }

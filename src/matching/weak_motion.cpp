@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -13,17 +14,20 @@
 namespace kestrel {
 namespace {
 
-/// Only beams within this distance of their wall are used, m.
+/// A match is tested with the beams within this distance of their wall, m.
 constexpr double kReachM = 0.1;
-/// A beam constrains a motion clearly if its wall differs by more than 30 degrees from it. Wrong
-/// directions of walls are not as large, because a bend of neighboring hits is limited
-/// (wall_tangent.cpp).
-constexpr double kClear = 0.5;
-/// Distance to the part of the wall with which a beam is compared, m: less has hits in common.
-constexpr double kLeastStepM = 0.3, kMostStepM = 1.5;
+/// The effect of a motion is tested by moving the vehicle by this distance, m: far enough that the
+/// noise of the walls has no effect.
+constexpr double kTestM = 0.2;
+/// Larger distances of a beam to its wall count as this, m.
+constexpr double kMostDistanceM = 0.3;
 /// A hit lies on a line with two other hits of the scan in this distance, if its offset from the
 /// line is smaller than this, m, and the bend (sine) too.
 constexpr float kLeastArmM = 0.3F, kMostArmM = 8.0F, kMostOffsetM = 0.08F, kMostBend = 0.2F;
+/// The errors of neighboring beams are correlated: n beams count as n / kBeamCorrelation.
+constexpr double kBeamCorrelation = 4.0;
+/// Least noise of a distance: that of the map, m.
+constexpr double kLeastNoiseM = 0.01;
 /// Regularizes the normal equations of a scan with few beams.
 constexpr double kLeastInformation = 1e-3;
 
@@ -36,12 +40,6 @@ struct Beam {
 
   bool isPoint() const { return normal.isZero(); }
   Eigen::Vector2d turned() const { return {-arm.y(), arm.x()}; }
-  double distance() const { return isPoint() ? offset.norm() : normal.dot(offset); }
-  /// Change of the distance to the wall for each meter of `motion`, -1 to 1.
-  double slope(const WeakMotion& motion) const {
-    const Eigen::Vector2d velocity = motion.direction + motion.turn_rad_m * turned();
-    return isPoint() ? velocity.norm() : normal.dot(velocity);
-  }
 };
 
 /// The normal of a line (a surfel or its constraint), toward the vehicle.
@@ -156,16 +154,48 @@ Eigen::Matrix3d informationOf(const std::vector<Beam>& beams) {
   return result;
 }
 
-/// The product of the slopes of beam `i` and of the next part of its wall: the noise of both is
-/// independent, so it has no effect on the mean.
-double confirmedSlope2(const std::vector<Beam>& beams, const std::vector<double>& slopes,
-                       std::size_t i) {
-  for (std::size_t j = i + 1; j < beams.size(); ++j) {
-    const double distance = (beams[j].wall - beams[i].wall).norm();
-    if (distance < kLeastStepM) continue;
-    return distance > kMostStepM || std::abs(slopes[j]) > kClear ? 0.0 : slopes[i] * slopes[j];
+/// Squared distance of a beam to the surface after the vehicle moved, m².
+double distance2(const SurfelField& surface, const Pose2& pose, const Beam& beam,
+                 const WeakMotion& motion, double moved_m) {
+  const Eigen::Vector2d velocity = motion.direction + motion.turn_rad_m * beam.turned();
+  const Eigen::Vector2d end = pose.translation() + beam.arm + moved_m * velocity;
+  const Surfel* wall = surface.nearest(end.cast<float>());
+  if (wall == nullptr) return kMostDistanceM * kMostDistanceM;
+  const Eigen::Vector2d offset = end - wall->mean.cast<double>();
+  double distance = 0.0;
+  if (!isPoint(*wall)) {
+    distance = normalOf({wall->a11, wall->a12, wall->a22}, offset).dot(offset);
+  } else {
+    distance = beam.isPoint() ? offset.norm() : beam.normal.dot(offset);
   }
-  return 0.0;
+  return std::min(distance * distance, kMostDistanceM * kMostDistanceM);
+}
+
+/// A parabola through the sums of the squared distances at three places along a motion.
+struct Parabola {
+  double curvature = 0.0;  ///< half the second derivative, as a number of beams
+  double minimum = 0.0;    ///< its place, m
+  double variance = 0.0;   ///< of the place, m²
+};
+
+Parabola parabolaOf(const SurfelField& surface, const Pose2& pose, const std::vector<Beam>& beams,
+                    const WeakMotion& motion, double step_m) {
+  double bend = 0.0, bend2 = 0.0, slope = 0.0, slope2 = 0.0;
+  for (const Beam& beam : beams) {
+    const double before = distance2(surface, pose, beam, motion, -step_m);
+    const double middle = distance2(surface, pose, beam, motion, 0.0);
+    const double after = distance2(surface, pose, beam, motion, step_m);
+    const double b = (before + after - 2.0 * middle) / (2.0 * step_m * step_m);
+    const double t = (before - after) / (4.0 * step_m);
+    bend += b, bend2 += b * b, slope += t, slope2 += t * t;
+  }
+  Parabola result;
+  result.curvature = std::max(bend - std::sqrt(bend2), 0.0);
+  if (bend <= 0.0) return result;
+  result.minimum = slope / bend;
+  const double mean = beams.empty() ? 0.0 : slope / static_cast<double>(beams.size());
+  result.variance = kBeamCorrelation * (slope2 - slope * mean) / (bend * bend);
+  return result;
 }
 
 }  // namespace
@@ -184,38 +214,24 @@ WeakMotion weakMotion(const SurfelField& surface, const Points& points, const Po
       Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
   result.direction = axes.eigenvectors().col(1);
   result.turn_rad_m = covariance.block<1, 2>(2, 0).dot(result.direction) / axes.eigenvalues()(1);
-  std::vector<double> slopes;
-  slopes.reserve(beams.size());
-  for (const Beam& beam : beams) slopes.push_back(beam.slope(result));
-  double sum = 0.0;
-  for (std::size_t i = 0; i < beams.size(); ++i) {
-    const bool clear = std::abs(slopes[i]) > kClear;
-    sum += clear ? std::min(slopes[i] * slopes[i], 1.0) : confirmedSlope2(beams, slopes, i);
-  }
-  result.constraint = std::max(sum, 0.0) / static_cast<double>(beams.size());
+  const Parabola test = parabolaOf(surface, map_T_base, beams, result, kTestM);
+  result.constraint = test.curvature / static_cast<double>(beams.size());
   return result;
 }
 
 AlongFit fitAlong(const SurfelField& surface, const Points& points, const Pose2& start,
                   const WeakMotion& motion, double limit_m) {
-  constexpr int kIterations = 5;
+  constexpr std::array<double, 3> kSteps = {kTestM, 0.5 * kTestM, 0.5 * kTestM};
   AlongFit result;
-  double reach = std::max(limit_m, kReachM);
-  for (int i = 0; i < kIterations; ++i, reach = std::max(0.5 * reach, kReachM)) {
-    double information = 0.0, gradient = 0.0, squares = 0.0;
-    for (const Beam& beam :
-         fittingBeams(surface, points, motion.moved(start, result.distance_m), reach)) {
-      const double slope = beam.slope(motion);
-      if (std::abs(slope) < kClear) continue;
-      const Eigen::Vector2d velocity = motion.direction + motion.turn_rad_m * beam.turned();
-      information += slope * slope;
-      squares += beam.isPoint() ? beam.offset.squaredNorm() : beam.distance() * beam.distance();
-      gradient -= beam.isPoint() ? velocity.dot(beam.offset) : slope * beam.distance();
-    }
-    result.beams = information;
-    if (information < 1.0) return result;
-    result.variance_m2 = squares / information;
-    result.distance_m = std::clamp(result.distance_m + gradient / information, -limit_m, limit_m);
+  for (const double step : kSteps) {
+    const Pose2 pose = motion.moved(start, result.distance_m);
+    const std::vector<Beam> beams = fittingBeams(surface, points, pose, kMostDistanceM);
+    const Parabola parabola = parabolaOf(surface, pose, beams, motion, step);
+    if (parabola.curvature < 1.0) return {};
+    result.variance_m2 = std::max(
+        parabola.variance, kBeamCorrelation * kLeastNoiseM * kLeastNoiseM / parabola.curvature);
+    const double moved = std::clamp(parabola.minimum, -step, step);
+    result.distance_m = std::clamp(result.distance_m + moved, -limit_m, limit_m);
   }
   return result;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/map/submap.h"
@@ -21,21 +22,19 @@ struct WeakMotion {
   Pose2 moved(const Pose2& pose, double distance_m) const;
 };
 
-/// The weakest motion of a scan that was matched at `map_T_base`. A beam constrains a motion if it
-/// changes the distance to the wall. Most walls have this effect only because their directions are
-/// noisy. So a beam counts if the effect is large, or as far as a neighboring part of the wall
-/// shows it, too.
+/// The weakest motion of a scan that was matched at `map_T_base`, and how well the scan constrains
+/// it. The directions of the walls do not show this well, because they are noisy. So the vehicle is
+/// moved by 0.2 m in both directions: the beams that do not fit there constrain the motion.
 WeakMotion weakMotion(const SurfelField& surface, const Points& points, const Pose2& map_T_base);
 
 /// A distance along a weak motion, as the scan shows it.
 struct AlongFit {
   double distance_m = 0.0;
-  double beams = 0.0;        ///< number of beams that show it; 0: nothing is known
-  double variance_m2 = 0.0;  ///< of the distances of these beams to their walls
+  double variance_m2 = std::numeric_limits<double>::infinity();  ///< infinite: nothing is known
 };
 
-/// Finds the distance along `motion` from `start` at which those beams fit that constrain it
-/// clearly. The walls along the corridor have no effect. `limit_m`: largest distance.
+/// Finds the distance along `motion` from `start` at which the scan fits best. `limit_m`: largest
+/// distance.
 AlongFit fitAlong(const SurfelField& surface, const Points& points, const Pose2& start,
                   const WeakMotion& motion, double limit_m);
 
