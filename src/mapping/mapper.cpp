@@ -73,12 +73,16 @@ void keepPredictionAlong(const Pose2& motion_prediction, MatchResult& match) {
 
 /// Corrects the predicted position along the unobservable direction by the few beams that show it.
 /// `variance`: of the prediction, m².
-void correctAlong(const Submap& map, const Points& points, double variance, MatchResult& match) {
+void correctAlong(const Submap& map, const Points& points, double variance, double seconds,
+                  MatchResult& match) {
   constexpr double kSigmas = 3.0;
+  // The scans of this time see the same noise of the map, so their errors do not average out.
+  constexpr double kCorrelationTime = 0.25;  // s
   const WeakMotion weak = weakMotionOf(match);
   const AlongFit fit =
       fitAlong(map.surface(), points, match.pose, weak, kSigmas * std::sqrt(variance));
-  match.along_variance = fit.variance_m2;
+  match.along_variance =
+      fit.variance_m2 * std::max(1.0, kCorrelationTime / std::max(seconds, 1e-3));
   match.pose =
       weak.moved(match.pose, fit.distance_m * variance / (variance + match.along_variance));
 }
@@ -114,6 +118,8 @@ struct Mapper::State {
   void begin(MapperResult& result);
   void match(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
+  void followAlong(const Points& points, const PlanarScan& scan, PredictionSource source,
+                   MatchResult& match);
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
   bool isBlank(const Points& points, const PlanarScan& scan,
@@ -144,6 +150,16 @@ void Mapper::State::begin(MapperResult& result) {
   uncertainty.begin(motion.pose());
 }
 
+/// Along an unobservable direction: the prediction, and what little the scan shows.
+void Mapper::State::followAlong(const Points& points, const PlanarScan& scan,
+                                PredictionSource source, MatchResult& match) {
+  const double seconds = motion.secondsSince(scan);
+  const double moved = (motion.pose().inverse() * match.pose).distance();
+  const AlongError error = uncertainty.alongError(match, seconds, moved, source);
+  correctAlong(map, points, error.covariance(0, 0), seconds, match);
+  motion.setGainAlong(match.degenerate_direction, error.speedGain());
+}
+
 void Mapper::State::match(const Points& points, const PlanarScan& scan,
                           const std::optional<Pose2>& odom_T_base, const PredictionError& error,
                           MapperResult& result) {
@@ -154,11 +170,7 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   result.match = matcher->match(map, request);
   if (motion_prediction && result.match.degenerate) {
     keepPredictionAlong(*motion_prediction, result.match);
-    const double moved = (motion.pose().inverse() * result.match.pose).distance();
-    correctAlong(map, points,
-                 uncertainty.alongVariance(result.match, motion.secondsSince(scan), moved,
-                                           prediction_source),
-                 result.match);
+    followAlong(points, scan, prediction_source, result.match);
   }
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request.lost);

@@ -238,6 +238,7 @@ void MotionModel::move(const Pose2& found, const Pose2& predicted, bool lost,
                        const PlanarScan& scan) {
   const Pose2 next = !lost ? found : isUsable(predicted) ? predicted : pose_;
   updateVelocity(next, scan, lost);
+  along_.setZero();
   motion_ = lost || placed_ ? Pose2() : pose_.inverse() * next;
   // The last step was a correction of the prediction, too.
   if (carried_ || lost_scans_ > 0 || motion_.distance() > kMaxStepM) motion_ = Pose2();
@@ -265,8 +266,14 @@ void MotionModel::updateVelocity(const Pose2& next, const PlanarScan& scan, bool
   }
   const Pose2 expected = movedWithVelocity(scan);
   const double gain = 1.0 / (since_found + kVelocityTime);
-  velocity_ += gained + gain * (next.translation() - expected.translation());
+  const Eigen::Vector2d missed = next.translation() - expected.translation();
+  velocity_ += gained + gain * missed + (along_gain_ - gain) * along_.dot(missed) * along_;
   yaw_rate_ += gain * normalizeAngle(next.yaw - pose_.yaw - seconds * yaw_rate_);
+}
+
+void MotionModel::setGainAlong(const Eigen::Vector2d& direction, double gain) {
+  along_ = direction;
+  along_gain_ = gain;
 }
 
 void MotionModel::carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {

@@ -122,9 +122,11 @@ void AlongError::predict(double seconds, double moved_m, PredictionSource source
   covariance = sigmas * sigmas.transpose();
 }
 
-void AlongError::correct(double variance) {
+/// The error of the speed of a filter or of an accelerometer comes back, because its cause remains.
+void AlongError::correct(double variance, PredictionSource source) {
   if (!std::isfinite(variance)) return;
-  const Eigen::Vector2d column = covariance.col(0);
+  Eigen::Vector2d column = covariance.col(0);
+  if (source != PredictionSource::kVelocity) column.y() = 0.0;
   covariance -= column * column.transpose() / (covariance(0, 0) + variance);
 }
 
@@ -136,11 +138,11 @@ AlongError PoseUncertainty::firstError(const Eigen::Vector2d& along) const {
   return result;
 }
 
-double PoseUncertainty::alongVariance(const MatchResult& match, double seconds, double moved_m,
-                                      PredictionSource source) const {
+AlongError PoseUncertainty::alongError(const MatchResult& match, double seconds, double moved_m,
+                                       PredictionSource source) const {
   AlongError error = drifting_ ? along_ : firstError(match.degenerate_direction);
   error.predict(seconds, moved_m, source);
-  return error.covariance(0, 0);
+  return error;
 }
 
 /// Extends the drift by one scan.
@@ -149,7 +151,7 @@ void PoseUncertainty::drift(double seconds, double moved_m, PredictionSource sou
   const double before = along_.covariance(0, 0);
   along_.predict(seconds, moved_m, source);
   drift_variance_ += along_.covariance(0, 0) - before;
-  along_.correct(along_variance);
+  along_.correct(along_variance, source);
 }
 
 void PoseUncertainty::carry(const Pose2& predicted, const PredictionError& error) {

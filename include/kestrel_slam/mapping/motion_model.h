@@ -58,6 +58,10 @@ class MotionModel {
   /// Updates the pose and the velocity: to `found`, or to `predicted` if lost.
   void move(const Pose2& found, const Pose2& predicted, bool lost, const PlanarScan& scan);
 
+  /// The next move() corrects the velocity along `direction` (a unit vector in the map frame) with
+  /// this gain, 1/s, because there the position is mostly predicted.
+  void setGainAlong(const Eigen::Vector2d& direction, double gain);
+
   /// Moves to the predicted pose at `scan`, which shows nothing to match.
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base);
 
@@ -92,8 +96,10 @@ class MotionModel {
   std::optional<double> integrated_yaw_;  ///< integrated yaw of the gyro at the last scan, rad
   std::optional<Eigen::Vector2d> integrated_acceleration_;  ///< at the last scan, m/s
   Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
-  double yaw_rate_ = 0.0;  ///< smoothed, rad/s
-  PredictionError error_;  ///< of the pose, since the last match
+  Eigen::Vector2d along_ = Eigen::Vector2d::Zero();  ///< direction with its own gain, or zero
+  double along_gain_ = 0.0;                          ///< 1/s
+  double yaw_rate_ = 0.0;                            ///< smoothed, rad/s
+  PredictionError error_;                            ///< of the pose, since the last match
   double time_ = 0.0;
   double typical_s_ = 0.0;   ///< smoothed interval between two matched scans, s
   double interval_s_ = 0.0;  ///< between the last two matched scans, s

@@ -33,7 +33,9 @@ struct AlongError {
   /// Extends the error by a step of `seconds` and `moved_m` that is only predicted.
   void predict(double seconds, double moved_m, PredictionSource source);
   /// The scan shows the position with `variance`, m².
-  void correct(double variance);
+  void correct(double variance, PredictionSource source);
+  /// Correction of the speed for each meter by which the position is corrected, 1/s.
+  double speedGain() const { return covariance(0, 1) / covariance(0, 0); }
 };
 
 /// Tracks the uncertainty of the pose from scan to scan: the match covariance, the map covariance,
@@ -58,11 +60,10 @@ class PoseUncertainty {
   /// The last scan was inserted into the map.
   void insert();
 
-  /// Variance of the position along the unobservable direction of `match`, as predicted `seconds`
-  /// after the last scan and `moved_m` away from it, relative to the map around the vehicle.
-  double alongVariance(const MatchResult& match, double seconds, double moved_m,
-                       PredictionSource source) const;
-
+  /// The error along the unobservable direction of `match`, as predicted `seconds` after the last
+  /// scan and `moved_m` away from it.
+  AlongError alongError(const MatchResult& match, double seconds, double moved_m,
+                        PredictionSource source) const;
   /// How far the vehicle may have moved since the last insertion, as a standard deviation along an
   /// unobservable direction, m.
   double driftSinceInsertion() const;
