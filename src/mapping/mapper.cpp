@@ -73,18 +73,15 @@ void keepPredictionAlong(const Pose2& motion_prediction, MatchResult& match) {
 
 /// Corrects the predicted position along the unobservable direction by the few beams that show it.
 /// `variance`: of the prediction, m².
-void correctAlong(const Submap& map, const Points& points, double variance, double seconds,
-                  MatchResult& match) {
-  constexpr double kSigmas = 3.0;
+void correctAlong(const AlongFit& fit, double variance, double seconds, MatchResult& match) {
   // The scans of this time see the same noise of the map, so their errors do not average out.
   constexpr double kCorrelationTime = 0.25;  // s
-  const WeakMotion weak = weakMotionOf(match);
-  const AlongFit fit =
-      fitAlong(map.surface(), points, match.pose, weak, kSigmas * std::sqrt(variance));
-  match.along_variance =
+  const double correlated =
       fit.variance_m2 * std::max(1.0, kCorrelationTime / std::max(seconds, 1e-3));
-  match.pose =
-      weak.moved(match.pose, fit.distance_m * variance / (variance + match.along_variance));
+  // What differs more than both errors explain is not what the map shows, but floor or people.
+  match.along_variance = std::max(correlated, fit.distance_m * fit.distance_m - variance);
+  const double gain = variance / (variance + match.along_variance);
+  match.pose = weakMotionOf(match).moved(match.pose, gain * fit.distance_m);
 }
 
 }  // namespace
@@ -118,8 +115,8 @@ struct Mapper::State {
   void begin(MapperResult& result);
   void match(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
-  void followAlong(const Points& points, const PlanarScan& scan, PredictionSource source,
-                   MatchResult& match);
+  void followAlong(const Points& points, const PlanarScan& scan, const Pose2& motion_prediction,
+                   PredictionSource source, MatchResult& match);
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
   bool isBlank(const Points& points, const PlanarScan& scan,
@@ -152,12 +149,19 @@ void Mapper::State::begin(MapperResult& result) {
 
 /// Along an unobservable direction: the prediction, and what little the scan shows.
 void Mapper::State::followAlong(const Points& points, const PlanarScan& scan,
-                                PredictionSource source, MatchResult& match) {
+                                const Pose2& motion_prediction, PredictionSource source,
+                                MatchResult& match) {
+  constexpr double kSigmas = 3.0;
   const double seconds = motion.secondsSince(scan);
   const double moved = (motion.pose().inverse() * match.pose).distance();
   const AlongError error = uncertainty.alongError(match, seconds, moved, source);
-  correctAlong(map, points, error.covariance(0, 0), seconds, match);
-  motion.setGainAlong(match.degenerate_direction, error.speedGain());
+  const double variance = error.covariance(0, 0);
+  keepPredictionAlong(motion_prediction, match);
+  const AlongFit fit = fitAlong(map.surface(), points, match.pose, weakMotionOf(match),
+                                kSigmas * std::sqrt(variance));
+  correctAlong(fit, variance, seconds, match);
+  if (source == PredictionSource::kVelocity)
+    motion.setGainAlong(match.degenerate_direction, error.speedGain());
 }
 
 void Mapper::State::match(const Points& points, const PlanarScan& scan,
@@ -168,10 +172,8 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   const std::optional<Pose2> motion_prediction =
       motion.motionPrediction(request, scan, odom_T_base);
   result.match = matcher->match(map, request);
-  if (motion_prediction && result.match.degenerate) {
-    keepPredictionAlong(*motion_prediction, result.match);
-    followAlong(points, scan, prediction_source, result.match);
-  }
+  if (motion_prediction && result.match.degenerate)
+    followAlong(points, scan, *motion_prediction, prediction_source, result.match);
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request.lost);
   if (request.lost && result.state != MatchState::kLost &&
