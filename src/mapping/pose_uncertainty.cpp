@@ -30,9 +30,6 @@ constexpr double kAccelerometerError = 0.05;
 /// Unknown acceleration of the vehicle, m/s², how long it lasts, s, and the largest error of the
 /// speed, m/s.
 constexpr double kUnknownAcceleration = 1.0, kAccelerationTime = 0.5, kMaxSpeed = 3.0;
-/// The drift ends when this share of the points constrains the direction. Smaller shares may be
-/// caused by noise of the walls.
-constexpr double kRegained = 0.03;
 /// Error of the odometry, relative to the distance.
 constexpr double kOdometryError = 0.1;
 
@@ -76,7 +73,7 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
                              PredictionSource prediction_source) {
   UncertainPose next{match.pose, map_.at(surface, points, match.pose), match.covariance};
   if (match.degenerate) unobservable_direction_ = match.degenerate_direction;
-  const bool is_drifting = match.degenerate || (drifting_ && match.constraint < kRegained);
+  const bool is_drifting = match.degenerate;
   if (is_drifting) {
     const Eigen::Vector2d& along = unobservable_direction_;
     if (!drifting_) {

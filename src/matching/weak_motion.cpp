@@ -174,6 +174,7 @@ double distance2(const SurfelField& surface, const Pose2& pose, const Beam& beam
 /// A parabola through the sums of the squared distances at three places along a motion.
 struct Parabola {
   double curvature = 0.0;  ///< half the second derivative, as a number of beams
+  double certain = 0.0;    ///< the same, less one standard deviation
   double minimum = 0.0;    ///< its place, m
   double variance = 0.0;   ///< of the place, m²
 };
@@ -190,7 +191,8 @@ Parabola parabolaOf(const SurfelField& surface, const Pose2& pose, const std::ve
     bend += b, bend2 += b * b, slope += t, slope2 += t * t;
   }
   Parabola result;
-  result.curvature = std::max(bend - std::sqrt(bend2), 0.0);
+  result.curvature = std::max(bend, 0.0);
+  result.certain = std::max(bend - std::sqrt(bend2), 0.0);
   if (bend <= 0.0) return result;
   result.minimum = slope / bend;
   const double mean = beams.empty() ? 0.0 : slope / static_cast<double>(beams.size());
@@ -227,9 +229,9 @@ AlongFit fitAlong(const SurfelField& surface, const Points& points, const Pose2&
     const Pose2 pose = motion.moved(start, result.distance_m);
     const std::vector<Beam> beams = fittingBeams(surface, points, pose, kMostDistanceM);
     const Parabola parabola = parabolaOf(surface, pose, beams, motion, step);
-    if (parabola.curvature < 1.0) return {};
+    if (parabola.certain < 1.0) return {};
     result.variance_m2 = std::max(
-        parabola.variance, kBeamCorrelation * kLeastNoiseM * kLeastNoiseM / parabola.curvature);
+        parabola.variance, kBeamCorrelation * kLeastNoiseM * kLeastNoiseM / parabola.certain);
     const double moved = std::clamp(parabola.minimum, -step, step);
     result.distance_m = std::clamp(result.distance_m + moved, -limit_m, limit_m);
   }
