@@ -54,8 +54,10 @@ Eigen::Matrix3d MapUncertainty::at(const SurfelField& surface, const Points& poi
     const Eigen::Matrix3d covariance =
         transported(birth.covariance, pose.translation() - birth.pose.translation());
     mean += covariance / static_cast<double>(count);
+    // Squared: many walls differ a little from the direction, because their own direction is noisy.
     const double along = static_cast<double>(kAlongWeight);
-    const double weight = std::max(weakest.dot(normalsOf(*walls[i]) * weakest) - along, 0.0);
+    const double share = std::max(weakest.dot(normalsOf(*walls[i]) * weakest) - along, 0.0);
+    const double weight = share * share;
     weights += weight;
     weighted += weight * weakest.dot(covariance.topLeftCorner<2, 2>() * weakest);
   }

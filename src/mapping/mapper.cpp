@@ -11,6 +11,7 @@
 #include "kestrel_slam/matching/ambiguity.h"
 #include "kestrel_slam/matching/fit.h"
 #include "kestrel_slam/matching/thinned.h"
+#include "kestrel_slam/matching/weak_motion.h"
 #include "kestrel_slam/sensor/projection.h"
 
 namespace kestrel {
@@ -64,22 +65,28 @@ PlanarScan repaired(const PlanarScan& scan, double last_time) {
   return result;
 }
 
-/// Whether the motion prediction is better than the scan along the degenerate direction. Without a
-/// motion sensor the little information of the scan is used: otherwise a scan may be inserted with
-/// an error of 2 cm, and loops of whole buildings do not close.
-bool isUnobservable(const MatchResult& match, PredictionSource prediction_source) {
-  constexpr double kNoConstraint = 0.005;  // share of the beams
-  return match.degenerate &&
-         (prediction_source != PredictionSource::kVelocity || match.constraint < kNoConstraint);
+WeakMotion weakMotionOf(const MatchResult& match) {
+  return {match.degenerate_direction, match.degenerate_turn, match.constraint};
 }
 
 /// Replaces the match along the unobservable direction by the motion prediction. There the match
 /// only shows the discretization error of the cells.
 void keepPredictionAlong(const Pose2& motion_prediction, MatchResult& match) {
-  const Eigen::Vector2d& along = match.degenerate_direction;
-  const double moved = along.dot(motion_prediction.translation() - match.pose.translation());
-  const Eigen::Vector2d place = match.pose.translation() + moved * along;
-  match.pose = Pose2(place.x(), place.y(), match.pose.yaw);
+  const Eigen::Vector2d missing = motion_prediction.translation() - match.pose.translation();
+  match.pose = weakMotionOf(match).moved(match.pose, match.degenerate_direction.dot(missing));
+}
+
+/// Corrects the predicted position along the unobservable direction by the few beams that show it.
+/// `variance`: of the prediction, m².
+void correctAlong(const AlongFit& fit, double variance, double seconds, MatchResult& match) {
+  // The scans of this time see the same noise of the map, so their errors do not average out.
+  constexpr double kCorrelationTime = 0.25;  // s
+  const double correlated =
+      fit.variance_m2 * std::max(1.0, kCorrelationTime / std::max(seconds, 1e-3));
+  // What differs more than both errors explain is not what the map shows, but floor or people.
+  match.along_variance = std::max(correlated, fit.distance_m * fit.distance_m - variance);
+  const double gain = variance / (variance + match.along_variance);
+  match.pose = weakMotionOf(match).moved(match.pose, gain * fit.distance_m);
 }
 
 }  // namespace
@@ -114,6 +121,8 @@ struct Mapper::State {
   void begin(MapperResult& result);
   void match(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
+  void followAlong(const Points& points, const PlanarScan& scan, const Pose2& motion_prediction,
+                   PredictionSource source, MatchResult& match);
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
   bool isCarried(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
@@ -150,6 +159,23 @@ void Mapper::State::begin(MapperResult& result) {
   uncertainty.begin(motion.pose());
 }
 
+/// Along an unobservable direction: the prediction, and what little the scan shows.
+void Mapper::State::followAlong(const Points& points, const PlanarScan& scan,
+                                const Pose2& motion_prediction, PredictionSource source,
+                                MatchResult& match) {
+  constexpr double kSigmas = 3.0;
+  const double seconds = motion.secondsSince(scan);
+  const double moved = (motion.pose().inverse() * match.pose).distance();
+  const AlongError error = uncertainty.alongError(match, seconds, moved, source);
+  const double variance = error.covariance(0, 0);
+  keepPredictionAlong(motion_prediction, match);
+  const AlongFit fit = fitAlong(map.surface(), points, match.pose, weakMotionOf(match),
+                                kSigmas * std::sqrt(variance));
+  correctAlong(fit, variance, seconds, match);
+  if (source == PredictionSource::kVelocity)
+    motion.setGainAlong(match.degenerate_direction, error.speedGain());
+}
+
 void Mapper::State::match(const Points& points, const PlanarScan& scan,
                           const std::optional<Pose2>& odom_T_base, const PredictionError& error,
                           MapperResult& result) {
@@ -158,8 +184,8 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   const std::optional<Pose2> motion_prediction =
       motion.motionPrediction(request, scan, odom_T_base);
   result.match = matcher->match(map, request);
-  if (motion_prediction && isUnobservable(result.match, prediction_source))
-    keepPredictionAlong(*motion_prediction, result.match);
+  if (motion_prediction && result.match.degenerate)
+    followAlong(points, scan, *motion_prediction, prediction_source, result.match);
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request.lost || (motion.isCarried() && !request.prior));
   if ((request.lost || request.wide) && result.state != MatchState::kLost &&
@@ -259,9 +285,12 @@ void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResu
   inserted_pose = motion.pose();
 }
 
+/// Along an unobservable direction the vehicle may have moved although its pose did not. What it
+/// sees then must be in the map before it is passed.
 bool Mapper::State::movedEnough() const {
   const Pose2 moved = inserted_pose.inverse() * motion.pose();
   return moved.distance() >= config.insert_distance_m ||
+         uncertainty.driftSinceInsertion() >= config.insert_distance_m ||
          std::abs(moved.yaw) >= config.insert_angle_rad;
 }
 

@@ -247,9 +247,12 @@ std::optional<Pose2> MotionModel::motionPrediction(const MatchRequest& request,
                                                    const std::optional<Pose2>& odom_T_base) const {
   const double seconds = scan.time - time_;
   if (lost_scans_ > 0 || placed_ || !(seconds >= 0.0)) return std::nullopt;
-  if (const auto moved = odometryMotion(odom_T_base); moved && !filterMotionSince(scan))
-    return pose_ * *moved;
-  return seconds > gap_s_ ? std::nullopt : std::optional(request.initial_guesses.front());
+  const PredictionSource source = predictionSourceOf(scan, odom_T_base);
+  if (source == PredictionSource::kOdometry) return pose_ * *odometryMotion(odom_T_base);
+  if (seconds > gap_s_) return std::nullopt;
+  // The motion between two scans is noisy.
+  return source == PredictionSource::kVelocity ? movedWithVelocity(scan)
+                                               : request.initial_guesses.front();
 }
 
 double MotionModel::secondsSince(const PlanarScan& scan) const {
@@ -260,6 +263,7 @@ void MotionModel::move(const Pose2& found, const Pose2& predicted, bool lost,
                        const PlanarScan& scan) {
   const Pose2 next = !lost ? found : isUsable(predicted) ? predicted : pose_;
   updateVelocity(next, scan, lost);
+  along_.setZero();
   motion_ = lost || placed_ ? Pose2() : pose_.inverse() * next;
   // The last step was a correction of the prediction, too.
   if (carried_ || lost_scans_ > 0 || motion_.distance() > kMaxStepM) motion_ = Pose2();
@@ -287,7 +291,8 @@ void MotionModel::updateVelocity(const Pose2& next, const PlanarScan& scan, bool
   }
   const Pose2 expected = movedWithVelocity(scan);
   const double gain = 1.0 / (since_found + kVelocityTime);
-  velocity_ += gained + gain * (next.translation() - expected.translation());
+  const Eigen::Vector2d missed = next.translation() - expected.translation();
+  velocity_ += gained + gain * missed + (along_gain_ - gain) * along_.dot(missed) * along_;
   yaw_rate_ += gain * normalizeAngle(next.yaw - pose_.yaw - seconds * yaw_rate_);
 }
 
@@ -300,6 +305,11 @@ void MotionModel::learnOdometry(const Pose2& found, const std::optional<Pose2>& 
     odometry_.interrupt();
   }
   last_well_matched_ = well_matched;
+}
+
+void MotionModel::setGainAlong(const Eigen::Vector2d& direction, double gain) {
+  along_ = direction;
+  along_gain_ = gain;
 }
 
 void MotionModel::carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {

@@ -24,12 +24,12 @@ constexpr double kChainFactor = 4.5;
 
 /// Standard deviation of the velocity when a direction becomes unobservable, m/s.
 constexpr double kFirstSpeed = 0.05;
-/// Growth of the velocity error, m/s²: for an accelerometer with a tilt error of a third of a
-/// degree; and for a vehicle with unknown acceleration, up to the speed kMaxSpeed, m/s.
-constexpr double kAccelerometerError = 0.05, kUnknownAcceleration = 0.5, kMaxSpeed = 3.0;
-/// The drift ends when this share of the points constrains the direction. Smaller shares may be
-/// caused by noise of the walls.
-constexpr double kRegained = 0.03;
+/// Growth of the velocity error, m/s², for an accelerometer with a tilt error of a third of a
+/// degree.
+constexpr double kAccelerometerError = 0.05;
+/// Unknown acceleration of the vehicle, m/s², how long it lasts, s, and the largest error of the
+/// speed, m/s.
+constexpr double kUnknownAcceleration = 1.0, kAccelerationTime = 0.5, kMaxSpeed = 3.0;
 /// Error of the odometry, relative to the distance.
 constexpr double kOdometryError = 0.1;
 
@@ -61,6 +61,11 @@ void PoseUncertainty::begin(const Pose2& pose) {
 
 void PoseUncertainty::insert() {
   map_.add(last_.pose, last_.map_covariance + kChainFactor * last_.match_covariance);
+  inserted_variance_ = drift_variance_;
+}
+
+double PoseUncertainty::driftSinceInsertion() const {
+  return drifting_ ? std::sqrt(drift_variance_ - inserted_variance_) : 0.0;
 }
 
 void PoseUncertainty::update(const SurfelField& surface, const Points& points,
@@ -68,19 +73,19 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
                              PredictionSource prediction_source) {
   UncertainPose next{match.pose, map_.at(surface, points, match.pose), match.covariance};
   if (match.degenerate) unobservable_direction_ = match.degenerate_direction;
-  const bool is_drifting = match.degenerate || (drifting_ && match.constraint < kRegained);
+  const bool is_drifting = match.degenerate;
   if (is_drifting) {
     const Eigen::Vector2d& along = unobservable_direction_;
     if (!drifting_) {
       entry_variance_ = along.dot(last_.covariance().topLeftCorner<2, 2>() * along);
-      drift_m_ = 0.0;
-      drift_speed_m_s_ = std::max(kFirstSpeed, carried_speed_m_s_);
+      drift_variance_ = inserted_variance_ = 0.0;
+      along_ = firstError(along);
     }
-    drift(seconds, moved_m, prediction_source);
+    drift(seconds, moved_m, prediction_source, match.along_variance);
     next.map_covariance = stretched(next.map_covariance, along, 0.0);
     next.match_covariance = stretched(next.match_covariance, along, 0.0);
     next.map_covariance.topLeftCorner<2, 2>() +=
-        (entry_variance_ + drift_m_ * drift_m_) * along * along.transpose();
+        (entry_variance_ + drift_variance_) * along * along.transpose();
   }
   drifting_ = is_drifting;
   motion_ = relativeCovariance(last_, next);
@@ -90,18 +95,60 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
   carried_speed_m_s_ = 0.0;
 }
 
-/// Extends the drift by one scan. The errors of a drift have the same sign, so standard deviations
-/// are added, not variances.
-void PoseUncertainty::drift(double seconds, double moved_m, PredictionSource prediction_source) {
-  if (prediction_source == PredictionSource::kOdometry) {
-    drift_m_ += kOdometryError * moved_m;
+/// The error of an accelerometer or of odometry has the same sign for a long time, so standard
+/// deviations are added. An unknown acceleration changes.
+void AlongError::predict(double seconds, double moved_m, PredictionSource source) {
+  if (source == PredictionSource::kVelocity) {
+    Eigen::Matrix2d step, noise;
+    step << 1.0, seconds, 0.0, 1.0;
+    noise << seconds * seconds / 3.0, seconds / 2.0, seconds / 2.0, 1.0;
+    covariance = step * covariance * step.transpose() +
+                 square(kUnknownAcceleration) * kAccelerationTime * seconds * noise;
+    const double factor = std::min(1.0, kMaxSpeed / std::sqrt(covariance(1, 1)));
+    covariance.row(1) *= factor;
+    covariance.col(1) *= factor;
     return;
   }
-  const bool measured = prediction_source == PredictionSource::kAccelerometer;
-  const double before = drift_speed_m_s_;
-  drift_speed_m_s_ += seconds * (measured ? kAccelerometerError : kUnknownAcceleration);
-  if (!measured) drift_speed_m_s_ = std::min(drift_speed_m_s_, std::max(kMaxSpeed, before));
-  drift_m_ += seconds * 0.5 * (before + drift_speed_m_s_);
+  Eigen::Vector2d sigmas = covariance.diagonal().cwiseSqrt();
+  if (source == PredictionSource::kOdometry) {
+    sigmas.x() += kOdometryError * moved_m;
+  } else {
+    sigmas.x() += seconds * (sigmas.y() + 0.5 * seconds * kAccelerometerError);
+    sigmas.y() += seconds * kAccelerometerError;
+  }
+  covariance = sigmas * sigmas.transpose();
+}
+
+/// The error of the speed of a filter or of an accelerometer comes back, because its cause remains.
+void AlongError::correct(double variance, PredictionSource source) {
+  if (!std::isfinite(variance)) return;
+  Eigen::Vector2d column = covariance.col(0);
+  if (source != PredictionSource::kVelocity) column.y() = 0.0;
+  covariance -= column * column.transpose() / (covariance(0, 0) + variance);
+}
+
+/// The error along the unobservable direction at the beginning of a drift.
+AlongError PoseUncertainty::firstError(const Eigen::Vector2d& along) const {
+  AlongError result;
+  result.covariance(0, 0) = along.dot(last_.match_covariance.topLeftCorner<2, 2>() * along);
+  result.covariance(1, 1) = square(std::max(kFirstSpeed, carried_speed_m_s_));
+  return result;
+}
+
+AlongError PoseUncertainty::alongError(const MatchResult& match, double seconds, double moved_m,
+                                       PredictionSource source) const {
+  AlongError error = drifting_ ? along_ : firstError(match.degenerate_direction);
+  error.predict(seconds, moved_m, source);
+  return error;
+}
+
+/// Extends the drift by one scan.
+void PoseUncertainty::drift(double seconds, double moved_m, PredictionSource source,
+                            double along_variance) {
+  const double before = along_.covariance(0, 0);
+  along_.predict(seconds, moved_m, source);
+  drift_variance_ += along_.covariance(0, 0) - before;
+  along_.correct(along_variance, source);
 }
 
 void PoseUncertainty::carry(const Pose2& predicted, const PredictionError& error) {

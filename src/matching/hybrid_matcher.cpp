@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hybrid_matcher.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -9,6 +8,7 @@
 
 #include "kestrel_slam/matching/covariance.h"
 #include "kestrel_slam/matching/thinned.h"
+#include "kestrel_slam/matching/weak_motion.h"
 #include "rough_search.h"
 
 namespace kestrel {
@@ -316,11 +316,9 @@ void fillUncertainty(const Submap& map, const Points& points, const Optimum& opt
   const Fit& fit = optimum.fit;
   result.score = fit.score;
   result.known = fit.known;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> normals(fit.normals);
-  const Eigen::Vector2d weakest = normals.eigenvectors().col(0);
-  // The part of kAlongWeight (SurfelField) is not a constraint.
-  const double along = kAlongWeight / (1.0 + kAlongWeight);
-  const double share = std::max(normals.eigenvalues()(0) - along, 0.0);
+  const WeakMotion weak = weakMotion(map.surface(), points, result.pose);
+  const Eigen::Vector2d& weakest = weak.direction;
+  const double share = weak.constraint;
   result.constraint = share;
   result.degenerate = share < config.degenerate_share;
   result.covariance = covarianceOf(map, points, optimum, config, result.pose);
@@ -332,6 +330,7 @@ void fillUncertainty(const Submap& map, const Points& points, const Optimum& opt
       stretched(result.covariance, weakest, std::sqrt(std::max(hessian_share / constrained, 1.0)));
   if (!result.degenerate) return;
   result.degenerate_direction = weakest;
+  result.degenerate_turn = weak.turn_rad_m;
   result.covariance.topLeftCorner<2, 2>() +=
       kUnconstrainedM * kUnconstrainedM * (weakest * weakest.transpose());
 }

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/pipeline/matched_pose.h"
 
+#include <cmath>
+
 namespace kestrel {
 
 MatchedPose matchedPoseOf(const MapperResult& result, double stamp) {
   // A predicted pose is no measurement, even if the vehicle is not lost.
   const MatchState state = result.isMatched() ? result.state : MatchState::kLost;
   MatchedPose pose{stamp, result.pose, result.covariance, result.velocity, state};
-  if (result.match.degenerate) pose.unobservable = result.match.degenerate_direction;
+  const bool shown = std::isfinite(result.match.along_variance);
+  if (result.match.degenerate && !shown) pose.unobservable = result.match.degenerate_direction;
   return pose;
 }
 

@@ -112,5 +112,24 @@ TEST(PoseUncertainty, WithoutMotionSensorsTheCovarianceIsNotOverconfident) {
   EXPECT_LT(std::abs(result.pose.x - 6.0), 3.0 * std::sqrt(result.covariance(0, 0)));
 }
 
+TEST(AlongError, WithoutMeasurementGrowsUpToTheLargestSpeed) {
+  AlongError error;
+  for (int i = 0; i < 100; ++i) error.predict(0.1, 0.0, PredictionSource::kVelocity);
+  EXPECT_GT(std::sqrt(error.covariance(0, 0)), 5.0);
+  for (int i = 0; i < 1000; ++i) error.predict(0.1, 0.0, PredictionSource::kVelocity);
+  EXPECT_LE(std::sqrt(error.covariance(1, 1)), 3.1);
+}
+
+TEST(AlongError, AMeasurementOfThePositionAlsoShowsTheSpeed) {
+  AlongError error;
+  for (int i = 0; i < 100; ++i) error.predict(0.1, 0.0, PredictionSource::kVelocity);
+  for (int i = 0; i < 10; ++i) {
+    error.predict(0.1, 0.0, PredictionSource::kVelocity);
+    error.correct(1e-4, PredictionSource::kVelocity);
+  }
+  EXPECT_LT(std::sqrt(error.covariance(0, 0)), 0.011);
+  EXPECT_LT(std::sqrt(error.covariance(1, 1)), 0.5);
+}
+
 }  // namespace
 }  // namespace kestrel

@@ -70,6 +70,10 @@ class MotionModel {
   void learnOdometry(const Pose2& found, const std::optional<Pose2>& odom_T_base,
                      bool well_matched);
 
+  /// The next move() corrects the velocity along `direction` (a unit vector in the map frame) with
+  /// this gain, 1/s, because there the position is mostly predicted.
+  void setGainAlong(const Eigen::Vector2d& direction, double gain);
+
   /// Moves to the predicted pose at `scan`, which shows nothing to match.
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base);
 
@@ -107,8 +111,10 @@ class MotionModel {
   std::optional<double> integrated_yaw_;  ///< integrated yaw of the gyro at the last scan, rad
   std::optional<Eigen::Vector2d> integrated_acceleration_;  ///< at the last scan, m/s
   Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
-  double yaw_rate_ = 0.0;  ///< smoothed, rad/s
-  PredictionError error_;  ///< of the pose, since the last match
+  Eigen::Vector2d along_ = Eigen::Vector2d::Zero();  ///< direction with its own gain, or zero
+  double along_gain_ = 0.0;                          ///< 1/s
+  double yaw_rate_ = 0.0;                            ///< smoothed, rad/s
+  PredictionError error_;                            ///< of the pose, since the last match
   OdometryModel odometry_;
   bool last_well_matched_ = false;  ///< the last scan was matched well in every direction
   double time_ = 0.0;

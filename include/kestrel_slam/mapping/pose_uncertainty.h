@@ -25,6 +25,19 @@ struct UncertainPose {
 /// come from the same chain of scans, so that the common error cancels.
 Eigen::Matrix3d relativeCovariance(const UncertainPose& a, const UncertainPose& b);
 
+/// Error of the position and of the speed along an unobservable direction, relative to the map
+/// around the vehicle.
+struct AlongError {
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (position, speed), m and m/s
+
+  /// Extends the error by a step of `seconds` and `moved_m` that is only predicted.
+  void predict(double seconds, double moved_m, PredictionSource source);
+  /// The scan shows the position with `variance`, m².
+  void correct(double variance, PredictionSource source);
+  /// Correction of the speed for each meter by which the position is corrected, 1/s.
+  double speedGain() const { return covariance(0, 1) / covariance(0, 0); }
+};
+
 /// Tracks the uncertainty of the pose from scan to scan: the match covariance, the map covariance,
 /// and the drift along an unobservable direction, which grows until the direction is observable
 /// again.
@@ -47,13 +60,22 @@ class PoseUncertainty {
   /// The last scan was inserted into the map.
   void insert();
 
+  /// The error along the unobservable direction of `match`, as predicted `seconds` after the last
+  /// scan and `moved_m` away from it.
+  AlongError alongError(const MatchResult& match, double seconds, double moved_m,
+                        PredictionSource source) const;
+  /// How far the vehicle may have moved since the last insertion, as a standard deviation along an
+  /// unobservable direction, m.
+  double driftSinceInsertion() const;
+
   const UncertainPose& last() const { return last_; }
   /// Covariance of the motion since the previous scan, in its base frame.
   const Eigen::Matrix3d& motion() const { return motion_; }
 
  private:
   void predict(const Pose2& predicted, const Eigen::Vector3d& sigmas);
-  void drift(double seconds, double moved_m, PredictionSource prediction_source);
+  AlongError firstError(const Eigen::Vector2d& along) const;
+  void drift(double seconds, double moved_m, PredictionSource source, double along_variance);
 
   MapUncertainty map_;
   UncertainPose last_;
@@ -65,8 +87,9 @@ class PoseUncertainty {
   /// Unit vector in the map frame.
   Eigen::Vector2d unobservable_direction_ = Eigen::Vector2d::Zero();
   double entry_variance_ = 0.0;     ///< variance along it at the beginning of the drift, m²
-  double drift_m_ = 0.0;            ///< standard deviation of the motion since then, m
-  double drift_speed_m_s_ = 0.0;    ///< standard deviation of the current velocity, m/s
+  double drift_variance_ = 0.0;     ///< variance of the motion since then, m²
+  double inserted_variance_ = 0.0;  ///< the same at the last insertion
+  AlongError along_;
   double carried_speed_m_s_ = 0.0;  ///< the same for a pose that is only predicted
 };
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 
 #include "kestrel_slam/geometry/pose2.h"
 
@@ -33,7 +34,11 @@ struct MatchResult {
   bool degenerate = false;  ///< degenerate_direction is unobservable
   /// Unit vector in the map frame, or zero.
   Eigen::Vector2d degenerate_direction = Eigen::Vector2d::Zero();
-  double constraint = 0.0;  ///< share of the points that constrain the weakest direction, 0 to 0.5
+  double degenerate_turn = 0.0;  ///< turn of the vehicle for each meter along it, rad/m
+  /// Variance of the position along it, as far as the scan shows the position, m².
+  double along_variance = std::numeric_limits<double>::infinity();
+  /// Share of the points that constrain the weakest direction, 0 to 0.5.
+  double constraint = 0.0;
   std::array<StageEstimate, kMatchStages> stages;  ///< coarse to fine
 };
 

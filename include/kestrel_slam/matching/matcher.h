@@ -34,8 +34,8 @@ struct MatcherConfig {
   SearchWindow wide_window{1.0, 1.57};  ///< used if the search in the near window fails
   /// Hessian or sampled [Kohlbrecher 2011, sec. IV-B]; correlative has its own.
   std::string covariance = "hessian";
-  double degenerate_share = 0.015;  ///< a direction is unobservable if the smaller eigenvalue of
-                                    ///< the normals is below this
+  /// A direction is unobservable if a smaller share of the beams shows it (see WeakMotion).
+  double degenerate_share = 0.007;
 };
 
 /// A prediction of the pose from measured motion.
