@@ -51,6 +51,24 @@ bool isWellConstrained(const Fit& fit) {
          leastConstraint(fit) >= kConstrainedLeast;
 }
 
+/// Whether the points moved farther from `guess` to `found` than the coarsest stage reaches. Then
+/// the descent began outside of the basin of convergence, for example in a fast turn, and it may
+/// have found another optimum than the right one, even if the scan fits well there.
+bool leftBasin(const Points& points, const Pose2& guess, const Pose2& found) {
+  const Pose2 motion = guess.between(found);
+  double moved = 0.0;
+  for (const Eigen::Vector2f& point : points) {
+    const Eigen::Vector2d at = point.cast<double>();
+    moved += (motion * at - at).norm();
+  }
+  return moved > static_cast<double>(kStageScales.front()) * static_cast<double>(points.size());
+}
+
+bool isInside(const SearchWindow& window, const Pose2& motion) {
+  return motion.translation().lpNorm<Eigen::Infinity>() <= window.linear_m &&
+         std::abs(motion.yaw) <= window.angular_rad;
+}
+
 /// Covariance of the match from the Hessian and the variance of the residuals, or from samples
 /// around the pose.
 Eigen::Matrix3d covarianceOf(const Submap& map, const Points& points, const Optimum& optimum,
@@ -79,8 +97,10 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
       refine(map, request, request.initial_guesses.front(), request.trusted ? kLastStage : 0);
   result.iterations = best.descent.iterations;
   const std::size_t first = request.trusted ? 0 : 1;
+  const auto is_doubtful = [&] { return best.jumped && !request.trusted; };
   for (std::size_t i = first;
-       i < request.initial_guesses.size() && best.fit.score < config_.good_score; ++i) {
+       i < request.initial_guesses.size() && (is_doubtful() || best.fit.score < config_.good_score);
+       ++i) {
     Candidate other = refine(map, request, request.initial_guesses[i]);
     ++result.fallbacks;
     result.iterations += other.descent.iterations;
@@ -88,6 +108,13 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     if (other.penalized_score > best.penalized_score + margin) best = other;
   }
   const Pose2& first_guess = request.initial_guesses.front();
+  if (is_doubtful()) {
+    // The yaw is found more reliably than the position, and the position changes less in a turn.
+    const Candidate other =
+        refine(map, request, Pose2(first_guess.x, first_guess.y, best.descent.pose.yaw));
+    result.iterations += other.descent.iterations;
+    if (other.penalized_score > best.penalized_score) best = other;
+  }
   const bool jumps = (first_guess.inverse() * best.descent.pose).distance() > request.plausible_m;
   if ((best.fit.score < config_.search_score || jumps) && !request.trusted) {
     // An object that covers part of the view may mislead the coarse stages.
@@ -118,10 +145,15 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
   const Points points = request.lost ? thinned(request.points, kLostPoints) : request.points;
   std::vector<SearchWindow> windows = searchWindows(config_, request);
   if (request.lost) windows.erase(windows.begin(), windows.end() - 1);
+  Pose2 center = request.last;
+  if (request.yaw_known) center = Pose2(center.x, center.y, request.initial_guesses.front().yaw);
+  SearchWindow searched{0.0, 0.0};
   for (const SearchWindow& window : windows) {
-    if (best.fit.score >= config_.search_score) break;
-    Pose2 center = request.last;
-    if (request.yaw_known) center = Pose2(center.x, center.y, request.initial_guesses.front().yaw);
+    // The surroundings of a pose outside of the window were not searched.
+    if (best.fit.score >= config_.search_score &&
+        isInside(searched, center.between(best.descent.pose)))
+      break;
+    searched = window;
     const SearchResult found = searchWindow(map.surface(), points, center, window,
                                             preferencesFor(request, config_.correlative));
     Candidate other = refine(map, request, found.pose);
@@ -159,6 +191,7 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   result.descent.iterations = iterations;
   result.fit = fitOf(map, request.points, pose, config_.score_scale_m);
   result.penalized_score = penalizedScore(request, result.fit, pose, config_.correlative);
+  result.jumped = leftBasin(few, initial_guess, pose);
   return result;
 }
 
