@@ -123,8 +123,9 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     const double margin = jumps ? jumpMargin(config_, request, best.descent.pose) : 0.0;
     if (near.penalized_score + margin > best.penalized_score) best = near;
   }
-  if (best.fit.score < config_.search_score && (request.lost || !isWellConstrained(best.fit)))
-    search(map, request, result, best);
+  const bool fits_poorly =
+      best.fit.score < config_.search_score && (request.lost || !isWellConstrained(best.fit));
+  if (fits_poorly || is_doubtful()) search(map, request, result, best);
   if (request.lost) {
     // The last descent began far away and may have ended before it converged.
     const Candidate closer = refine(map, request, best.descent.pose, kLastStage);
@@ -158,9 +159,9 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
                                             preferencesFor(request, config_.correlative));
     Candidate other = refine(map, request, found.pose);
     result.iterations += other.descent.iterations;
-    if (other.penalized_score >
-        best.penalized_score + jumpMargin(config_, request, other.descent.pose))
-      best = other;
+    // Of two jumps the better one is taken.
+    const double margin = best.jumped ? 0.0 : jumpMargin(config_, request, other.descent.pose);
+    if (other.penalized_score > best.penalized_score + margin) best = other;
   }
 }
 
