@@ -114,9 +114,11 @@ Place town() {
 
 Place sparseTown() {
   constexpr double kGap = 50.0, kTreeShare = 0.03, kCarShare = 0.03;
-  return townOf("sparse_town",
-                "as town, but with gaps of 50 m between the houses, few trees and few cars", 150.0,
-                {kGap, kGap, kTreeShare, kCarShare});
+  return townOf(
+      "sparse_town",
+      "as town, but around 360 m x 360 m, with gaps of 50 m between the houses, few trees "
+      "and few cars",
+      180.0, {kGap, kGap, kTreeShare, kCarShare});
 }
 
 Place largeTown() {
