@@ -11,6 +11,7 @@
 #include "kestrel_slam/commands/run_tool.h"
 #include "kestrel_slam/evaluation/covariance_file.h"
 #include "kestrel_slam/evaluation/evaluation.h"
+#include "kestrel_slam/evaluation/scan_file.h"
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/recording/reference.h"
 #include "kestrel_slam/recording/trajectory.h"
@@ -20,7 +21,7 @@ namespace kestrel {
 namespace {
 
 struct Options {
-  std::string trajectory, relations, covariances, reference, reference_topic, json, plot;
+  std::string trajectory, relations, covariances, scans, reference, reference_topic, json, plot;
 };
 
 struct Results {
@@ -28,6 +29,7 @@ struct Results {
   std::optional<RelationEvaluation> relations;
   std::optional<CovarianceEvaluation> covariances;
   std::optional<ReferenceEvaluation> reference;
+  std::optional<StateEvaluation> states;
 };
 
 void printRow(const char* name, const ErrorStatistics& s, const char* unit) {
@@ -38,6 +40,14 @@ void printRow(const char* name, const ErrorStatistics& s, const char* unit) {
 void printRows(const std::string& name, const PoseErrorStatistics& statistics) {
   printRow((name + ", translation").c_str(), statistics.translation_m, "m");
   printRow((name + ", rotation").c_str(), statistics.rotation_deg, "deg");
+}
+
+void printStates(const StateEvaluation& states) {
+  if (states.odometry_ate) printRows("ATE of the odometry", *states.odometry_ate);
+  std::printf(
+      "%zu scans ok, %zu degraded, %zu lost; %zu ok, but wrong by more than %.0f m since %zu "
+      "scans before\n",
+      states.ok, states.degraded, states.lost, states.wrong_and_ok, kWrongMotion, kMotionScans);
 }
 
 void printTable(const Results& results) {
@@ -60,6 +70,7 @@ void printTable(const Results& results) {
     printRows("RPE per 1 m", results.reference->rpe_per_meter);
     printRows("RPE per 1 s", results.reference->rpe_per_second);
   }
+  if (results.states) printStates(*results.states);
 }
 
 void printUnmatched(const Results& results) {
@@ -106,6 +117,15 @@ void writeJson(const std::string& path, const Results& results) {
                          {"rpe_per_1_s", toJson(results.reference->rpe_per_second)},
                          {"unmatched_poses", results.reference->unmatched}};
   }
+  if (results.states) {
+    json["states"] = {{"ok", results.states->ok},
+                      {"degraded", results.states->degraded},
+                      {"lost", results.states->lost},
+                      {"wrong_and_ok", results.states->wrong_and_ok}};
+    if (results.states->odometry_ate) {
+      json["states"]["odometry_ate"] = toJson(*results.states->odometry_ate);
+    }
+  }
   writeFileAtomically(path, json.dump(2) + "\n");
 }
 
@@ -126,8 +146,11 @@ Results evaluate(const Options& options) {
   }
   if (!options.reference.empty()) {
     try {
-      results.reference = evaluateReference(
-          results.trajectory, readReference(options.reference, options.reference_topic));
+      const Trajectory reference = readReference(options.reference, options.reference_topic);
+      results.reference = evaluateReference(results.trajectory, reference);
+      if (!options.scans.empty()) {
+        results.states = evaluateStates(readScans(options.scans), reference);
+      }
     } catch (const ReferenceMismatch& error) {
       throw std::runtime_error(options.reference + ": " + error.what());
     }
@@ -183,6 +206,10 @@ int main(int argc, char** argv) {
                  "their covariances")
       ->needs("--relations");
   app.add_option("--reference", options.reference, "reference trajectory, TUM format or rosbag");
+  app.add_option("--scans", options.scans,
+                 "scans.csv of map_recording; counts the scans of each state, and those that are "
+                 "wrong but called ok")
+      ->needs("--reference");
   app.add_option("--reference-topic", options.reference_topic,
                  "topic in a rosbag: PoseStamped, PoseWithCovarianceStamped or Odometry");
   app.add_option("--json", options.json, "write all statistics to this file");

@@ -43,6 +43,7 @@ void printSummary(const fs::path& folder, const OfflineRun& run) {
   for (const auto& [what, file] : {std::pair{"map", "map.yaml"},
                                    {"trajectory", "trajectory.tum"},
                                    {"covariances", "covariances.txt"},
+                                   {"states", "scans.csv"},
                                    {"statistics", "stats.json"},
                                    {"report", "report.html"}}) {
     std::printf("%-12s%s\n", what, (folder / file).string().c_str());

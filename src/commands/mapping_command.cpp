@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "kestrel_slam/evaluation/covariance_file.h"
+#include "kestrel_slam/evaluation/scan_file.h"
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/map/map_folder.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
@@ -53,6 +54,24 @@ void addTopicOptions(CLI::App& app, RecordingOptions& topics) {
       ->check(CLI::Range(1.0, 360.0));
 }
 
+ScanRow rowOf(const StampedPose& pose, const ScanRecord& scan) {
+  ScanRow row;
+  row.stamp = pose.stamp;
+  row.pose = pose.pose;
+  row.state = scan.state;
+  row.score = scan.score;
+  row.known = scan.known;
+  row.constraint = scan.constraint;
+  row.degenerate_direction = scan.degenerate_direction;
+  row.sigmas = scan.uncertain.covariance().diagonal().cwiseMax(0.0).cwiseSqrt();
+  row.inserted = scan.inserted;
+  row.searched = scan.searched;
+  row.carried = scan.carried;
+  row.ambiguous = scan.ambiguous;
+  row.odom_T_base = scan.odom_T_base;
+  return row;
+}
+
 void addRunOptions(CLI::App& app, RunOptions& run) {
   Perturbation& perturbation = run.perturbation;
   app.add_option("--scans", run.max_scans, "N: use only the first N scans")
@@ -65,6 +84,16 @@ void addRunOptions(CLI::App& app, RunOptions& run) {
       ->check(CLI::Range(0.0, 1.0));
   app.add_option("--drop-beams-seed", perturbation.beams_seed, "seed of --drop-beams")
       ->capture_default_str();
+  app.add_option("--odometry-error",
+                 "errors added to the odometry, with commas between them: short:SHARE, "
+                 "turn:RAD_PER_M, unsigned, slip:M (about every 30 m, with a fixed seed)")
+      ->each([&perturbation](const std::string& text) {
+        try {
+          perturbation.odometry = parseOdometryError(text);
+        } catch (const std::invalid_argument& error) {
+          throw CLI::ValidationError("--odometry-error", error.what());
+        }
+      });
 }
 
 /// Advice for a recording whose IMU makes all scans unusable.
@@ -216,15 +245,17 @@ void printWarnings(const std::string& prefix, const OfflineRun& run) {
 
 void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& info) {
   std::vector<ScanCovariance> covariances;
-  covariances.reserve(run.scans.size());
+  std::vector<ScanRow> rows;
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
     covariances.push_back({run.trajectory[i].stamp, run.scans[i].uncertain});
+    rows.push_back(rowOf(run.trajectory[i], run.scans[i]));
   }
   const std::string stats =
       statsOf(run, info).dump(kJsonIndent, ' ', false, nlohmann::json::error_handler_t::replace);
   writeMapFolder(folder.string(), run.map,
                  {{"trajectory.tum", tumText(run.trajectory)},
                   {"covariances.txt", covariancesText(covariances)},
+                  {"scans.csv", scansText(rows)},
                   {"stats.json", stats + "\n"},
                   {"report.html", reportHtml(run, info)}});
 }

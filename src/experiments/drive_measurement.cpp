@@ -64,6 +64,13 @@ FlightTrial largeTownDrive() {
   return trial;
 }
 
+FlightTrial sparseTownDrive() {
+  FlightTrial trial = townDrive();
+  trial.name = "drive with gaps of 50 m";
+  trial.place = levelPlace("sparse_town");
+  return trial;
+}
+
 DriveMeasurement measureDrive(const FlightTrial& trial) {
   DriveMeasurement result;
   result.flight = measureFlight(trial);

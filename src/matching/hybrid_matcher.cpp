@@ -87,6 +87,24 @@ double allPointsScore(const Fit& fit, double penalized_score) {
   return penalized_score - fit.score * (1.0 - fit.known);
 }
 
+/// Whether the points moved farther from `guess` to `found` than the coarsest stage reaches. Then
+/// the descent began outside of the basin of convergence, for example in a fast turn, and it may
+/// have found another optimum than the right one, even if the scan fits well there.
+bool leftBasin(const Points& points, const Pose2& guess, const Pose2& found) {
+  const Pose2 motion = guess.between(found);
+  double moved = 0.0;
+  for (const Eigen::Vector2f& point : points) {
+    const Eigen::Vector2d at = point.cast<double>();
+    moved += (motion * at - at).norm();
+  }
+  return moved > static_cast<double>(kStageScales.front()) * static_cast<double>(points.size());
+}
+
+bool isInside(const SearchWindow& window, const Pose2& motion) {
+  return motion.translation().lpNorm<Eigen::Infinity>() <= window.linear_m &&
+         std::abs(motion.yaw) <= window.angular_rad;
+}
+
 /// Covariance of the match from the Hessian and the variance of the residuals, or from samples
 /// around the pose.
 Eigen::Matrix3d covarianceOf(const Submap& map, const Points& points, const Optimum& optimum,
@@ -115,8 +133,10 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
       refine(map, request, request.initial_guesses.front(), request.trusted ? kLastStage : 0);
   result.iterations = best.descent.iterations;
   const std::size_t first = request.trusted ? 0 : 1;
+  const auto is_doubtful = [&] { return best.jumped && !request.trusted; };
   for (std::size_t i = first;
-       i < request.initial_guesses.size() && best.fit.score < config_.good_score; ++i) {
+       i < request.initial_guesses.size() && (is_doubtful() || best.fit.score < config_.good_score);
+       ++i) {
     Candidate other = refine(map, request, request.initial_guesses[i]);
     ++result.fallbacks;
     result.iterations += other.descent.iterations;
@@ -124,6 +144,13 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     if (other.penalized_score > best.penalized_score + margin) best = other;
   }
   const Pose2& first_guess = request.initial_guesses.front();
+  if (is_doubtful()) {
+    // The yaw is found more reliably than the position, and the position changes less in a turn.
+    const Candidate other =
+        refine(map, request, Pose2(first_guess.x, first_guess.y, best.descent.pose.yaw));
+    result.iterations += other.descent.iterations;
+    if (other.penalized_score > best.penalized_score) best = other;
+  }
   const bool jumps = isJump(request, best.descent.pose);
   if ((best.fit.score < config_.search_score || jumps) && !request.trusted) {
     // An object that covers part of the view may mislead the coarse stages.
@@ -134,7 +161,7 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
   }
   const bool fits =
       best.fit.score >= config_.search_score || (!request.lost && isWellConstrained(best.fit));
-  if (!fits || request.prior || request.wide) search(map, request, result, best);
+  if (!fits || is_doubtful() || request.prior || request.wide) search(map, request, result, best);
   if (request.lost) {
     // The last descent began far away and may have ended before it converged.
     const Candidate closer = refine(map, request, best.descent.pose, kLastStage);
@@ -155,14 +182,17 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
   WorkBudget budget(kSearchWork);
   std::vector<SearchWindow> windows = searchWindows(config_, request);
   if (request.lost) windows.erase(windows.begin(), windows.end() - 1);
+  const Pose2 center = searchCenter(request);
+  SearchWindow searched{0.0, 0.0};
   for (const SearchWindow& window : windows) {
     const bool required = (request.prior || request.wide) && &window == &windows.front();
-    if (best.fit.score >= config_.search_score && !required) break;
-    const RoughWindow rough{searchCenter(request),
-                            window,
-                            preferencesFor(request, config_.correlative),
-                            {},
-                            request.lost_scans};
+    // The surroundings of a pose outside of the window were not searched.
+    if (best.fit.score >= config_.search_score && !required &&
+        isInside(searched, center.between(best.descent.pose)))
+      break;
+    searched = window;
+    const RoughWindow rough{
+        center, window, preferencesFor(request, config_.correlative), {}, request.lost_scans};
     const Hypotheses hypotheses = searchRoughly(map.surface(), request.points, rough, budget);
     result.incomplete = !hypotheses.complete;
     std::optional<Candidate> found;
@@ -173,9 +203,10 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
                         allPointsScore(found->fit, found->penalized_score))
         found = other;
     }
-    if (found && found->penalized_score >
-                     best.penalized_score + jumpMargin(config_, request, found->descent.pose))
-      best = *found;
+    if (!found) continue;
+    // Of two jumps the better one is taken.
+    const double margin = best.jumped ? 0.0 : jumpMargin(config_, request, found->descent.pose);
+    if (found->penalized_score > best.penalized_score + margin) best = *found;
   }
 }
 
@@ -230,6 +261,7 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   result.descent.iterations = iterations;
   result.fit = fitOf(map, request.points, pose, config_.score_scale_m);
   result.penalized_score = penalizedScore(request, result.fit, pose, config_.correlative);
+  result.jumped = leftBasin(few, initial_guess, pose);
   return result;
 }
 

@@ -21,6 +21,7 @@ class HybridMatcher : public Matcher {
     Fit fit;
     std::array<Pose2, kMatchStages> stages;
     double penalized_score = -1.0;  ///< the score minus the penalty of the motion
+    bool jumped = false;            ///< the descent began outside of the basin of convergence
   };
 
   /// The local optimum near `initial_guess`, with the stages from `first_stage` on.

@@ -87,7 +87,8 @@ class Runner {
         config_(pipelineConfigOf(recording, config, options)),
         messages_(recording, !config_.level),
         pipeline_(config_),
-        options_(options) {
+        options_(options),
+        odometry_(options.perturbation.odometry) {
     pipeline_.on_scan = [this](const MappedSweep& sweep) { record(sweep); };
     pipeline_.on_drop = [this](const DroppedSweep& sweep) { drop(sweep); };
     pipeline_.on_filter = options_.filter_observer;
@@ -146,6 +147,7 @@ class Runner {
     if (!first_time_) first_time_ = scan.time;
     if (!first_stamp_) first_stamp_ = arrival;
     run_.duration_s = scan.time - *first_time_;
+    if (scan.odom_T_base) scan.odom_T_base = odometry_.next(*scan.odom_T_base);
     if (!perturb(options_.perturbation, read_, scan)) {
       ++run_.left_out;
       return;
@@ -209,6 +211,12 @@ class Runner {
     entry.map_bytes = pipeline_.mapper().memoryBytes();
     entry.degenerate = result.match.degenerate;
     entry.uncertain = result.uncertain;
+    entry.known = result.match.known;
+    entry.constraint = result.match.constraint;
+    entry.degenerate_direction = result.match.degenerate_direction;
+    entry.carried = result.carried;
+    entry.ambiguous = result.match.ambiguous;
+    entry.odom_T_base = sweep.input.odom_T_base;
     run_.scans.push_back(entry);
     run_.trajectory.push_back({sweep.scan.stamp, result.pose});
     addDistance(result.pose);
@@ -275,6 +283,7 @@ class Runner {
   ArrivalOrder messages_;
   Pipeline pipeline_;
   RunOptions options_;
+  OdometryDistortion odometry_;
   Clock::time_point work_start_;  ///< start time of the current pipeline call
   double work_s_ = 0.0;           ///< time in earlier calls since the last scan
 

@@ -16,5 +16,6 @@ Place straightCorridor();
 Place hall();
 Place town();
 Place largeTown();
+Place sparseTown();
 
 }  // namespace kestrel

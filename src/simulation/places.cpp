@@ -6,9 +6,10 @@
 namespace kestrel {
 
 const std::vector<Place>& places() {
-  static const std::vector<Place> all = {
-      laboratory(),  corridorRing(), straightCorridor(), hall(), cluttered(),
-      glassOffice(), peopleRoom(),   fourRooms(),        town(), largeTown()};
+  static const std::vector<Place> all = {laboratory(), corridorRing(), straightCorridor(),
+                                         hall(),       cluttered(),    glassOffice(),
+                                         peopleRoom(), fourRooms(),    town(),
+                                         largeTown(),  sparseTown()};
   return all;
 }
 

@@ -14,10 +14,16 @@ constexpr double kLaserHeight = 1.0;  // m
 /// Distance of buildings, trees and cars from the middle of the crossings, m.
 constexpr double kCrossing = 12.0;
 
+/// What stands along the roads.
+struct Roadside {
+  double narrowest_gap_m = 3.0, widest_gap_m = 16.0;  ///< between two houses
+  double tree_share = 0.3, car_share = 0.45;          ///< of all slots of 6 m
+};
+
 /// Adds a row of houses with gaps between them. Their fronts are not exactly aligned.
-void addHouses(World::Parts& parts, const WallLine& road, double offset, Random& random) {
+void addHouses(World::Parts& parts, const WallLine& road, double offset, const Roadside& roadside,
+               Random& random) {
   constexpr double kShortest = 12.0, kLongest = 34.0, kDeepest = 18.0, kLeastDepth = 9.0;  // m
-  constexpr double kNarrowest = 3.0, kWidest = 16.0;                                       // gaps
   constexpr double kSetback = 4.0, kHighest = 15.0, kLowest = 5.0;
   const double side = offset > 0.0 ? 1.0 : -1.0;
   for (double at = kCrossing; at < road.length() - kCrossing;) {
@@ -29,20 +35,21 @@ void addHouses(World::Parts& parts, const WallLine& road, double offset, Random&
     // A porch or a staircase in front of the house.
     addBlock(parts, road.at(at + random.uniform(0.2, 0.8) * length, front - side * 0.5),
              {random.uniform(1.5, 3.0), 1.0, 2.8}, road.yaw());
-    at += length + random.uniform(kNarrowest, kWidest);
+    at += length + random.uniform(roadside.narrowest_gap_m, roadside.widest_gap_m);
   }
 }
 
 /// Adds a row of trees with parked cars between them.
-void addTreesAndCars(World::Parts& parts, const WallLine& road, double offset, Random& random) {
-  constexpr double kSlot = 6.0, kTreeShare = 0.3, kCarShare = 0.45;  // m; shares of all slots
+void addTreesAndCars(World::Parts& parts, const WallLine& road, double offset,
+                     const Roadside& roadside, Random& random) {
+  constexpr double kSlot = 6.0;  // m
   const double side = offset > 0.0 ? 1.0 : -1.0;
   for (double at = kCrossing; at < road.length() - kCrossing; at += kSlot) {
     const double kind = random.uniform(), along = at + random.uniform(0.0, 1.2);
-    if (kind < kTreeShare) {
+    if (kind < roadside.tree_share) {
       addPole(parts, road.at(along, offset + side * random.uniform(1.0, 2.0)),
               random.uniform(0.12, 0.35), 5.0);
-    } else if (kind < kTreeShare + kCarShare) {
+    } else if (kind < roadside.tree_share + roadside.car_share) {
       addBlock(parts, road.at(along, offset + random.uniform(-0.2, 0.2)),
                {random.uniform(3.6, 4.8), random.uniform(1.6, 1.9), random.uniform(1.4, 2.0)},
                road.yaw() + random.uniform(-0.03, 0.03));
@@ -66,7 +73,8 @@ void addPark(World::Parts& parts, Random& random) {
 }
 
 /// `half_width`: half the side length of the square formed by the center line of the road, m.
-Place townOf(const std::string& name, const std::string& description, double half_width) {
+Place townOf(const std::string& name, const std::string& description, double half_width,
+             const Roadside& roadside = Roadside()) {
   constexpr double kInnerFront = 12.0, kOuterFront = -13.0;  // m from the middle of the road
   constexpr double kInnerCars = 4.5, kOuterCars = -4.5;
   constexpr double kSpacing = 8.0;  // m between waypoints; about the radius of the curves
@@ -80,10 +88,10 @@ Place townOf(const std::string& name, const std::string& description, double hal
   const std::vector<Eigen::Vector2d> corners = {{-c, -c}, {c, -c}, {c, c}, {-c, c}};
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const WallLine road = {corners[i], corners[(i + 1) % corners.size()]};
-    addHouses(town.parts, road, kInnerFront, random);
-    addHouses(town.parts, road, kOuterFront, random);
-    addTreesAndCars(town.parts, road, kInnerCars, random);
-    addTreesAndCars(town.parts, road, kOuterCars, random);
+    addHouses(town.parts, road, kInnerFront, roadside, random);
+    addHouses(town.parts, road, kOuterFront, roadside, random);
+    addTreesAndCars(town.parts, road, kInnerCars, roadside, random);
+    addTreesAndCars(town.parts, road, kOuterCars, roadside, random);
   }
   addPark(town.parts, random);
   town.plan.waypoints =
@@ -102,6 +110,15 @@ Place town() {
       "roads around a block of 300 m x 300 m with houses, trees and parked cars, one loop of "
       "1.2 km at 4 m/s",
       150.0);
+}
+
+Place sparseTown() {
+  constexpr double kGap = 50.0, kTreeShare = 0.03, kCarShare = 0.03;
+  return townOf(
+      "sparse_town",
+      "as town, but around 360 m x 360 m, with gaps of 50 m between the houses, few trees "
+      "and few cars",
+      180.0, {kGap, kGap, kTreeShare, kCarShare});
 }
 
 Place largeTown() {

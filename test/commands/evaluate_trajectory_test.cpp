@@ -3,7 +3,9 @@
 
 #include <sstream>
 #include <string>
+#include <vector>
 
+#include "kestrel_slam/evaluation/scan_file.h"
 #include "run_command.h"
 #include "temporary_folder.h"
 
@@ -36,6 +38,18 @@ TEST_F(EvaluateTrajectory, WithoutAReferenceIsWrongUsage) {
 TEST_F(EvaluateTrajectory, AReferenceThatOverlapsIsCompared) {
   const std::string reference = folder_.write("reference.tum", poses(100, 0.0));
   EXPECT_EQ(runCommand(kTool + trajectory_ + " --reference " + reference).code, 0);
+}
+
+TEST_F(EvaluateTrajectory, TheStatesOfTheScansAreCounted) {
+  const std::string reference = folder_.write("reference.tum", poses(100, 0.0));
+  ScanRow scan;
+  std::vector<ScanRow> scans(20, scan);
+  for (std::size_t i = 0; i < scans.size(); ++i) scans[i].stamp = 0.1 * static_cast<double>(i);
+  const std::string states = folder_.write("scans.csv", scansText(scans));
+  const Outcome outcome =
+      runCommand(kTool + trajectory_ + " --reference " + reference + " --scans " + states);
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_CONTAINS(outcome.output, "0 scans ok, 0 degraded, 20 lost; 0 ok, but wrong");
 }
 
 TEST_F(EvaluateTrajectory, AReferenceThatHardlyOverlapsIsBadInput) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "kestrel_slam/evaluation/scan_file.h"
 #include "kestrel_slam/map/map_io.h"
 #include "kestrel_slam/offline/version.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
@@ -18,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 5> kOutputs = {"map.pgm", "map.yaml", "trajectory.tum",
-                                                 "stats.json", "report.html"};
+constexpr std::array<const char*, 6> kOutputs = {"map.pgm",   "map.yaml",   "trajectory.tum",
+                                                 "scans.csv", "stats.json", "report.html"};
 
 const std::string kTool = KESTREL_TOOL_DIR "/map_recording ";
 
@@ -48,6 +49,18 @@ TEST_F(MapRecordingTest, WritesAllFilesAndPrintsTheirPaths) {
   EXPECT_NEAR(trajectory.back().pose.x, 2.0, 0.03);
   const MapSnapshot written = readMap(folder_.file("out/map.yaml"));
   EXPECT_NEAR(written.width * written.resolution_m, 5.0, 1.5);  // the walls in front of the vehicle
+}
+
+TEST_F(MapRecordingTest, AddsErrorsToTheOdometryAndWritesIt) {
+  ASSERT_EQ(map("--odometry use --odometry-error short:0.5" + outputs("out")).code, 0);
+  const std::vector<ScanRow> scans = readScans(folder_.file("out/scans.csv"));
+  ASSERT_EQ(scans.size(), 41U);
+  ASSERT_TRUE(scans.front().odom_T_base && scans.back().odom_T_base);
+  EXPECT_NEAR(scans.front().odom_T_base->between(*scans.back().odom_T_base).x, 1.0, 1e-3);
+  EXPECT_NEAR(scans.back().pose.x, 2.0, 0.1) << "the scans correct it";
+  const Outcome wrong = map("--odometry use --odometry-error long:1" + outputs("out"));
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_CONTAINS(wrong.output, "'long:1' is no odometry error; use short:SHARE");
 }
 
 TEST_F(MapRecordingTest, WithoutTimingTwoRunsGiveTheSameBytes) {

@@ -81,8 +81,8 @@ OfflineRun mapWithProgress(Recording& recording, const SlamConfig& config,
 /// Prints the warnings of a run to standard error; each line begins with `prefix`.
 void printWarnings(const std::string& prefix, const OfflineRun& run);
 
-/// Writes map.pgm, map.yaml, trajectory.tum, covariances.txt, stats.json and report.html. Throws
-/// std::runtime_error.
+/// Writes map.pgm, map.yaml, trajectory.tum, covariances.txt, scans.csv, stats.json and
+/// report.html. Throws std::runtime_error.
 void writeOutputs(const std::filesystem::path& folder, const OfflineRun& run, const RunInfo& info);
 
 }  // namespace kestrel

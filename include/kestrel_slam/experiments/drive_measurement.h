@@ -30,6 +30,8 @@ struct DriveMeasurement {
 FlightTrial townDrive();
 /// The same around the large town (2.4 km).
 FlightTrial largeTownDrive();
+/// The same around the sparse town, where up to 50 m of the road have no house.
+FlightTrial sparseTownDrive();
 
 /// Simulates and maps the drive. Throws the exceptions of measureFlight().
 DriveMeasurement measureDrive(const FlightTrial& trial);

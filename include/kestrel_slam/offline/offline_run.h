@@ -32,6 +32,13 @@ struct ScanRecord {
   std::size_t map_bytes = 0;  ///< memory of the map after the scan
   bool degenerate = false;    ///< true if an unobservable direction was taken from the prediction
   UncertainPose uncertain;    ///< the pose with its covariance
+  double known = 0.0;         ///< share of the beams in known space, 0 to 1
+  double constraint = 0.0;    ///< share of the points that constrain the weakest direction
+  Eigen::Vector2d degenerate_direction =
+      Eigen::Vector2d::Zero();       ///< in map; zero if there is none
+  bool carried = false;              ///< the scan has no hit: the pose is the prediction
+  bool ambiguous = false;            ///< the scan fits in several places
+  std::optional<Pose2> odom_T_base;  ///< the odometry that was used
 };
 
 /// The complete result of one recording. `scans[i]` belongs to `trajectory[i]`.

@@ -55,8 +55,8 @@ struct Place {
   QuadrotorConfig quadrotor;
 };
 
-/// The built-in places: laboratory, ring, corridor, hall, cluttered, glass, people, doors, town and
-/// large_town.
+/// The built-in places: laboratory, ring, corridor, hall, cluttered, glass, people, doors, town,
+/// large_town and sparse_town.
 const std::vector<Place>& places();
 /// The built-in place called `name`. Throws std::invalid_argument, which lists the valid names.
 const Place& place(const std::string& name);
