@@ -18,6 +18,9 @@ constexpr int kShapeRadius = 2;
 constexpr float kMinShift = 0.05F;
 /// A line needs this many cells, and this ratio of the standard deviations along and across it.
 constexpr int kMinShapeCells = 3;
+/// Neighbors up to this distance along a wall take part in its position, in cells. Farther ones
+/// would flatten round objects.
+constexpr float kAlignReach = 1.0F;
 constexpr float kMinElongation = 2.0F;
 /// Half the width of row `dy` of the disk with radius kReachCells, in cells.
 int diskHalfWidth(int dy) {
@@ -36,6 +39,13 @@ int diskHalfWidth(int dy) {
 void setLine(Surfel& surfel, const Eigen::Vector2f& t2) {
   const Eigen::Vector3f shape = lineShape(t2);
   surfel.a11 = shape.x(), surfel.a12 = shape.y(), surfel.a22 = shape.z();
+}
+
+/// The normal n of a wall with A = n n' + kAlongWeight t t'.
+Eigen::Vector2f normalOf(const Surfel& surfel) {
+  const float nx2 = (surfel.a11 - kAlongWeight) / (1.0F - kAlongWeight);
+  const float nx = std::sqrt(std::clamp(nx2, 0.0F, 1.0F));
+  return {nx, std::copysign(std::sqrt(1.0F - nx * nx), surfel.a12)};
 }
 
 }  // namespace
@@ -86,7 +96,10 @@ bool SurfelField::update(const OccupancyGrid& grid, const OccupancyGrid::Changes
   for (const std::uint32_t id : changed_) {
     if (addMean(id)) moved_.push_back(id);
   }
-  for (const std::uint32_t id : moved_) updateShape(id);
+  for (const std::uint32_t id : moved_) {
+    updateShape(id);
+    align(id);
+  }
   ++updates_;
   return !full_;
 }
@@ -146,7 +159,7 @@ std::uint32_t SurfelField::create(const OccupancyGrid::Changes::Hit& hit) {
     full_ = true;
     return kNone;
   }
-  Surfel surfel{hit.point, 1.0F, 0.0F, 1.0F, hit.cell};
+  Surfel surfel{hit.point, hit.point, 1.0F, 0.0F, 1.0F, hit.cell};
   surfel.birth = updates_;
   std::uint32_t id = static_cast<std::uint32_t>(surfels_.size());
   if (free_.empty()) {
@@ -181,6 +194,7 @@ bool SurfelField::addMean(std::uint32_t id) {
   surfel.count = std::max(std::min(surfel.count + surfel.new_hits, kMaxCount), surfel.new_hits);
   const Eigen::Vector2f shift = surfel.new_sum / surfel.count;
   surfel.mean += shift;
+  surfel.on_wall += shift;
   surfel.count = std::min(surfel.count, kMaxCount);
   surfel.new_hits = 0.0F;
   surfel.new_sum.setZero();
@@ -304,6 +318,25 @@ void SurfelField::updateShape(std::uint32_t id) {
   } else if (n < kMinShapeCells && surfel.tangent2.squaredNorm() > 0.0F) {
     setLine(surfel, surfel.tangent2.normalized());
   }
+}
+
+/// Places the wall at the mean of all hits across it, also those in the cells next to it. Near the
+/// border of two rows of cells the hits of one wall lie in both rows, and each mean contains only a
+/// part of them.
+void SurfelField::align(std::uint32_t id) {
+  Surfel& surfel = surfels_[id];
+  surfel.on_wall = surfel.mean;
+  if (isPoint(surfel)) return;
+  const Eigen::Vector2f normal = normalOf(surfel), along(-normal.y(), normal.x());
+  float weights = 0.0F, offsets = 0.0F;
+  forEachOwn(surfel.cell, kShapeRadius, [&](std::uint32_t other) {
+    const Eigen::Vector2f p = surfels_[other].mean - surfel.mean;
+    const float nearness = kAlignReach - std::abs(along.dot(p)) * inverse_resolution_;
+    const float weight = std::max(nearness, 0.0F) * surfels_[other].count;
+    weights += weight;
+    offsets += weight * normal.dot(p);
+  });
+  surfel.on_wall += offsets / weights * normal;
 }
 
 }  // namespace kestrel

@@ -23,7 +23,7 @@ struct SurfelLanes {
   Lanes rx,
       ry;  ///< the points rotated to the map frame, but not translated, m [Kohlbrecher 2011, eq. 8]
   Lanes px, py;         ///< the points in the map frame, m
-  Lanes ex, ey;         ///< from the mean of the surfel to the point, m
+  Lanes ex, ey;         ///< from the wall of the surfel to the point, m
   Lanes a11, a12, a22;  ///< information matrices of the surfels
   std::array<const Surfel*, kLanes> surfels;
 
@@ -38,12 +38,13 @@ struct SurfelLanes {
 template <typename Points, typename Visit>
 inline void forEachLanes(const SurfelField& surface, const Points& points, const Pose2& map_T_base,
                          Visit visit) {
-  static const Surfel kNoSurfel{Eigen::Vector2f::Zero(), 0.0F, 0.0F, 0.0F, {}};
+  static const Surfel kNoSurfel{
+      Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(), 0.0F, 0.0F, 0.0F, {}};
   const auto c = static_cast<float>(std::cos(map_T_base.yaw));
   const auto s = static_cast<float>(std::sin(map_T_base.yaw));
   const auto x = static_cast<float>(map_T_base.x), y = static_cast<float>(map_T_base.y);
   SurfelLanes lanes;
-  Lanes sx = Lanes::Zero(), sy = Lanes::Zero(), mx, my;  // scan points, means
+  Lanes sx = Lanes::Zero(), sy = Lanes::Zero(), mx, my;  // scan points, walls
   const auto gather = [&](std::size_t first, auto count) {
     for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(count); ++i) {
       const Eigen::Vector2f& p = points[first + static_cast<std::size_t>(i)];
@@ -59,8 +60,8 @@ inline void forEachLanes(const SurfelField& surface, const Points& points, const
       const Surfel* surfel = is_point ? surface.nearest({lanes.px[i], lanes.py[i]}) : nullptr;
       if (surfel == nullptr) surfel = &kNoSurfel;
       lanes.surfels[static_cast<std::size_t>(i)] = surfel;
-      mx[i] = surfel->mean.x();
-      my[i] = surfel->mean.y();
+      mx[i] = surfel->on_wall.x();
+      my[i] = surfel->on_wall.y();
       lanes.a11[i] = surfel->a11;
       lanes.a12[i] = surfel->a12;
       lanes.a22[i] = surfel->a22;

@@ -138,5 +138,35 @@ TEST(SurfelField, SparseHitsOfOneScanFormALine) {
   EXPECT_NEAR(surfel->a11, kAlongWeight, 1e-3F);
 }
 
+/// A scan of a straight wall at `y` with the noise of a laser, seen from the origin.
+PlanarScan noisyWall(float y, std::mt19937_64& random) {
+  std::normal_distribution<float> noise(0.0F, 0.01F);
+  PlanarScan scan;
+  for (float x = -1.0F; x < 1.0F; x += 0.01F) {
+    scan.rays.push_back({Eigen::Vector2f::Zero(), {x, y + noise(random)}, true});
+  }
+  return scan;
+}
+
+TEST(SurfelField, AWallOnTheBorderOfTwoRowsOfCellsIsOneWall) {
+  constexpr float kBorder = 1.25F;
+  for (const float y : {kBorder - 0.005F, kBorder, kBorder + 0.005F}) {
+    std::mt19937_64 random(10);
+    Submap map{OccupancyGridConfig()};
+    for (int i = 0; i < 10; ++i) map.insert(noisyWall(y, random), Pose2());
+    int below = 0, above = 0;
+    for (float x = -0.8F; x < 0.8F; x += 0.05F) {
+      for (const float side : {-0.01F, 0.01F}) {
+        const Surfel* surfel = map.surface().nearest({x, kBorder + side});
+        ASSERT_NE(surfel, nullptr);
+        EXPECT_NEAR(surfel->on_wall.y(), y, 0.006F) << x;
+        (surfel->mean.y() < kBorder ? below : above) += 1;
+      }
+    }
+    EXPECT_GT(below, 10);  // else the wall is not in both rows
+    EXPECT_GT(above, 10);
+  }
+}
+
 }  // namespace
 }  // namespace kestrel

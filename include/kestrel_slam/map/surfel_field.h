@@ -25,8 +25,9 @@ inline Eigen::Vector3f lineShape(const Eigen::Vector2f& t2) {
 
 /// The surface in one occupied cell: the mean of its hits and the direction of the wall.
 struct Surfel {
-  Eigen::Vector2f mean;  ///< mean of the end points in the cell, m
-  float a11, a12, a22;   ///< information matrix A: distance² = e' A e for e = point - mean
+  Eigen::Vector2f mean;     ///< mean of the end points in the cell, m
+  Eigen::Vector2f on_wall;  ///< the mean, moved across the wall to the hits in neighboring cells, m
+  float a11, a12, a22;      ///< information matrix A: distance² = e' A e for e = point - on_wall
   Cell cell;
   float count = 0.0F;  ///< number of hits in the mean, limited so that the mean can follow changes
   /// Direction of the wall from neighboring hits in the scans: sum of (cos, sin) of twice its
@@ -168,6 +169,7 @@ class SurfelField {
             surfel.mean.y() * inverse_resolution_ - static_cast<float>(surfel.cell.y)};
   }
   void updateShape(std::uint32_t id);
+  void align(std::uint32_t id);
   template <typename Visit>
   void forEachOwn(const Cell& center, int radius, Visit visit) const;
 
