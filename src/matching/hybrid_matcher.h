@@ -49,7 +49,7 @@ constexpr std::size_t kCoarsePoints = 150;
 /// Work for the searches of one scan.
 constexpr std::int64_t kSearchWork = 14'000'000;
 /// Number of points for a sketch.
-constexpr std::size_t kSketchPoints = 64;
+constexpr std::size_t kSketchPoints = 100;
 
 /// A short descent from a hypothesis with a sample of the points, to see whether the scan fits.
 Pose2 sketch(const SurfelField& surface, const Points& sample, const Pose2& hypothesis);
