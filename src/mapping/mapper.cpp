@@ -188,6 +188,10 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
     followAlong(points, scan, *motion_prediction, prediction_source, result.match);
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request.lost || (motion.isCarried() && !request.prior));
+  // A poor fit far from where the odometry says is worth less than the odometry.
+  if (request.prior && !request.prior->isPlausible(result.match.pose) &&
+      result.match.score < config.matcher.search_score)
+    result.state = MatchState::kLost;
   if ((request.lost || request.wide) && result.state != MatchState::kLost &&
       secondExplanation(map, request, result.match, config.matcher)) {
     result.match.ambiguous = true;

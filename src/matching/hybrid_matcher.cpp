@@ -61,7 +61,7 @@ SearchWindow windowOf(const MotionPrior& prior) {
 
 /// Whether the pose is farther from the prediction than the vehicle can have moved.
 bool isJump(const MatchRequest& request, const Pose2& pose) {
-  if (request.prior) return request.prior->chi2(pose) > kPlausibleChi2;
+  if (request.prior) return !request.prior->isPlausible(pose);
   return (request.initial_guesses.front().inverse() * pose).distance() > request.plausible_m;
 }
 
@@ -291,6 +291,8 @@ Pose2 searchCenter(const MatchRequest& request) {
   const Pose2& last = request.last;
   return {last.x, last.y, request.yaw_known ? request.initial_guesses.front().yaw : last.yaw};
 }
+
+bool MotionPrior::isPlausible(const Pose2& other) const { return chi2(other) <= kPlausibleChi2; }
 
 std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const MatchRequest& request) {
   std::vector<SearchWindow> windows = {config.near_window, config.wide_window};

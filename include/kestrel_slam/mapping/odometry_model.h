@@ -51,7 +51,7 @@ class OdometryModel {
   double scale_ = 1.0;
   Eigen::Vector2d yaw_gains_ = Eigen::Vector2d::Zero();  ///< per rad and per m
   /// Mean squared errors, relative to the assumed ones, and their weight in segments.
-  double position_ratio_ = 1.0, yaw_ratio_ = 1.0, weight_ = 0.0;
+  double position_ratio_ = 9.0, yaw_ratio_ = 9.0, weight_ = 0.0;
 };
 
 }  // namespace kestrel

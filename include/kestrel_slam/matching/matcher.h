@@ -46,6 +46,8 @@ struct MotionPrior {
 
   /// Squared distance of `other`, in standard deviations.
   double chi2(const Pose2& other) const;
+  /// Whether `other` is within three standard deviations.
+  bool isPlausible(const Pose2& other) const;
 };
 
 /// A scan to match.
