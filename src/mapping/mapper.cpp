@@ -17,9 +17,12 @@
 namespace kestrel {
 namespace {
 
-/// A lost vehicle is found if the scan fits well (search_score) and this share of it is in known
-/// space. In a large window half of a scan fits at many places.
-constexpr double kFoundScore = 0.6, kFoundKnownShare = 0.3;
+/// A vehicle that was not matched is found if the scan fits well (search_score) and this share of it
+/// is in known space; in a large window half of a scan fits at many places. Near the prediction
+/// less is enough.
+constexpr double kSureKnownShare = 0.5, kFoundScore = 0.6, kFoundKnownShare = 0.3;
+constexpr double kFoundSigmas = 3.0;
+/// After a lost or ambiguous pose this many scans must fit before the state is ok.
 constexpr int kSettlingScans = 10;
 /// At least this many points are matched, where a scan has more. The time of a match and of a
 /// search is proportional to their number; more points add little accuracy. All are inserted.
@@ -63,6 +66,15 @@ PlanarScan repaired(const PlanarScan& scan, double last_time) {
     result.integrated_acceleration.reset();
   if (result.predicted && !isUsable(*result.predicted)) result.predicted.reset();
   return result;
+}
+
+/// Whether the motion prediction is better than the match along the degenerate direction. Without a
+/// motion sensor the little that the scan shows is used: otherwise a scan may be inserted with an
+/// error of centimeters, and loops of whole buildings do not close.
+bool isUnobservable(const MatchResult& match, PredictionSource source) {
+  constexpr double kNoConstraint = 0.0035;  // share of the beams
+  return match.degenerate &&
+         (source != PredictionSource::kVelocity || match.constraint < kNoConstraint);
 }
 
 WeakMotion weakMotionOf(const MatchResult& match) {
@@ -132,7 +144,10 @@ struct Mapper::State {
                       MapperResult& result);
   bool isBlank(const Points& points, const PlanarScan& scan,
                const std::optional<Pose2>& odom_T_base) const;
-  MatchState judge(const MatchResult& match, bool was_unmatched) const;
+  bool isLikely(const MatchResult& match, const MatchRequest& request,
+                const PredictionError& error) const;
+  MatchState judge(const MatchResult& match, const MatchRequest& request,
+                   const PredictionError& error) const;
   void settle(MapperResult& result);
   void insert(const PlanarScan& scan, bool has_odometry, MapperResult& result);
   bool movedEnough() const;
@@ -184,14 +199,10 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   const std::optional<Pose2> motion_prediction =
       motion.motionPrediction(request, scan, odom_T_base);
   result.match = matcher->match(map, request);
-  if (motion_prediction && result.match.degenerate)
+  if (motion_prediction && isUnobservable(result.match, prediction_source))
     followAlong(points, scan, *motion_prediction, prediction_source, result.match);
   result.evaluation = evaluationFunction(result.match, config.evaluation);
-  result.state = judge(result.match, request.lost || (motion.isCarried() && !request.prior));
-  // A poor fit far from where the odometry says is worth less than the odometry.
-  if (request.prior && !request.prior->isPlausible(result.match.pose) &&
-      result.match.score < config.matcher.search_score)
-    result.state = MatchState::kLost;
+  result.state = judge(result.match, request, error);
   if ((request.lost || request.wide) && result.state != MatchState::kLost &&
       secondExplanation(map, request, result.match, config.matcher)) {
     result.match.ambiguous = true;
@@ -260,11 +271,25 @@ void Mapper::State::settle(MapperResult& result) {
   }
 }
 
-MatchState Mapper::State::judge(const MatchResult& match, bool was_unmatched) const {
-  if (match.score < (was_unmatched ? kFoundScore : config.lost_score) ||
-      match.known < (was_unmatched ? kFoundKnownShare : config.min_known_share)) {
-    return MatchState::kLost;
+/// A poor fit far from where the vehicle is predicted is worth less than the prediction.
+bool Mapper::State::isLikely(const MatchResult& match, const MatchRequest& request,
+                             const PredictionError& error) const {
+  const MatcherConfig& limits = config.matcher;
+  if (request.prior) {
+    return match.score >= limits.search_score || request.prior->isPlausible(match.pose);
   }
+  if (!request.lost && !motion.isCarried()) return true;
+  if (match.score >= limits.search_score && match.known >= kSureKnownShare) return true;
+  const double away = (request.initial_guesses.front().inverse() * match.pose).distance();
+  return match.score >= kFoundScore && match.known >= kFoundKnownShare &&
+         away <= kFoundSigmas * error.position_m();
+}
+
+MatchState Mapper::State::judge(const MatchResult& match, const MatchRequest& request,
+                                const PredictionError& error) const {
+  if (match.score < config.lost_score || match.known < config.min_known_share ||
+      !isLikely(match, request, error))
+    return MatchState::kLost;
   const bool good = match.score >= config.matcher.search_score && !match.degenerate;
   return good ? MatchState::kOk : MatchState::kDegraded;
 }

@@ -36,6 +36,8 @@ constexpr double kBeamCorrelation = 4.0;
 constexpr double kMisfitBiasM = 0.011;
 /// Standard deviation along an unobservable direction, m.
 constexpr double kUnconstrainedM = 0.5;
+/// At least this many points show the weakest motion, where a scan has more.
+constexpr std::size_t kWeakPoints = 120;
 /// The Hessian of an empty scan is zero.
 constexpr double kLeastTrace = 1e-9;
 /// Distance of the samples, in standard deviations of the Hessian covariance. Closer samples would
@@ -350,7 +352,7 @@ void fillUncertainty(const Submap& map, const Points& points, const Optimum& opt
   const Fit& fit = optimum.fit;
   result.score = fit.score;
   result.known = fit.known;
-  const WeakMotion weak = weakMotion(map.surface(), points, result.pose);
+  const WeakMotion weak = weakMotion(map.surface(), thinned(points, kWeakPoints), result.pose);
   const Eigen::Vector2d& weakest = weak.direction;
   const double share = weak.constraint;
   result.constraint = share;

@@ -191,7 +191,7 @@ TEST_F(MapRecordingTest, BadInputIsOneLineAndExitCodeOne) {
       {log_ + " --set map_resolutoin=0.1", "did you mean 'map_resolution'?"},
       {log_ + " --set map_resolution=-1", "map_resolution = -1: must be between"},
       {log_ + " --set map_resolution", "must be name=value"},
-      {log_ + " --set laser_min_dist=50", "laser_min_dist = 50: must be less than laser_max_dist"},
+      {log_ + " --set laser_min_dist=90", "laser_min_dist = 90: must be less than laser_max_dist"},
       {log_ + " --config " + bad_yaml, "bad.yaml, line 1: matcher = fast: must be one of"},
       {log_ + " --config " + folder_.file("none.yaml"), "none.yaml"},
       {log_ + " --output " + file, "it is a file, not a folder; choose another --output"},

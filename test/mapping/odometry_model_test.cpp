@@ -24,15 +24,15 @@ OdometryModel modelOf(int steps, Measure measure) {
 
 const Pose2 kMeter(1.0, 0.0, 0.0);
 
-TEST(OdometryModel, AssumesTenPercentBeforeItLearns) {
+TEST(OdometryModel, AssumesThirtyPercentBeforeItLearns) {
   const OdometryModel model;
   EXPECT_EQ(model.corrected(kMeter), kMeter);
-  EXPECT_NEAR(model.errorOf(kMeter).position_m, 0.1, 0.005);
-  EXPECT_NEAR(model.errorOf(kMeter).yaw_rad, 0.03, 0.005);
+  EXPECT_NEAR(model.errorOf(kMeter).position_m, 0.3, 0.005);
+  EXPECT_NEAR(model.errorOf(kMeter).yaw_rad, 0.09, 0.005);
 }
 
 TEST(OdometryModel, TrustsAnExactOdometryMore) {
-  const OdometryModel model = modelOf(500, [](const Pose2& step, int) { return step; });
+  const OdometryModel model = modelOf(1500, [](const Pose2& step, int) { return step; });
   EXPECT_LT(model.errorOf(kMeter).position_m, 0.03);
   EXPECT_LT(model.errorOf(kMeter).yaw_rad, 0.01);
 }

@@ -202,14 +202,14 @@ TEST(ScanProjector, BeyondTheLineTheSpaceIsOnlyPresumablyFree) {
 TEST(ScanProjector, ClearRangeZeroTurnsClearingOff) {
   BeamFilterConfig config;
   config.clear_range_m = 0.0;
-  const Projection result = project(makeScan({kInf, 2.0F, 45.0F}), config);
+  const Projection result = project(makeScan({kInf, 2.0F, 95.0F}), config);
   EXPECT_EQ(result.counts.clears, 2U);
   ASSERT_EQ(result.scan.rays.size(), 1U);
   EXPECT_TRUE(result.scan.rays[0].hit);
 }
 
 TEST(ScanProjector, TreatsARangeMaxOfZeroAsUnset) {
-  LaserScan scan = makeScan({2.0F, 29.0F, 31.0F});
+  LaserScan scan = makeScan({2.0F, 79.0F, 81.0F});
   scan.range_max = 0.0;
   const Projection result = project(scan);
   EXPECT_EQ(result.error, ScanError::kNone);

@@ -121,8 +121,8 @@ TEST(ScanUnits, TwoCodesForNoReturnAreNoRanges) {
 }
 
 TEST(ScanUnits, ALongRangeLaserInTheOpenIsAccepted) {
-  LaserScan scan = scaled(roomScan(), 40.0);  // 60 to 200 m
-  scan.range_max = 250.0;
+  LaserScan scan = scaled(roomScan(), 60.0);  // 90 to 300 m
+  scan.range_max = 350.0;
   EXPECT_EQ(project(scan).error, ScanError::kNone);
   EXPECT_EQ(project(scan).counts.hits, 0U);  // max_range
 }

@@ -13,8 +13,8 @@ struct MotionError {
   double yaw_rad = 0.0;
 };
 
-/// The errors of an odometry, learned from matches. Before anything is learned: 10 % of the
-/// distance and of the rotation, and 0.03 rad per meter.
+/// The errors of an odometry, learned from matches. Before anything is learned: 30 % of the
+/// distance and of the rotation, and 0.09 rad per meter.
 ///
 /// Systematic errors (a wrong scale, a turn per meter) are corrected. The size of the remaining
 /// errors is measured, so that an exact odometry is trusted more and a bad one less. Motions are
@@ -50,8 +50,10 @@ class OdometryModel {
   Eigen::Vector2d yaw_right_ = Eigen::Vector2d::Zero();
   double scale_ = 1.0;
   Eigen::Vector2d yaw_gains_ = Eigen::Vector2d::Zero();  ///< per rad and per m
-  /// Mean squared errors, relative to the assumed ones, and their weight in segments.
-  double position_ratio_ = 9.0, yaw_ratio_ = 9.0, weight_ = 0.0;
+  /// The mean squared errors of an unknown odometry are this many times those of an ordinary one.
+  static constexpr double kUnknownRatio = 9.0;
+  /// Mean squared errors, relative to those of an ordinary odometry, and their weight in segments.
+  double position_ratio_ = kUnknownRatio, yaw_ratio_ = kUnknownRatio, weight_ = 0.0;
 };
 
 }  // namespace kestrel
