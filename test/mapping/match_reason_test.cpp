@@ -64,29 +64,53 @@ TEST(MatchReason, DependsOnTheConfiguration) {
   EXPECT_STREQ(reasonOf(resultOf(MatchState::kDegraded), strict), "poor fit");
 }
 
-/// A scan of the room; without hits if `covered`.
-PlanarScan scanAt(int i, bool covered = false) {
+enum class View { kFree, kEmpty, kBlocked };
+
+/// A scan of the room. An empty view has no hits; a blocked one has an object at 0.4 m all around.
+PlanarScan scanOf(View view, int i) {
   PlanarScan scan = room::scanFrom(Pose2(0.01 * i, 0.0, 0.0));
   scan.stamp = scan.time = 0.1 * i;
-  for (PlanarRay& ray : scan.rays) ray.hit = ray.hit && !covered;
+  for (PlanarRay& ray : scan.rays) {
+    if (view == View::kBlocked) ray = {ray.origin, 0.4F * ray.end.normalized(), true};
+    ray.hit = ray.hit && view != View::kEmpty;
+  }
   return scan;
 }
 
-TEST(MatchReason, OfAMapperWhoseViewIsCovered) {
-  Mapper mapper{MapperConfig()};
-  const auto next = [&mapper](int i, bool covered) {
-    return std::string(mapper.process(scanAt(i, covered)).reason);
-  };
-  EXPECT_EQ(next(0, true), "few hits") << "there is no map yet";
-  EXPECT_EQ(next(1, false), "fits") << "the first scan of the map";
-  for (int i = 2; i < 10; ++i) EXPECT_EQ(next(i, false), "fits");
-  EXPECT_EQ(next(10, true), "carried: few hits");
-  int i = 11;
-  while (i < 200 && next(i, true) != "few hits") ++i;
-  ASSERT_LT(i, 200) << "is lost at last";
-  ++i;
-  for (int n = 0; n < 10; ++n) EXPECT_EQ(next(i + n, false), "settling") << n;
-  EXPECT_EQ(next(i + 10, false), "fits");
+/// Reasons that a mapper gives.
+class MapperReasons : public ::testing::Test {
+ protected:
+  std::string next(View view) { return mapper_.process(scanOf(view, count_++)).reason; }
+
+  void makeMap() {
+    for (int i = 0; i < 10; ++i) EXPECT_EQ(next(View::kFree), "fits") << i;
+  }
+
+  /// Shows the view until the reason is given.
+  bool reaches(const std::string& wanted, View view) {
+    for (int i = 0; i < 100; ++i) {
+      if (next(view) == wanted) return true;
+    }
+    return false;
+  }
+
+  Mapper mapper_{MapperConfig()};
+  int count_ = 0;
+};
+
+TEST_F(MapperReasons, WithoutHits) {
+  EXPECT_EQ(next(View::kEmpty), "few hits") << "there is no map yet";
+  makeMap();
+  EXPECT_EQ(next(View::kEmpty), "carried: few hits");
+  EXPECT_TRUE(reaches("few hits", View::kEmpty));
+}
+
+TEST_F(MapperReasons, ABlockedViewIsLostAndThenSettles) {
+  makeMap();
+  EXPECT_EQ(next(View::kBlocked), "carried: no fit");
+  EXPECT_TRUE(reaches("no fit", View::kBlocked));
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(next(View::kFree), "settling") << i;
+  EXPECT_EQ(next(View::kFree), "fits");
 }
 
 }  // namespace
