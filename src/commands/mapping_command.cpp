@@ -68,6 +68,7 @@ ScanRow rowOf(const StampedPose& pose, const ScanRecord& scan) {
   row.searched = scan.searched;
   row.carried = scan.carried;
   row.ambiguous = scan.ambiguous;
+  row.reason = scan.reason;
   row.odom_T_base = scan.odom_T_base;
   return row;
 }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kColumns =
     "stamp,x,y,yaw,state,score,known,constraint,degenerate_x,degenerate_y,sigma_x,sigma_y,"
-    "sigma_yaw,inserted,searched,carried,ambiguous,odom_x,odom_y,odom_yaw";
+    "sigma_yaw,inserted,searched,carried,ambiguous,odom_x,odom_y,odom_yaw,reason";
 constexpr int kStampDecimals = 6, kPoseDecimals = 6, kDigits = 6;
 
 std::string poseText(const std::optional<Pose2>& pose) {
@@ -36,7 +36,7 @@ void write(std::ostream& out, const ScanRow& scan) {
   }
   out << ',' << scan.sigmas.x() << ',' << scan.sigmas.y() << ',' << scan.sigmas.z() << ','
       << scan.inserted << ',' << scan.searched << ',' << scan.carried << ',' << scan.ambiguous
-      << ',' << poseText(scan.odom_T_base) << '\n';
+      << ',' << poseText(scan.odom_T_base) << ',' << scan.reason << '\n';
 }
 
 std::vector<std::string> fieldsOf(const std::string& line) {
@@ -57,6 +57,8 @@ class Line {
     }
     for (std::size_t i = 0; i < fields.size(); ++i) fields_[columns[i]] = fields[i];
   }
+
+  bool has(const std::string& column) const { return fields_.count(column) > 0; }
 
   const std::string& text(const std::string& column) const {
     const auto found = fields_.find(column);
@@ -106,6 +108,7 @@ ScanRow parse(const Line& line) {
   scan.carried = line.flag("carried");
   scan.ambiguous = line.flag("ambiguous");
   scan.odom_T_base = line.pose("odom_");
+  if (line.has("reason")) scan.reason = line.text("reason");
   return scan;
 }
 

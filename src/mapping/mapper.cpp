@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "kestrel_slam/map/submap.h"
+#include "kestrel_slam/mapping/match_reason.h"
 #include "kestrel_slam/mapping/motion_model.h"
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 #include "kestrel_slam/matching/ambiguity.h"
@@ -335,8 +336,9 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   MapperResult result;
   const Points points = thinned(hitsOf(scan), kMatchPoints);
   const PredictionError error = s.motion.errorAt(scan, odom_T_base);
+  result.blank = s.isBlank(points, scan, odom_T_base);
   if (s.map.scans() > 0) {
-    if (s.isBlank(points, scan, odom_T_base)) {
+    if (result.blank) {
       s.carry(scan, odom_T_base, error, result);
     } else {
       s.match(points, scan, odom_T_base, error, result);
@@ -354,6 +356,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   result.covariance = result.uncertain.covariance();
   result.motion_covariance = s.uncertainty.motion();
   result.searched = result.match.searched;
+  result.reason = reasonOf(result, s.config);
   return result;
 }
 

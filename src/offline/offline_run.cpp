@@ -216,6 +216,7 @@ class Runner {
     entry.degenerate_direction = result.match.degenerate_direction;
     entry.carried = result.carried;
     entry.ambiguous = result.match.ambiguous;
+    entry.reason = result.reason;
     entry.odom_T_base = sweep.input.odom_T_base;
     run_.scans.push_back(entry);
     run_.trajectory.push_back({sweep.scan.stamp, result.pose});

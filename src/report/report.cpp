@@ -2,6 +2,8 @@
 #include "kestrel_slam/report/report.h"
 
 #include <cstdio>
+#include <map>
+#include <utility>
 
 #include "kestrel_slam/offline/version.h"
 #include "kestrel_slam/report/map_image.h"
@@ -140,26 +142,56 @@ Json chartOf(const char* title, const char* unit, const std::vector<double>& tim
   return {{"title", title}, {"unit", unit}, {"t", t}, {"v", v}};
 }
 
+/// A chart of shares, with an axis that does not depend on the values.
+Json shareChartOf(const char* title, const std::vector<double>& times,
+                  const std::vector<double>& values, double high) {
+  Json chart = chartOf(title, "", times, values, 4);
+  chart["high"] = high;
+  return chart;
+}
+
 Json chartsOf(const OfflineRun& run, const RunInfo& info, const std::vector<double>& times) {
-  std::vector<double> score, ms;
+  std::vector<double> score, known, constraint, ms;
   std::vector<Pose2> poses;
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
     score.push_back(run.scans[i].score);
+    known.push_back(run.scans[i].known);
+    constraint.push_back(run.scans[i].constraint);
     ms.push_back(run.scans[i].ms);
     poses.push_back(run.trajectory[i].pose);
   }
   const Speeds speeds = speedsOf(times, poses);
-  Json charts = Json::array({chartOf("Match quality", "", times, score, 3)});
+  constexpr double kMostConstraint = 0.5;  // as many points for each of two directions
+  Json charts =
+      Json::array({shareChartOf("Match quality", times, score, 1.0),
+                   shareChartOf("Overlap: share of the beams in known space", times, known, 1.0),
+                   shareChartOf("Constraint: share of the points that show the weakest direction",
+                                times, constraint, kMostConstraint)});
   if (info.timing) charts.push_back(chartOf("Time per scan", "ms", times, ms, 3));
   charts.push_back(chartOf("Speed", "m/s", times, speeds.linear_m_s, 3));
   charts.push_back(chartOf("Yaw rate", "rad/s", times, speeds.angular_rad_s, 3));
   return charts;
 }
 
+/// How often each reason of a state was given, and the time of the first scan with it.
+Json reasonsOf(const OfflineRun& run, const std::vector<double>& times) {
+  std::map<std::pair<MatchState, std::string>, std::vector<double>> found;
+  for (std::size_t i = 0; i < run.scans.size(); ++i)
+    found[{run.scans[i].state, run.scans[i].reason}].push_back(times[i]);
+  Json reasons = Json::array();
+  for (const auto& [key, seen] : found) {
+    reasons.push_back({{"state", toString(key.first)},
+                       {"reason", key.second},
+                       {"scans", seen.size()},
+                       {"first", rounded(seen.front(), kMillimeter)}});
+  }
+  return reasons;
+}
+
 /// Every k-th pose, and also every pose at which the match state changes.
 Json pathOf(const OfflineRun& run, const std::vector<double>& times) {
   Json t = Json::array(), x = Json::array(), y = Json::array(), yaw = Json::array(),
-       state = Json::array();
+       state = Json::array(), reason = Json::array();
   const std::size_t stride = run.scans.size() / kMaxPoints + 1;
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
     const bool changes = i > 0 && run.scans[i].state != run.scans[i - 1].state;
@@ -170,8 +202,9 @@ Json pathOf(const OfflineRun& run, const std::vector<double>& times) {
     y.push_back(rounded(pose.y, kMillimeter));
     yaw.push_back(rounded(pose.yaw, kMillimeter));
     state.push_back(static_cast<int>(run.scans[i].state));
+    reason.push_back(run.scans[i].reason);
   }
-  return {{"t", t}, {"x", x}, {"y", y}, {"yaw", yaw}, {"state", state}};
+  return {{"t", t}, {"x", x}, {"y", y}, {"yaw", yaw}, {"state", state}, {"reason", reason}};
 }
 
 /// The box around the walls: [x0, y0, x1, y1], m; null without walls.
@@ -214,6 +247,7 @@ std::string reportHtml(const OfflineRun& run, const RunInfo& info) {
                      {"warnings", run.warnings},
                      {"parameters", parameterRows(info.config)},
                      {"charts", chartsOf(run, info, times)},
+                     {"reasons", reasonsOf(run, times)},
                      {"path", pathOf(run, times)},
                      {"map", imageOf(run.map)}};
   return std::string("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n") +

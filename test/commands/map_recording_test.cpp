@@ -56,6 +56,7 @@ TEST_F(MapRecordingTest, AddsErrorsToTheOdometryAndWritesIt) {
   const std::vector<ScanRow> scans = readScans(folder_.file("out/scans.csv"));
   ASSERT_EQ(scans.size(), 41U);
   ASSERT_TRUE(scans.front().odom_T_base && scans.back().odom_T_base);
+  EXPECT_EQ(scans.front().reason, "fits");
   EXPECT_NEAR(scans.front().odom_T_base->between(*scans.back().odom_T_base).x, 1.0, 1e-3);
   EXPECT_NEAR(scans.back().pose.x, 2.0, 0.1) << "the scans correct it";
   const Outcome wrong = map("--odometry use --odometry-error long:1" + outputs("out"));

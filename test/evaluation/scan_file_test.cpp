@@ -48,6 +48,7 @@ TEST_F(ScanFileTest, ReadsWhatItWrote) {
   full.sigmas = {0.01, 0.02, 0.03};
   full.inserted = full.ambiguous = true;
   full.odom_T_base = Pose2(1.0, 2.0, 3.0);
+  full.reason = "carried: new space";
   TemporaryFolder folder;
   const std::vector<ScanRow> read = readScans(folder.write("scans.csv", scansText(scans_)));
   ASSERT_EQ(read.size(), 2U);
@@ -57,7 +58,17 @@ TEST_F(ScanFileTest, ReadsWhatItWrote) {
   EXPECT_EQ(scansText(read), scansText(scans_));
   EXPECT_EQ(read[1].stamp, full.stamp);
   EXPECT_EQ(read[1].degenerate_direction, full.degenerate_direction);
+  EXPECT_EQ(read[1].reason, full.reason);
   EXPECT_TRUE(read[1].inserted && read[1].ambiguous && !read[1].searched && !read[1].carried);
+}
+
+TEST_F(ScanFileTest, AFileWithoutReasonsCanBeRead) {
+  scans_.resize(1);
+  std::string text = scansText(scans_);
+  text.replace(text.find(",reason\n"), 7, "");
+  text.erase(text.rfind(','), 1);
+  TemporaryFolder folder;
+  EXPECT_EQ(readScans(folder.write("scans.csv", text)).at(0).reason, "");
 }
 
 TEST_F(ScanFileTest, NamesTheLineThatIsWrong) {
@@ -72,7 +83,7 @@ TEST_F(ScanFileTest, NamesTheLineThatIsWrong) {
   };
   const std::string good = scansText({scans_[0]});
   EXPECT_EQ(errorOf(good), "none");
-  EXPECT_NE(errorOf(good + "1,2\n").find("line 3: expected 20 fields, found 2"), std::string::npos);
+  EXPECT_NE(errorOf(good + "1,2\n").find("line 3: expected 21 fields, found 2"), std::string::npos);
   std::string bad_state = good;
   bad_state.replace(bad_state.find(",ok,"), 4, ",ko,");
   EXPECT_NE(errorOf(bad_state).find("'ko' is no state"), std::string::npos);

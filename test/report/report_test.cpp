@@ -19,6 +19,9 @@ OfflineRun runOf(std::size_t scans) {
     scan.time = 100.0 + 0.1 * static_cast<double>(i);
     scan.state = i == 3 ? MatchState::kLost : MatchState::kOk;
     scan.score = i == 3 ? 0.125 : 0.9;
+    scan.known = i == 3 ? 0.25 : 1.0;
+    scan.constraint = i == 3 ? 0.0045 : 0.3;
+    scan.reason = i == 3 ? "no fit" : "fits";
     scan.ms = 0.5;
     run.scans.push_back(scan);
     run.trajectory.push_back({scan.time, Pose2(std::cos(angle), std::sin(angle), angle)});
@@ -65,11 +68,34 @@ TEST(ReportTest, ContainsMapPathAndCharts) {
   EXPECT_EQ(data["path"]["t"].size(), 10U);
   EXPECT_EQ(data["path"]["t"][4], 0.4);
   EXPECT_EQ(data["path"]["state"].dump(), "[0,0,0,2,0,0,0,0,0,0]");
-  ASSERT_EQ(data["charts"].size(), 4U);
+  EXPECT_EQ(data["path"]["reason"][3], "no fit");
+  ASSERT_EQ(data["charts"].size(), 6U);
   EXPECT_EQ(data["charts"][0]["title"], "Match quality");
   EXPECT_EQ(data["charts"][0]["v"][3], 0.125);
-  EXPECT_EQ(data["charts"][2]["unit"], "m/s");
-  EXPECT_EQ(data["charts"][3]["v"][9], 0.1);  // 0.01 rad every 0.1 s
+  EXPECT_EQ(data["charts"][4]["unit"], "m/s");
+  EXPECT_EQ(data["charts"][5]["v"][9], 0.1);  // 0.01 rad every 0.1 s
+}
+
+TEST(ReportTest, ShowsOverlapAndConstraintOverTime) {
+  const auto data = dataOf(reportHtml(runOf(10), infoOf(true)));
+  const auto &overlap = data["charts"][1], &constraint = data["charts"][2];
+  EXPECT_EQ(overlap["title"].get<std::string>().rfind("Overlap", 0), 0U);
+  EXPECT_EQ(overlap["v"][3], 0.25);
+  EXPECT_EQ(overlap["high"], 1.0);
+  EXPECT_EQ(constraint["title"].get<std::string>().rfind("Constraint", 0), 0U);
+  EXPECT_EQ(constraint["v"][3], 0.0045);
+  EXPECT_EQ(constraint["high"], 0.5);
+}
+
+TEST(ReportTest, CountsTheReasonsOfTheStates) {
+  OfflineRun run = runOf(10);
+  run.scans[5].state = run.scans[7].state = MatchState::kDegraded;
+  run.scans[5].reason = run.scans[7].reason = "settling";
+  const auto reasons = dataOf(reportHtml(run, infoOf(true)))["reasons"];
+  ASSERT_EQ(reasons.size(), 3U);
+  EXPECT_EQ(reasons[0].dump(), R"({"first":0.0,"reason":"fits","scans":7,"state":"ok"})");
+  EXPECT_EQ(reasons[1].dump(), R"({"first":0.5,"reason":"settling","scans":2,"state":"degraded"})");
+  EXPECT_EQ(reasons[2].dump(), R"({"first":0.3,"reason":"no fit","scans":1,"state":"lost"})");
 }
 
 TEST(ReportTest, LongRunIsReducedButKeepsItsWorstScan) {

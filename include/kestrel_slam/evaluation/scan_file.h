@@ -26,6 +26,7 @@ struct ScanRow {
   Eigen::Vector3d sigmas = Eigen::Vector3d::Zero();  ///< of x, y (m) and yaw (rad)
   bool inserted = false, searched = false, carried = false, ambiguous = false;
   std::optional<Pose2> odom_T_base;  ///< the odometry, if it was used
+  std::string reason;                ///< of the state (reasonOf); empty in files of old versions
 };
 
 /// Write and read scans.csv. The first line names the columns; a reader finds them by name, so that

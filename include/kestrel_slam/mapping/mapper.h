@@ -34,7 +34,9 @@ struct MapperResult {
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< in the base frame, smoothed, m/s
   MatchResult match;
   MatchState state = MatchState::kLost;
-  bool carried = false;     ///< the scan has no hit: `pose` is the prediction, not a measurement
+  const char* reason = "";  ///< of the state, see reasonOf()
+  bool blank = false;       ///< too few hits for a match
+  bool carried = false;     ///< there is no match: `pose` is the prediction, not a measurement
   double evaluation = 0.0;  ///< f of [MAV SLAM 2013, eq. 4]: small if the scan fits
   bool inserted = false;    ///< the scan was inserted into the map
   bool searched = false;    ///< the local fit was poor and the exhaustive search was run

@@ -36,8 +36,9 @@ struct ScanRecord {
   double constraint = 0.0;    ///< share of the points that constrain the weakest direction
   Eigen::Vector2d degenerate_direction =
       Eigen::Vector2d::Zero();       ///< in map; zero if there is none
-  bool carried = false;              ///< the scan has no hit: the pose is the prediction
+  bool carried = false;              ///< there is no match: the pose is the prediction
   bool ambiguous = false;            ///< the scan fits in several places
+  std::string reason;                ///< of the state, see reasonOf()
   std::optional<Pose2> odom_T_base;  ///< the odometry that was used
 };
 

@@ -9,7 +9,8 @@
 namespace kestrel {
 
 /// A self-contained HTML page: the map with the trajectory (zoom and pan), charts of match quality,
-/// time per scan and speed, statistics and parameters. Measured times and memory are omitted if
+/// overlap, constraint, time per scan and speed, the reasons of the states, statistics and
+/// parameters. Measured times and memory are omitted if
 /// `info.timing` is false.
 std::string reportHtml(const OfflineRun& run, const RunInfo& info);
 

@@ -93,6 +93,7 @@ void Diagnostics::fillMatch(Status& status) const {
   }
   status.summary(levelOf(report_), summaryOf(report_));
   status.add("state", toString(*report_.state));
+  status.add("reason", report_.reason);
   status.add("score", report_.score);
   status.add("degenerate", report_.degenerate);
 }

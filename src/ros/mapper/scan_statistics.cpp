@@ -25,6 +25,7 @@ void ScanStatistics::used(const MapperResult& result, double ms) {
   const Lock lock(mutex_);
   ++report_.used;
   report_.state = result.state;
+  report_.reason = result.reason;
   report_.score = result.match.score;
   report_.degenerate = result.match.degenerate;
   report_.map_full = result.map_full;

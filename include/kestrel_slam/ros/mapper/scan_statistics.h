@@ -25,6 +25,7 @@ struct ScanReport {
   std::string waiting_for;          ///< missing transform, or empty
   std::optional<double> silence_s;  ///< since the last scan; empty before the first
   std::optional<MatchState> state;  ///< of the last used scan
+  std::string reason;               ///< of this state
   double score = 0.0;
   bool degenerate = false;
   bool map_full = false;
