@@ -14,12 +14,13 @@
 #include "kestrel_slam/matching/thinned.h"
 #include "kestrel_slam/matching/weak_motion.h"
 #include "kestrel_slam/sensor/projection.h"
+#include "usable_scan.h"
 
 namespace kestrel {
 namespace {
 
-/// A vehicle that was not matched is found if the scan fits well (search_score) and this share of it
-/// is in known space; in a large window half of a scan fits at many places. Near the prediction
+/// A vehicle that was not matched is found if the scan fits well (search_score) and this share of
+/// it is in known space; in a large window half of a scan fits at many places. Near the prediction
 /// less is enough.
 constexpr double kSureKnownShare = 0.5, kFoundScore = 0.6, kFoundKnownShare = 0.3;
 constexpr double kFoundSigmas = 3.0;
@@ -33,42 +34,6 @@ constexpr std::size_t kMostBeams = 2;
 /// The match shows the errors of the odometry if this share of the points constrains the weakest
 /// direction.
 constexpr double kWellConstrained = 0.1;
-/// Larger coordinates of a ray, m, and coordinates that are not finite are invalid.
-constexpr float kMaxRayM = 1e4F;
-/// Larger times, and times that are not finite, are invalid, s.
-constexpr double kMaxTime = 1e12;
-
-bool isUsable(const PlanarRay& ray) {
-  // The comparisons are false for NaN.
-  return ray.origin.cwiseAbs().sum() < kMaxRayM && ray.end.cwiseAbs().sum() < kMaxRayM;
-}
-
-bool isUsableTime(double time) { return std::abs(time) < kMaxTime; }
-
-bool isUsable(const PlanarScan& scan) {
-  return isUsableTime(scan.time) &&
-         std::all_of(scan.rays.begin(), scan.rays.end(),
-                     [](const PlanarRay& ray) { return isUsable(ray); }) &&
-         (!scan.integrated_yaw || std::isfinite(*scan.integrated_yaw)) &&
-         (!scan.integrated_acceleration || scan.integrated_acceleration->allFinite()) &&
-         (!scan.predicted || isUsable(*scan.predicted));
-}
-
-/// The scan without invalid rays and readings. `last_time` replaces an invalid time, s.
-PlanarScan repaired(const PlanarScan& scan, double last_time) {
-  PlanarScan result = scan;
-  if (!isUsableTime(result.time)) result.time = last_time;
-  const auto broken = [](const PlanarRay& ray) { return !isUsable(ray); };
-  result.rays.erase(std::remove_if(result.rays.begin(), result.rays.end(), broken),
-                    result.rays.end());
-  if (result.integrated_yaw && !std::isfinite(*result.integrated_yaw))
-    result.integrated_yaw.reset();
-  if (result.integrated_acceleration && !result.integrated_acceleration->allFinite())
-    result.integrated_acceleration.reset();
-  if (result.predicted && !isUsable(*result.predicted)) result.predicted.reset();
-  return result;
-}
-
 /// Whether the motion prediction is better than the match along the degenerate direction. Without a
 /// motion sensor the little that the scan shows is used: otherwise a scan may be inserted with an
 /// error of centimeters, and loops of whole buildings do not close.

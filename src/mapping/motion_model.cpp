@@ -40,9 +40,6 @@ constexpr double kAccurateM = 0.05;
 /// The windows of the search cover this many standard deviations.
 constexpr double kSigmas = 3.0;
 
-/// The errors of the matches at both ends of a motion by the odometry.
-constexpr double kPriorM = 0.02, kPriorRad = 0.01;
-
 /// Time constant of the velocity, s.
 constexpr double kVelocityTime = 0.15;
 
@@ -125,23 +122,6 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
   return result;
 }
 
-/// Whether the match may not find the pose without odometry.
-bool MotionModel::needsOdometry(const PlanarScan& scan) const {
-  return lost_scans_ > 0 || carried_ || isWide(errorAt(scan, std::nullopt));
-}
-
-/// The pose by the odometry. Nothing if a pose filter knows better, or if the odometry did not
-/// measure the last motion.
-std::optional<MotionPrior> MotionModel::priorAt(const std::optional<Pose2>& odom_T_base,
-                                                const PredictionError& error,
-                                                const PlanarScan& scan) const {
-  if (placed_ || filterMotionSince(scan) || !needsOdometry(scan)) return std::nullopt;
-  const std::optional<Pose2> moved = odometryMotion(odom_T_base);
-  if (!moved) return std::nullopt;
-  return MotionPrior{pose_ * *moved, std::hypot(error.position_m(), kPriorM),
-                     std::hypot(error.yaw_rad(), kPriorRad)};
-}
-
 bool MotionModel::isGap(double seconds) const {
   return typical_s_ > 0.0 && seconds > kLongInterval * typical_s_;
 }
@@ -161,11 +141,6 @@ Pose2 MotionModel::continuedMotion(const PlanarScan& scan) const {
   const double seconds = std::max(0.0, scan.time - time_);
   if (interval_s_ <= gap_s_ || seconds >= interval_s_) return motion_;
   return interpolate(Pose2(), motion_, seconds / interval_s_);
-}
-
-std::optional<Pose2> MotionModel::odometryMotion(const std::optional<Pose2>& odom_T_base) const {
-  if (!odom_ || !odom_T_base) return std::nullopt;
-  return odometry_.corrected(odom_->inverse() * *odom_T_base);
 }
 
 /// The pose if the velocity stays constant. The gyro and the accelerometer measure its changes.
@@ -294,17 +269,6 @@ void MotionModel::updateVelocity(const Pose2& next, const PlanarScan& scan, bool
   const Eigen::Vector2d missed = next.translation() - expected.translation();
   velocity_ += gained + gain * missed + (along_gain_ - gain) * along_.dot(missed) * along_;
   yaw_rate_ += gain * normalizeAngle(next.yaw - pose_.yaw - seconds * yaw_rate_);
-}
-
-void MotionModel::learnOdometry(const Pose2& found, const std::optional<Pose2>& odom_T_base,
-                                bool well_matched) {
-  const bool since_last = last_well_matched_ && odom_ && odom_T_base && !placed_;
-  if (well_matched && since_last) {
-    odometry_.learn(odom_->inverse() * *odom_T_base, pose_.inverse() * found);
-  } else {
-    odometry_.interrupt();
-  }
-  last_well_matched_ = well_matched;
 }
 
 void MotionModel::setGainAlong(const Eigen::Vector2d& direction, double gain) {

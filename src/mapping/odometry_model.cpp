@@ -8,8 +8,8 @@
 namespace kestrel {
 namespace {
 
-/// Unit of the errors, relative to the distance and to the rotation, and of the yaw per meter: those
-/// of an ordinary odometry.
+/// Unit of the errors, relative to the distance and to the rotation, and of the yaw per meter:
+/// those of an ordinary odometry.
 constexpr double kRelativeError = 0.1, kYawPerMeter = 0.03;
 /// Smallest errors: of a step, and of the matches at the ends of a segment.
 constexpr double kLeastM = 0.002, kLeastRad = 0.001;

@@ -38,6 +38,9 @@ class HybridMatcher : public Matcher {
 /// The center of the search windows: the last pose, with the predicted yaw if that is accurate.
 Pose2 searchCenter(const MatchRequest& request);
 
+/// Whether the pose is farther from the prediction than the vehicle can have moved.
+bool isJump(const MatchRequest& request, const Pose2& pose);
+
 /// The search windows for a scan without a good fit near the initial guesses, smallest first.
 std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const MatchRequest& request);
 

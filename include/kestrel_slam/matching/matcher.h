@@ -64,10 +64,10 @@ struct MatchRequest {
   double plausible_m = 1e9;    ///< a pose farther than this from the first initial guess needs a
                                ///< larger increase of the score, proportional to the distance
   std::optional<MotionPrior> prior =
-      std::nullopt;   ///< of the odometry: the distance from it is penalized
-  bool wide = false;  ///< the local match may not find the pose: search the near window
-  bool lost = false;  ///< the last poses were only predicted: search the widest window
-  int lost_scans = 0;          ///< number of consecutive lost scans before this one
+      std::nullopt;    ///< of the odometry: the distance from it is penalized
+  bool wide = false;   ///< the local match may not find the pose: search the near window
+  bool lost = false;   ///< the last poses were only predicted: search the widest window
+  int lost_scans = 0;  ///< number of consecutive lost scans before this one
 };
 
 /// Aligns a scan with a map. Has no state: equal requests give equal results.
