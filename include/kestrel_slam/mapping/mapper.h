@@ -15,9 +15,9 @@
 
 namespace kestrel {
 
-/// ok: the scan fits. degraded: it fits poorly, or a direction is unobservable, or the scan has no
-/// hit and the pose is carried by the prediction. lost: the scan does not fit anywhere in the
-/// search windows, or fits in several places; the pose is the prediction.
+/// ok: the scan fits. degraded: it fits poorly, a direction is unobservable, it fits in two places,
+/// or it does not fit and a good prediction carries the pose (odometry: always). lost: the scan does
+/// not fit anywhere in the search windows and nobody knows the pose; it is the prediction.
 enum class MatchState { kOk, kDegraded, kLost };
 
 const char* toString(MatchState state);
