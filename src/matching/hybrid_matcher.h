@@ -50,7 +50,7 @@ double jumpMargin(const MatcherConfig& config, const MatchRequest& request, cons
 /// Number of points for the coarse stages.
 constexpr std::size_t kCoarsePoints = 150;
 /// Work for the searches of one scan.
-constexpr std::int64_t kSearchWork = 14'000'000;
+constexpr std::int64_t kSearchWork = 10'000'000;
 /// Number of points for a sketch.
 constexpr std::size_t kSketchPoints = 100;
 
