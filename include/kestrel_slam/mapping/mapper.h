@@ -16,8 +16,8 @@
 namespace kestrel {
 
 /// ok: the scan fits. degraded: it fits poorly, a direction is unobservable, it fits in two places,
-/// or it does not fit and a good prediction carries the pose (odometry: always). lost: the scan does
-/// not fit anywhere in the search windows and nobody knows the pose; it is the prediction.
+/// or it does not fit and a good prediction carries the pose (odometry: always). lost: the scan
+/// does not fit anywhere in the search windows and nobody knows the pose; it is the prediction.
 enum class MatchState { kOk, kDegraded, kLost };
 
 const char* toString(MatchState state);
