@@ -266,10 +266,8 @@ void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResu
   const bool new_space = result.carried && result.match.known < config.min_known_share;
   const bool accepted = !config.evaluation.enabled || first || new_space ||
                         result.evaluation < config.evaluation.threshold;
-  const bool by_odometry = result.carried && has_odometry;
-  if ((result.carried && !by_odometry) || result.state == MatchState::kLost || !accepted ||
-      !(first || movedEnough()))
-    return;
+  const bool known_pose = result.state != MatchState::kLost && (!result.carried || has_odometry);
+  if (!known_pose || !accepted || !(first || movedEnough())) return;
   // Without an IMU the laser is level and always sees the same slice: a new object is moving or was
   // moved, and is not a new view.
   const bool new_view =

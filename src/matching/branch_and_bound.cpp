@@ -30,11 +30,9 @@ int BranchAndBound::levelsFor(const SearchGrid& grid) {
   return top + 1;
 }
 
-BranchAndBound::BranchAndBound(const SearchGrid& grid, const LikelihoodImage& image,
-                               const ExcludedPoses& excluded)
+BranchAndBound::BranchAndBound(const SearchGrid& grid, const LikelihoodImage& image)
     : grid_(grid),
       image_(image),
-      excluded_(excluded),
       top_(image.levels() - 1),
       side_(((2 * grid.linearSteps()) >> top_) + 1),
       sample_points_(
@@ -130,22 +128,11 @@ void BranchAndBound::collect(const Lattice& lattice, const int* sums,
       if (corner.dx > grid_.linearSteps() || corner.dy > grid_.linearSteps()) continue;
       const double score = boundOf(lattice.level, *sums, 0);
       if (score < best_.penalized_score) continue;
-      if (isExcluded(corner, 1 << lattice.level)) continue;
       const ScoredPose bound{score - grid_.motionPenalty(corner, 1 << lattice.level), score,
                              corner};
       if (isBetter(bound, best_)) blocks.push_back({bound, lattice.level});
     }
   }
-}
-
-/// Whether all poses of a block of `size` × `size` cells are excluded. The excluded positions are
-/// convex, so the corners decide.
-bool BranchAndBound::isExcluded(const GridPose& corner, int size) const {
-  const auto is_near = [&](int dx, int dy) {
-    return isNear(excluded_, grid_.pose({corner.k, corner.dx + dx, corner.dy + dy}));
-  };
-  const int last = size - 1;
-  return is_near(0, 0) && is_near(last, 0) && is_near(0, last) && is_near(last, last);
 }
 
 void BranchAndBound::expandAll(std::vector<Block>& blocks) {

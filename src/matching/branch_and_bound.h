@@ -32,8 +32,7 @@ inline bool isBetter(const ScoredPose& a, const ScoredPose& b) {
 /// far as needed.
 class BranchAndBound {
  public:
-  BranchAndBound(const SearchGrid& grid, const LikelihoodImage& image,
-                 const ExcludedPoses& excluded = {});
+  BranchAndBound(const SearchGrid& grid, const LikelihoodImage& image);
 
   /// Number of levels that the image for the search of `grid` must have.
   static int levelsFor(const SearchGrid& grid);
@@ -69,13 +68,11 @@ class BranchAndBound {
   bool keepRows(const Lattice& lattice, const int* sums, int rest, int& low, int& high) const;
   double boundOf(int level, int sum, int rest) const;
   void collect(const Lattice& lattice, const int* sums, std::vector<Block>& blocks) const;
-  bool isExcluded(const GridPose& corner, int size) const;
   void expandAll(std::vector<Block>& blocks);
   void expand(const Block& block);
 
   const SearchGrid& grid_;
   const LikelihoodImage& image_;
-  ExcludedPoses excluded_;
   int top_;
   int side_;           ///< number of top-level blocks in a row of the window
   int sample_points_;  ///< number of points that rank the angles

@@ -107,19 +107,11 @@ bool isNear(const ExcludedPoses& excluded, const Pose2& pose) {
 
 SearchResult searchWindow(const SurfelField& surface, const Points& points, const Pose2& center,
                           const SearchWindow& window, const CorrelativeConfig& config) {
-  return searchWindow(surface, points, center, window, config, {});
-}
-
-SearchResult searchWindow(const SurfelField& surface, const Points& points, const Pose2& center,
-                          const SearchWindow& window, const CorrelativeConfig& config,
-                          const ExcludedPoses& excluded) {
   const SearchGrid grid(surface, points, center, window, config);
   if (grid.pointCount() == 0) return emptyResult(center);
   const LikelihoodImage image(surface, grid, kCovarianceRadius, config.sigma_m,
                               BranchAndBound::levelsFor(grid));
-  const ScoredPose best = BranchAndBound(grid, image, excluded).run();
-  const bool found = best.penalized_score > ScoredPose().penalized_score;
-  return found ? resultOf(grid, image, best) : emptyResult(center);
+  return resultOf(grid, image, BranchAndBound(grid, image).run());
 }
 
 SearchResult searchWindowBruteForce(const SurfelField& surface, const Points& points,

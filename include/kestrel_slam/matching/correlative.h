@@ -53,11 +53,6 @@ bool isNear(const ExcludedPoses& excluded, const Pose2& pose);
 SearchResult searchWindow(const SurfelField& surface, const Points& points, const Pose2& center,
                           const SearchWindow& window, const CorrelativeConfig& config);
 
-/// The same for the best pose that is not excluded. The score is 0 if there is none.
-SearchResult searchWindow(const SurfelField& surface, const Points& points, const Pose2& center,
-                          const SearchWindow& window, const CorrelativeConfig& config,
-                          const ExcludedPoses& excluded);
-
 /// The same as the first without branch and bound, for tests.
 SearchResult searchWindowBruteForce(const SurfelField& surface, const Points& points,
                                     const Pose2& center, const SearchWindow& window,
