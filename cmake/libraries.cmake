@@ -30,8 +30,9 @@ kestrel_library(sensor LINKS kestrel_geometry)
 kestrel_library(map LINKS kestrel_sensor)
 kestrel_library(matching LINKS kestrel_map PRIVATE $<BUILD_INTERFACE:nanoflann::nanoflann>)
 kestrel_library(mapping LINKS kestrel_matching)
+kestrel_library(graph LINKS kestrel_mapping PRIVATE Ceres::ceres)
 kestrel_library(filter LINKS kestrel_sensor)
-kestrel_library(pipeline LINKS kestrel_mapping kestrel_filter)
+kestrel_library(pipeline LINKS kestrel_graph kestrel_filter)
 kestrel_library(parameters LINKS kestrel_pipeline PRIVATE yaml-cpp)
 
 # ---- messages: ROS message <-> core type

@@ -26,11 +26,12 @@ Submap::Submap(const OccupancyGridConfig& config, const SubmapOptions& options)
       surface_(static_cast<float>(config.resolution_m), budget_),
       revision_(newRevision()) {}
 
-bool Submap::insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view) {
+bool Submap::insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view,
+                    std::uint32_t number) {
   const OccupancyGrid::Changes& changes =
       options_.stitching ? grid_.insert(stitched(scan, map_T_base), map_T_base, new_view)
                          : grid_.insert(scan, map_T_base, new_view);
-  const bool surface_complete = surface_.update(grid_, changes);
+  const bool surface_complete = surface_.update(grid_, changes, number);
   keep(scan, map_T_base);
   ++scans_;
   revision_ = newRevision();

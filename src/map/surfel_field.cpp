@@ -61,7 +61,6 @@ void SurfelField::clear() {
   budget_->giveBack(surfels_.capacity() * sizeof(Surfel));
   surfels_ = {};
   free_.clear();
-  updates_ = 0;
 }
 
 std::vector<Surfel> SurfelField::surfelsIn(const Eigen::AlignedBox2f& area) const {
@@ -82,8 +81,10 @@ std::vector<Surfel> SurfelField::surfelsIn(const Eigen::AlignedBox2f& area) cons
   return result;
 }
 
-bool SurfelField::update(const OccupancyGrid& grid, const OccupancyGrid::Changes& changes) {
+bool SurfelField::update(const OccupancyGrid& grid, const OccupancyGrid::Changes& changes,
+                         std::uint32_t number) {
   full_ = false;
+  number_ = number;
   for (const Cell& cell : changes.became_free) remove(cell);
   changed_.clear();
   for (std::size_t i = 0; i < changes.hits.size(); ++i) {
@@ -100,7 +101,6 @@ bool SurfelField::update(const OccupancyGrid& grid, const OccupancyGrid::Changes
     updateShape(id);
     align(id);
   }
-  ++updates_;
   return !full_;
 }
 
@@ -160,7 +160,7 @@ std::uint32_t SurfelField::create(const OccupancyGrid::Changes::Hit& hit) {
     return kNone;
   }
   Surfel surfel{hit.point, hit.point, 1.0F, 0.0F, 1.0F, hit.cell};
-  surfel.birth = updates_;
+  surfel.birth = number_;
   std::uint32_t id = static_cast<std::uint32_t>(surfels_.size());
   if (free_.empty()) {
     surfels_.push_back(surfel);

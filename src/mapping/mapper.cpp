@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kestrel_slam/map/submap.h"
+#include "kestrel_slam/mapping/local_map.h"
 #include "kestrel_slam/mapping/match_reason.h"
 #include "kestrel_slam/mapping/motion_model.h"
 #include "kestrel_slam/mapping/pose_uncertainty.h"
@@ -84,15 +84,15 @@ const char* toString(MatchState state) {
 struct Mapper::State {
   explicit State(const MapperConfig& c, const Pose2& map_T_base = Pose2())
       : config(c),
-        map(c.grid, submapOptions(c.matcher)),
+        map(c.grid, submapOptions(c.matcher), c.window),
         matcher(makeMatcher(c.matcher)),
         motion(c, map_T_base) {}
 
   MapperConfig config;
-  Submap map;
+  LocalMap map;
   std::unique_ptr<Matcher> matcher;
   MotionModel motion;
-  Pose2 inserted_pose;  ///< pose of the last inserted scan
+  UncertainPose inserted_pose;  ///< pose of the last inserted scan
   PoseUncertainty uncertainty;
   int unsettled_scans = 0;  ///< scans that have to fit before the state is ok again
 
@@ -150,7 +150,7 @@ void Mapper::State::followAlong(const Points& points, const PlanarScan& scan,
   const AlongError error = uncertainty.alongError(match, seconds, moved, source);
   const double variance = error.covariance(0, 0);
   keepPredictionAlong(motion_prediction, match);
-  const AlongFit fit = fitAlong(map.surface(), points, match.pose, weakMotionOf(match),
+  const AlongFit fit = fitAlong(map.current().surface(), points, match.pose, weakMotionOf(match),
                                 kSigmas * std::sqrt(variance));
   correctAlong(fit, variance, seconds, match);
   if (source == PredictionSource::kVelocity)
@@ -164,13 +164,13 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   const PredictionSource prediction_source = motion.predictionSourceOf(scan, odom_T_base);
   const std::optional<Pose2> motion_prediction =
       motion.motionPrediction(request, scan, odom_T_base);
-  result.match = matcher->match(map, request);
+  result.match = matcher->match(map.current(), request);
   if (motion_prediction && isUnobservable(result.match, prediction_source))
     followAlong(points, scan, *motion_prediction, prediction_source, result.match);
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request, error);
   if ((request.lost || request.wide) && result.state != MatchState::kLost &&
-      secondExplanation(map, request, result.match, config.matcher)) {
+      secondExplanation(map.current(), request, result.match, config.matcher)) {
     result.match.ambiguous = true;
     result.state = request.lost ? MatchState::kLost : MatchState::kDegraded;
   }
@@ -188,7 +188,7 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   if (lost) {
     uncertainty.lose(motion.pose(), error);
   } else {
-    uncertainty.update(map.surface(), points, result.match, motion.secondsSince(scan), moved,
+    uncertainty.update(map.current().surface(), points, result.match, motion.secondsSince(scan), moved,
                        prediction_source);
   }
 }
@@ -220,7 +220,7 @@ void Mapper::State::carryUnmatched(const Points& points, const PlanarScan& scan,
                                    const std::optional<Pose2>& odom_T_base,
                                    const PredictionError& error, MapperResult& result) {
   carry(scan, odom_T_base, error, result);
-  const Fit fit = fitOf(map, points, motion.pose(), config.matcher.score_scale_m);
+  const Fit fit = fitOf(map.current(), points, motion.pose(), config.matcher.score_scale_m);
   result.match.score = fit.score;
   result.match.known = fit.known;
   for (StageEstimate& stage : result.match.stages) stage = {motion.pose(), fit.score};
@@ -272,16 +272,19 @@ void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResu
   // moved, and is not a new view.
   const bool new_view =
       scan.integrated_acceleration && result.match.score < config.matcher.good_score;
-  map.insert(scan, motion.pose(), new_view);
+  result.finished_window = map.insert(scan, motion.pose(), new_view, result.match.degenerate);
   result.inserted = true;
+  result.new_view = new_view;
+  result.submap = map.submap();
+  if (!first) result.keyframe_covariance = relativeCovariance(inserted_pose, uncertainty.last());
   uncertainty.insert();
-  inserted_pose = motion.pose();
+  inserted_pose = uncertainty.last();
 }
 
 /// Along an unobservable direction the vehicle may have moved although its pose did not. What it
 /// sees then must be in the map before it is passed.
 bool Mapper::State::movedEnough() const {
-  const Pose2 moved = inserted_pose.inverse() * motion.pose();
+  const Pose2 moved = inserted_pose.pose.inverse() * motion.pose();
   return moved.distance() >= config.insert_distance_m ||
          uncertainty.driftSinceInsertion() >= config.insert_distance_m ||
          std::abs(moved.yaw) >= config.insert_angle_rad;
@@ -311,7 +314,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   }
   s.insert(scan, s.motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry,
            result);
-  result.map_full = s.map.isFull();
+  result.map_full = s.map.current().isFull();
   s.motion.remember(scan, odom_T_base, result.isMatched() ? std::nullopt : std::optional(error));
   result.pose = s.motion.pose();
   result.velocity = Eigen::Rotation2Dd(-result.pose.yaw) * s.motion.velocity();
@@ -337,9 +340,9 @@ void Mapper::setPose(const Pose2& map_T_base) {
 
 const Pose2& Mapper::pose() const { return state_->motion.pose(); }
 const MapperConfig& Mapper::config() const { return state_->config; }
-MapSnapshot Mapper::snapshot() const { return state_->map.grid().snapshot(); }
+MapSnapshot Mapper::snapshot() const { return state_->map.current().grid().snapshot(); }
 bool Mapper::takeChangedTiles(std::size_t max_tiles, std::vector<TileImage>& images) {
-  return state_->map.grid().takeChangedTiles(max_tiles, images);
+  return state_->map.current().grid().takeChangedTiles(max_tiles, images);
 }
 std::size_t Mapper::memoryBytes() const { return state_->map.memoryBytes(); }
 

@@ -151,11 +151,26 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     result.iterations += closer.descent.iterations;
     if (closer.penalized_score > best.penalized_score) best = closer;
   }
+  fill(map, request.points, best, result);
+  return result;
+}
+
+void HybridMatcher::fill(const Submap& map, const Points& points, const Candidate& best,
+                         MatchResult& result) const {
   result.pose = best.descent.pose;
   result.converged = best.descent.converged;
-  fillUncertainty(map, request.points, {kStageScales.back(), best.descent.at_pose, best.fit},
-                  config_, result);
-  fillStages(map, request.points, best.stages, config_.score_scale_m, result);
+  fillUncertainty(map, points, {kStageScales.back(), best.descent.at_pose, best.fit}, config_,
+                  result);
+  fillStages(map, points, best.stages, config_.score_scale_m, result);
+}
+
+MatchResult HybridMatcher::refined(const Submap& map, const Points& points,
+                                   const Pose2& guess) const {
+  const MatchRequest request{points, guess, {guess}};
+  const Candidate best = refine(map, request, guess);
+  MatchResult result;
+  result.iterations = best.descent.iterations;
+  fill(map, points, best, result);
   return result;
 }
 

@@ -14,6 +14,9 @@ class HybridMatcher : public Matcher {
   explicit HybridMatcher(const MatcherConfig& config) : config_(config) {}
   MatchResult match(const Submap& map, const MatchRequest& request) const override;
 
+  /// The local optimum near `guess`, without a search and without a penalty of the motion.
+  MatchResult refined(const Submap& map, const Points& points, const Pose2& guess) const;
+
  private:
   /// A local optimum and its score.
   struct Candidate {
@@ -27,6 +30,8 @@ class HybridMatcher : public Matcher {
   /// The local optimum near `initial_guess`, with the stages from `first_stage` on.
   Candidate refine(const Submap& map, const MatchRequest& request, const Pose2& initial_guess,
                    std::size_t first_stage = 0) const;
+  void fill(const Submap& map, const Points& points, const Candidate& best,
+            MatchResult& result) const;
   void search(const Submap& map, const MatchRequest& request, MatchResult& result,
               Candidate& best) const;
   std::vector<Pose2> mostLikely(const Submap& map, const MatchRequest& request,

@@ -220,6 +220,7 @@ class Runner {
     entry.odom_T_base = sweep.input.odom_T_base;
     run_.scans.push_back(entry);
     run_.trajectory.push_back({sweep.scan.stamp, result.pose});
+    if (pipeline_.graph()) keyframe_.push_back(std::max<std::size_t>(1, pipeline_.graph()->keyframes().size()) - 1);
     addDistance(result.pose);
     const std::string place = placeOf(sweep.input);
     if (result.state == MatchState::kLost) lost_.add(place);
@@ -235,6 +236,19 @@ class Runner {
     if (step < kDistanceStep_m) return;
     run_.distance_m += step;
     last_counted_ = pose;
+  }
+
+  /// Moves every pose with the keyframe before it.
+  void correct(SubmapGraph& graph) {
+    graph.finish();
+    for (std::size_t i = 0; i < keyframe_.size(); ++i)
+      run_.trajectory[i].pose = graph.mapTLocal(keyframe_[i]) * run_.trajectory[i].pose;
+    Submap map(config_.slam.mapper.grid);
+    for (std::size_t i = 0; i < graph.keyframes().size(); ++i) {
+      const GraphKeyframe& keyframe = graph.keyframes()[i];
+      map.insert(keyframe.scan, graph.graph().vertices[i].pose, keyframe.new_view);
+    }
+    run_.map = map.grid().snapshot();
   }
 
   void finishFilter() {
@@ -273,7 +287,11 @@ class Runner {
     warn(full_, "came after the map was full, so that it is not complete",
          "the memory limit is " + limit.str() + " MB; raise map_memory_limit_mb or map_resolution");
     warn(without_odometry_, "had no odometry and were matched with the laser only", "");
-    run_.map = pipeline_.mapper().snapshot();
+    if (SubmapGraph* graph = pipeline_.graph()) {
+      correct(*graph);
+    } else {
+      run_.map = pipeline_.mapper().snapshot();
+    }
     run_.map_memory_bytes = pipeline_.mapper().memoryBytes();
     run_.peak_memory_mb = peakMemoryMb();
     if (config_.use_filter && !config_.level) finishFilter();
@@ -289,6 +307,7 @@ class Runner {
   double work_s_ = 0.0;           ///< time in earlier calls since the last scan
 
   OfflineRun run_;
+  std::vector<std::size_t> keyframe_;  ///< the last one at every scan
   std::size_t read_ = 0;
   std::optional<double> first_time_;
   std::optional<double> first_stamp_;  ///< arrival of the first scan, s

@@ -89,6 +89,20 @@ std::vector<Parameter> evaluationParametersOf(EvaluationConfig& evaluation) {
   };
 }
 
+std::vector<Parameter> graphParametersOf(WindowConfig& window) {
+  return {
+      flag("graph", &window.enabled,
+           "Match against the last submaps only, and correct the map with a pose graph when a loop "
+           "closes; false: one map that grows."),
+      number("submap_scans", "", &window.submap_scans, 5.0, 1e6,
+             "Inserted scans in a submap; scans are matched against one to two submaps."),
+      number("submap_overlap", "", &window.overlap_scans, 1.0, 1e6, "Overlap."),
+      number("submap_degenerate_weight", "", &window.degenerate_weight, 0.01, 1.0,
+             "How much an inserted scan with an unobservable direction counts for the length of a "
+             "submap; a smaller value keeps more of a corridor."),
+  };
+}
+
 std::vector<Parameter> candidateParametersOf(ProgressiveConfig& progressive) {
   return {
       number("progressive_seed", "", &progressive.seed, 0.0, kNoLimit,
@@ -162,6 +176,7 @@ std::vector<Parameter> mappingParametersOf(SlamConfig& config) {
                  group("Matching", matchingParametersOf(config.mapper)),
                  group("Matching: search", searchParametersOf(matcher)),
                  group("Evaluation of a match", evaluationParametersOf(config.mapper.evaluation)),
+                 group("Pose graph", graphParametersOf(config.mapper.window)),
                  group("Matcher progressive", candidateParametersOf(matcher.progressive)),
                  group("Matcher progressive", refinementParametersOf(matcher.progressive)),
                  group("Matcher icp", icpParametersOf(matcher.icp))});

@@ -40,7 +40,7 @@ struct Surfel {
   /// Of the current scan: number of hits, and sum of their differences to the mean.
   float new_hits = 0.0F;
   Eigen::Vector2f new_sum = Eigen::Vector2f::Zero();
-  /// Number of the scan that created the surfel, from 0 since the last clear.
+  /// Number of the scan that created the surfel.
   std::uint32_t birth = 0;
 };
 
@@ -74,9 +74,10 @@ class SurfelField {
   SurfelField(float resolution_m, std::size_t limit_bytes)
       : SurfelField(resolution_m, std::make_shared<MemoryBudget>(limit_bytes)) {}
 
-  /// Applies the changes of the last insertion into `grid`. Returns false if the memory limit kept
-  /// a part out.
-  bool update(const OccupancyGrid& grid, const OccupancyGrid::Changes& changes);
+  /// Applies the changes of the last insertion into `grid`, of the scan with this number. Returns
+  /// false if the memory limit kept a part out.
+  bool update(const OccupancyGrid& grid, const OccupancyGrid::Changes& changes,
+              std::uint32_t number = 0);
 
   /// The surfel nearest to the cell of `point` (map frame, m), or nullptr if none is within reach.
   const Surfel* nearest(const Eigen::Vector2f& point) const {
@@ -189,7 +190,7 @@ class SurfelField {
   };
   std::vector<Candidate> candidates_;  ///< surfels that may be the nearest for these cells now
   bool full_ = false;  ///< a part of the last update was left out because of the memory limit
-  std::uint32_t updates_ = 0;  ///< number of updates since the last clear
+  std::uint32_t number_ = 0;  ///< of the scan of the last update
 };
 
 }  // namespace kestrel

@@ -3,6 +3,7 @@
 
 #include "kestrel_slam/map/occupancy_grid_config.h"
 #include "kestrel_slam/mapping/evaluation_function.h"
+#include "kestrel_slam/mapping/local_map.h"
 #include "kestrel_slam/matching/matcher.h"
 
 namespace kestrel {
@@ -12,6 +13,7 @@ struct MapperConfig {
   OccupancyGridConfig grid;
   MatcherConfig matcher;
   EvaluationConfig evaluation;
+  WindowConfig window;
 
   double insert_distance_m = 0.25;  ///< a scan is inserted after this motion,
   double insert_angle_rad = 0.25;   ///< or this rotation

@@ -3,8 +3,10 @@
 
 #include <deque>
 #include <optional>
+#include <optional>
 #include <vector>
 
+#include "kestrel_slam/graph/submap_graph.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/sensor/time_base.h"
 
@@ -14,7 +16,7 @@ namespace kestrel {
 /// Not thread-safe.
 class MappingStage {
  public:
-  explicit MappingStage(const MapperConfig& config) : mapper_(config) {}
+  explicit MappingStage(const MapperConfig& config);
 
   /// Matches a planar scan. If the caller has already repaired the time base, the argument `time`
   /// (s) is used. Otherwise the time of the scan is computed from its stamp; each source has its
@@ -36,6 +38,7 @@ class MappingStage {
   }
 
   const Mapper& mapper() const { return mapper_; }
+  SubmapGraph* graph() { return graph_ ? &*graph_ : nullptr; }
 
  private:
   /// What the mapper got with a scan, and its pose.
@@ -53,6 +56,7 @@ class MappingStage {
 
   TimeBase time_base_;
   Mapper mapper_;
+  std::optional<SubmapGraph> graph_;
   std::deque<Step> steps_;  ///< of the last second, ascending times
 };
 

@@ -96,6 +96,7 @@ class Pipeline {
   void reset(const Pose2& map_T_base = Pose2());
 
   const Mapper& mapper() const { return mapping_.mapper(); }
+  SubmapGraph* graph() { return mapping_.graph(); }
   const PoseFilter& filter() const { return filter_; }
   const ProjectionStage& projection() const { return projection_; }
 

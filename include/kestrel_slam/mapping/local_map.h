@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "kestrel_slam/map/submap.h"
+
+namespace kestrel {
+
+/// Which part of the map scans are matched against.
+struct WindowConfig {
+  /// false: the whole map, in one grid that grows. true: the scans that were inserted last.
+  bool enabled = false;
+  /// Length of a submap in insertions that constrain the pose in every direction.
+  int submap_scans = 60;
+  /// So many of the last insertions of a submap are also in the window of the next one.
+  int overlap_scans = 30;
+  /// An insertion with an unobservable direction counts only this much, so that the window is
+  /// longer in corridors.
+  double degenerate_weight = 0.4;
+};
+
+/// The map around the vehicle, in the local frame: the scans of the current submap and of the one
+/// before it. A frame that never jumps: what a pose graph corrects is the place of the submaps.
+///
+/// Without a window there is one submap, which grows.
+class LocalMap {
+ public:
+  LocalMap(const OccupancyGridConfig& grid, const SubmapOptions& options,
+           const WindowConfig& window);
+
+  /// The map to match against.
+  const Submap& current() const { return *current_; }
+  Submap& current() { return *current_; }
+  /// Number of the submap to which the next inserted scan belongs, from 0.
+  std::uint32_t submap() const { return submap_; }
+
+  /// Inserts the scan with this number. `degenerate`: a direction is unobservable.
+  std::shared_ptr<const Submap> insert(const PlanarScan& scan, const Pose2& local_T_base, bool new_view, bool degenerate);
+
+  int scans() const { return scans_; }  ///< inserted so far
+  std::size_t memoryBytes() const;
+
+ private:
+  std::shared_ptr<const Submap> beginSubmap();
+
+  OccupancyGridConfig grid_;
+  SubmapOptions options_;
+  WindowConfig window_;
+  std::shared_ptr<Submap> current_;
+  std::shared_ptr<Submap> next_;  ///< the last scans of the current submap, if it is nearly full
+  std::uint32_t submap_ = 0;
+  double length_ = 0.0;  ///< of the current submap, in insertions
+  int scans_ = 0;
+};
+
+}  // namespace kestrel
