@@ -22,13 +22,14 @@ function(kestrel_library folder)
   set(KESTREL_LIBRARIES ${KESTREL_LIBRARIES} ${name} PARENT_SCOPE)
 endfunction()
 
-# ---- core: no ROS; third-party libraries are only Eigen, and nanoflann for ICP
+# ---- core: no ROS; third-party libraries are only Eigen, nanoflann for ICP, and Ceres for the graph
 kestrel_library(geometry LINKS Eigen3::Eigen)
 target_include_directories(kestrel_geometry PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
 kestrel_library(sensor LINKS kestrel_geometry)
 kestrel_library(map LINKS kestrel_sensor)
 kestrel_library(matching LINKS kestrel_map PRIVATE $<BUILD_INTERFACE:nanoflann::nanoflann>)
+kestrel_library(graph LINKS kestrel_map PRIVATE Ceres::ceres)
 kestrel_library(mapping LINKS kestrel_matching)
 kestrel_library(graph LINKS kestrel_mapping PRIVATE Ceres::ceres)
 kestrel_library(filter LINKS kestrel_sensor)
@@ -57,7 +58,7 @@ endif()
 kestrel_library(offline LINKS kestrel_recording kestrel_parameters nlohmann_json::nlohmann_json)
 kestrel_library(evaluation LINKS kestrel_recording kestrel_mapping)
 kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfig::CAIRO)
-kestrel_library(experiments LINKS kestrel_report)
+kestrel_library(experiments LINKS kestrel_report kestrel_graph)
 kestrel_library(commands LINKS kestrel_experiments PRIVATE CLI11::CLI11)
 
 # ---- nodes

@@ -2,7 +2,6 @@
 # One program of unit tests for each folder of test/. The tests in messages/, recording/bag/
 # and ros/ and the files named bag_* need ROS. The tests in ros/common/ need no ROS master.
 find_package(GTest REQUIRED)
-find_package(Ceres QUIET)  # only a reference solution for the filter test
 enable_testing()
 
 function(kestrel_test folder)
@@ -23,9 +22,8 @@ function(kestrel_test folder)
   target_link_libraries(test_${name} PRIVATE kestrel_commands kestrel_warnings GTest::gtest_main)
   target_compile_definitions(test_${name} PRIVATE
     KESTREL_SOURCE_DIR="${PROJECT_SOURCE_DIR}" KESTREL_TOOL_DIR="$<TARGET_FILE_DIR:map_recording>")
-  if(folder STREQUAL "filter" AND Ceres_FOUND)
-    target_link_libraries(test_filter PRIVATE Ceres::ceres)
-    target_compile_definitions(test_filter PRIVATE KESTREL_WITH_CERES)
+  if(folder STREQUAL "filter")
+    target_link_libraries(test_filter PRIVATE Ceres::ceres)  # a reference solution
   endif()
   add_test(NAME ${name} COMMAND test_${name})
   # The longest tests start first, which shortens a parallel test run.
@@ -34,7 +32,7 @@ function(kestrel_test folder)
   endif()
 endfunction()
 
-foreach(folder geometry sensor map matching mapping filter pipeline parameters simulation recording
+foreach(folder geometry sensor map matching graph mapping filter pipeline parameters simulation recording
     offline evaluation report experiments commands fuzz)
   kestrel_test(${folder})
 endforeach()

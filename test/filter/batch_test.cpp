@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifdef KESTREL_WITH_CERES
-
 #include <ceres/ceres.h>
 #include <ceres/normal_prior.h>
 #include <gtest/gtest.h>
@@ -253,5 +251,3 @@ TEST(PoseFilterBatch, AgreesWithBatchLeastSquares) {
 
 }  // namespace
 }  // namespace kestrel
-
-#endif

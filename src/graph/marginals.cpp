@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/graph/marginals.h"
+
+#include <Eigen/SparseCholesky>
+
+namespace kestrel {
+namespace {
+
+using SparseMatrix = Eigen::SparseMatrix<double>;
+using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+
+constexpr Eigen::Index kHeld = -1;
+
+/// The joint distribution of the poses that are not held, in the axes of map.
+class JointDistribution {
+ public:
+  JointDistribution(const PoseGraph& graph, const std::vector<double>& weights) : graph_(graph) {
+    for (const bool held : heldVertices(graph)) {
+      rows_.push_back(held ? kHeld : size_);
+      if (!held) size_ += 3;
+    }
+    SparseMatrix information(size_, size_);
+    const std::vector<Eigen::Triplet<double>> entries = entriesOf(weights);
+    information.setFromTriplets(entries.begin(), entries.end());
+    if (size_ > 0) factor_.compute(information);
+    valid_ = size_ == 0 || factor_.info() == Eigen::Success;
+  }
+
+  bool isValid() const { return valid_; }
+
+  /// The covariance of all poses with that of `vertex`.
+  Columns columnsOf(std::size_t vertex) const {
+    Columns unit = Columns::Zero(size_, 3);
+    if (size_ == 0 || rows_[vertex] == kHeld) return unit;
+    unit.middleRows<3>(rows_[vertex]).setIdentity();
+    return factor_.solve(unit);
+  }
+
+  Eigen::Matrix3d blockOf(std::size_t vertex, const Columns& columns) const {
+    if (rows_[vertex] == kHeld) return Eigen::Matrix3d::Zero();
+    return columns.middleRows<3>(rows_[vertex]);
+  }
+
+ private:
+  std::vector<Eigen::Triplet<double>> entriesOf(const std::vector<double>& weights) const {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (std::size_t i = 0; i < graph_.edges.size(); ++i) {
+      const PoseEdge& edge = graph_.edges[i];
+      const Eigen::Matrix3d information = (weights.empty() ? 1.0 : weights[i]) * edge.information;
+      Eigen::Matrix3d J_from, J_to;
+      edgeError(edge.measured, graph_.vertices[edge.from].pose, graph_.vertices[edge.to].pose,
+                &J_from, &J_to);
+      add(edge.from, edge.from, J_from.transpose() * information * J_from, entries);
+      add(edge.to, edge.to, J_to.transpose() * information * J_to, entries);
+      const Eigen::Matrix3d mixed = J_from.transpose() * information * J_to;
+      add(edge.from, edge.to, mixed, entries);
+      add(edge.to, edge.from, mixed.transpose(), entries);
+    }
+    return entries;
+  }
+
+  void add(std::size_t row_vertex, std::size_t column_vertex, const Eigen::Matrix3d& block,
+           std::vector<Eigen::Triplet<double>>& entries) const {
+    const Eigen::Index row = rows_[row_vertex], column = rows_[column_vertex];
+    if (row == kHeld || column == kHeld) return;
+    for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i < 3; ++i) entries.emplace_back(row + i, column + j, block(i, j));
+    }
+  }
+
+  const PoseGraph& graph_;
+  std::vector<Eigen::Index> rows_;  // first row of each vertex
+  Eigen::Index size_ = 0;
+  Eigen::SimplicialLDLT<SparseMatrix> factor_;
+  bool valid_ = false;
+};
+
+/// Whether the distribution of base_T_vertex is known, by the connected part of each vertex.
+class Reach {
+ public:
+  explicit Reach(const PoseGraph& graph) : parts_(connectedParts(graph)), located_(parts_.size()) {
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (graph.vertices[i].fixed) located_[parts_[i]] = true;
+    }
+  }
+
+  bool joins(std::size_t a, std::size_t b) const {
+    return parts_[a] == parts_[b] || (located_[parts_[a]] && located_[parts_[b]]);
+  }
+
+ private:
+  std::vector<std::size_t> parts_;
+  std::vector<bool> located_;  // by its fixed vertices
+};
+
+/// The rotation from the tangent space of a pose to the axes of map.
+Eigen::Matrix3d axesOf(const Pose2& pose) {
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  axes.topLeftCorner<2, 2>() = pose.rotation();
+  return axes;
+}
+
+}  // namespace
+
+std::vector<std::optional<GaussianPose2>> marginals(const PoseGraph& graph,
+                                                    const std::vector<double>& edge_weights,
+                                                    std::size_t base,
+                                                    const std::vector<std::size_t>& vertices) {
+  std::vector<std::optional<GaussianPose2>> results(vertices.size());
+  if (!problemOf(graph).empty()) return results;
+  const JointDistribution joint(graph, edge_weights);
+  if (!joint.isValid()) return results;
+  const Reach reach(graph);
+  const Pose2& base_pose = graph.vertices[base].pose;
+  const Eigen::Matrix3d base_covariance =
+      tangentCovariance(joint.blockOf(base, joint.columnsOf(base)), base_pose);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (!reach.joins(base, vertices[i])) continue;
+    const Pose2& pose = graph.vertices[vertices[i]].pose;
+    const Columns columns = joint.columnsOf(vertices[i]);
+    const Eigen::Matrix3d cross =
+        axesOf(base_pose).transpose() * joint.blockOf(base, columns) * axesOf(pose);
+    results[i] =
+        between({base_pose, base_covariance},
+                {pose, tangentCovariance(joint.blockOf(vertices[i], columns), pose)}, cross);
+  }
+  return results;
+}
+
+}  // namespace kestrel
