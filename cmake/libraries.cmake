@@ -29,7 +29,6 @@ target_include_directories(kestrel_geometry PUBLIC
 kestrel_library(sensor LINKS kestrel_geometry)
 kestrel_library(map LINKS kestrel_sensor)
 kestrel_library(matching LINKS kestrel_map PRIVATE $<BUILD_INTERFACE:nanoflann::nanoflann>)
-kestrel_library(graph LINKS kestrel_map PRIVATE Ceres::ceres)
 kestrel_library(mapping LINKS kestrel_matching)
 kestrel_library(graph LINKS kestrel_mapping PRIVATE Ceres::ceres)
 kestrel_library(filter LINKS kestrel_sensor)
@@ -58,7 +57,7 @@ endif()
 kestrel_library(offline LINKS kestrel_recording kestrel_parameters nlohmann_json::nlohmann_json)
 kestrel_library(evaluation LINKS kestrel_recording kestrel_mapping)
 kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfig::CAIRO)
-kestrel_library(experiments LINKS kestrel_report kestrel_graph)
+kestrel_library(experiments LINKS kestrel_report)
 kestrel_library(commands LINKS kestrel_experiments PRIVATE CLI11::CLI11)
 
 # ---- nodes
