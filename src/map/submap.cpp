@@ -74,8 +74,8 @@ void Submap::clear() {
 
 std::size_t Submap::memoryBytes() const {
   std::size_t bytes = grid_.memoryBytes() + surface_.memoryBytes();
-  for (const Keyframe& keyframe : keyframes_) {
-    bytes += sizeof(Keyframe) + keyframe.hits.capacity() * sizeof(Eigen::Vector2f);
+  for (const InsertedScan& keyframe : keyframes_) {
+    bytes += sizeof(InsertedScan) + keyframe.hits.capacity() * sizeof(Eigen::Vector2f);
   }
   return bytes;
 }

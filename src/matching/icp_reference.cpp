@@ -64,7 +64,7 @@ std::vector<WallPoint> lastScanPoints(const Submap& map, std::size_t scans) {
   const auto& keyframes = map.keyframes();
   for (std::size_t i = keyframes.size() - std::min(scans, keyframes.size()); i < keyframes.size();
        ++i) {
-    const Keyframe& scan = keyframes[i];
+    const InsertedScan& scan = keyframes[i];
     const Eigen::Rotation2Df turn(static_cast<float>(scan.map_T_base.yaw));
     for (std::size_t k = 0; k < scan.hits.size(); ++k) {
       points.push_back({(scan.map_T_base * scan.hits[k].cast<double>()).cast<float>(),

@@ -12,7 +12,7 @@
 namespace kestrel {
 
 /// A scan that was inserted into the map.
-struct Keyframe {
+struct InsertedScan {
   Pose2 map_T_base;
   /// End points in the base frame, m, in the order of the sweep.
   std::vector<Eigen::Vector2f> hits;
@@ -45,7 +45,7 @@ class Submap {
   const OccupancyGrid& grid() const { return grid_; }
   OccupancyGrid& grid() { return grid_; }
   const SurfelField& surface() const { return surface_; }
-  const std::deque<Keyframe>& keyframes() const { return keyframes_; }  ///< oldest first
+  const std::deque<InsertedScan>& keyframes() const { return keyframes_; }  ///< oldest first
   int scans() const { return scans_; }
   /// The memory limit kept a part of some scan out.
   bool isFull() const { return full_; }
@@ -62,7 +62,7 @@ class Submap {
   SharedBudget budget_;
   OccupancyGrid grid_;
   SurfelField surface_;
-  std::deque<Keyframe> keyframes_;
+  std::deque<InsertedScan> keyframes_;
   int scans_ = 0;
   bool full_ = false;
   std::uint64_t revision_;

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/map/keyframe.h"
+
+namespace kestrel {
+
+PlanarScan Keyframe::planarScan() const {
+  PlanarScan result;
+  result.stamp = stamp;
+  result.time = time;
+  result.rays = scan.rays();
+  return result;
+}
+
+}  // namespace kestrel
