@@ -20,9 +20,7 @@ double env(const char* name, double value) {
 }
 const bool kVerbose = env("KV", 0) > 0;
 
-Eigen::Matrix3d informationOf(const Eigen::Matrix3d& covariance) {
-  return covariance.inverse();
-}
+Eigen::Matrix3d informationOf(const Eigen::Matrix3d& covariance) { return covariance.inverse(); }
 Eigen::Matrix3d floorOf(double m, double rad) {
   return Eigen::Vector3d(m * m, m * m, rad * rad).asDiagonal();
 }
@@ -42,8 +40,8 @@ void SubmapGraph::add(const PlanarScan& scan, const MapperResult& result) {
   if (!result.inserted) return;
   if (result.finished_window) addPlace(result);
   const Pose2 map_T_base = mapTLocal() * result.pose;
-  keyframes_.push_back(
-      {scan.stamp, scan.time, result.submap, result.pose, scan, thinned(hitsOf(scan), 400), result.new_view});
+  keyframes_.push_back({scan.stamp, scan.time, result.submap, result.pose, scan,
+                        thinned(hitsOf(scan), 400), result.new_view});
   graph_.vertices.push_back({map_T_base, keyframes_.size() == 1});
   if (keyframes_.size() > 1) addOdometry(result);
   if (!config_.enabled) return;
@@ -54,7 +52,8 @@ void SubmapGraph::addOdometry(const MapperResult& result) {
   const std::size_t to = keyframes_.size() - 1;
   const Pose2 motion = keyframes_[to - 1].local_T_base.between(keyframes_[to].local_T_base);
   const Eigen::Matrix3d covariance =
-      tangentCovariance(result.keyframe_covariance, motion) * env("ODOCOV", 1.0) + floorOf(0.003, 0.001);
+      tangentCovariance(result.keyframe_covariance, motion) * env("ODOCOV", 1.0) +
+      floorOf(0.003, 0.001);
   graph_.edges.push_back({to - 1, to, motion, informationOf(covariance), EdgeKind::kOdometry});
 }
 
@@ -114,11 +113,11 @@ std::vector<SubmapGraph::Candidate> SubmapGraph::candidates(std::size_t query,
   const Pose2& pose = graph_.vertices[query].pose;
   std::vector<Candidate> result;
   for (const Place& place : places_) {
-    if (place.last_submap + static_cast<std::uint32_t>(env("GAP",2)) > keyframes_.back().submap) continue;
+    if (place.last_submap + static_cast<std::uint32_t>(env("GAP", 2)) > keyframes_.back().submap)
+      continue;
     Candidate best{&place, 0, 1e9, 0, 0};
     for (std::size_t i = place.first; i < place.last; ++i) {
-      const double distance =
-          (graph_.vertices[i].pose.translation() - pose.translation()).norm();
+      const double distance = (graph_.vertices[i].pose.translation() - pose.translation()).norm();
       if (distance < best.distance_m) best.distance_m = distance, best.anchor = i;
     }
     const double lever = yaw[best.anchor] * best.distance_m * best.distance_m;
@@ -127,9 +126,8 @@ std::vector<SubmapGraph::Candidate> SubmapGraph::candidates(std::size_t query,
     if (best.distance_m > std::max(least_radius, config_.sigmas * best.sigma_m) + 2.0) continue;
     result.push_back(best);
   }
-  std::sort(result.begin(), result.end(), [](const Candidate& a, const Candidate& b) {
-    return a.distance_m < b.distance_m;
-  });
+  std::sort(result.begin(), result.end(),
+            [](const Candidate& a, const Candidate& b) { return a.distance_m < b.distance_m; });
   return result;
 }
 
@@ -173,8 +171,8 @@ void SubmapGraph::tryLoop(const Candidate& candidate, std::size_t first, std::si
   const Pose2 guess = local_T_anchor * anchor_T_query;
   const SearchWindow window{std::max(radius, config_.wide_radius_m),
                             std::max(0.35, config_.sigmas * candidate.sigma_rad)};
-  const PlaceMatch found =
-      matchPlace(*place.map, points, guess, window, mapper_.matcher, static_cast<std::int64_t>(env("WORK", 40e6)));
+  const PlaceMatch found = matchPlace(*place.map, points, guess, window, mapper_.matcher,
+                                      static_cast<std::int64_t>(env("WORK", 40e6)));
   Loop loop;
   loop.query = query;
   loop.anchor = candidate.anchor;
@@ -192,8 +190,9 @@ void SubmapGraph::tryLoop(const Candidate& candidate, std::size_t first, std::si
   }
   const Pose2 measured = keyframes_[loop.anchor].local_T_base.between(found.match.pose);
   const double scale = env("LOOPCOV", 4.0);
-  loop.anchor_T_query = {measured, tangentCovariance(found.match.covariance, found.match.pose) * scale +
-                                       floorOf(env("LOOPM", 0.015), env("LOOPR", 0.004))};
+  loop.anchor_T_query = {measured,
+                         tangentCovariance(found.match.covariance, found.match.pose) * scale +
+                             floorOf(env("LOOPM", 0.015), env("LOOPR", 0.004))};
   if (loop.fit < config_.min_fit) {
     loop.refused = "fit";
   } else if (loop.known < config_.min_known) {
@@ -223,7 +222,8 @@ double SubmapGraph::agreementOf(const Place& place, const Pose2& local_T_query, 
     const MatchResult single = matchNear(*place.map, keyframes_[i].hits, expected, mapper_.matcher);
     ++all;
     Eigen::Vector2d away = single.pose.translation() - expected.translation();
-    if (single.degenerate) away -= single.degenerate_direction * single.degenerate_direction.dot(away);
+    if (single.degenerate)
+      away -= single.degenerate_direction * single.degenerate_direction.dot(away);
     if (match.degenerate) away -= match.degenerate_direction * match.degenerate_direction.dot(away);
     if (single.score >= 0.6 && single.known >= 0.4 && away.norm() < 0.15 &&
         std::abs(normalizeAngle(single.pose.yaw - expected.yaw)) < 0.035)
@@ -254,13 +254,14 @@ void SubmapGraph::refine(std::size_t keyframe) {
     double nearest = 1e9;
     std::size_t anchor = 0;
     for (std::size_t i = place.first; i < place.last; ++i) {
-      const double distance =
-          (graph_.vertices[i].pose.translation() - pose.translation()).norm();
+      const double distance = (graph_.vertices[i].pose.translation() - pose.translation()).norm();
       if (distance < nearest) nearest = distance, anchor = i;
     }
     if (nearest > env("REFNEAR", 3.0)) continue;
-    const Pose2 guess = keyframes_[anchor].local_T_base * graph_.vertices[anchor].pose.between(pose);
-    const MatchResult match = matchNear(*place.map, keyframes_[keyframe].hits, guess, mapper_.matcher);
+    const Pose2 guess =
+        keyframes_[anchor].local_T_base * graph_.vertices[anchor].pose.between(pose);
+    const MatchResult match =
+        matchNear(*place.map, keyframes_[keyframe].hits, guess, mapper_.matcher);
     if (match.score < env("REFFIT", 0.75) || match.known < 0.6 || match.constraint < 0.02) continue;
     if (guess.between(match.pose).distance() > 0.3) continue;
     if (std::abs(guess.between(match.pose).yaw) > 0.1) continue;
@@ -268,7 +269,8 @@ void SubmapGraph::refine(std::size_t keyframe) {
     const Eigen::Matrix3d covariance =
         tangentCovariance(match.covariance, match.pose) * env("LOOPCOV", 4.0) +
         floorOf(env("LOOPM", 0.015), env("LOOPR", 0.004));
-    graph_.edges.push_back({anchor, keyframe, measured, informationOf(covariance), EdgeKind::kLoop});
+    graph_.edges.push_back(
+        {anchor, keyframe, measured, informationOf(covariance), EdgeKind::kLoop});
     if (++count >= 4) break;
   }
 }
@@ -287,15 +289,18 @@ void SubmapGraph::finish() {
   for (const Loop& loop : loops_) {
     ++refused[loop.refused];
     if (kVerbose)
-      std::fprintf(stderr, "loop %.3f -> %.3f fit %.2f known %.2f constraint %.3f margin %.2f agree %.2f r %.1f corr %.2f %s\n",
-                   keyframes_[loop.anchor].stamp, keyframes_[loop.query].stamp, loop.fit, loop.known,
-                   loop.constraint, loop.margin, loop.agreement, loop.radius_m, loop.correction_m,
-                   loop.refused);
+      std::fprintf(stderr,
+                   "loop %.3f -> %.3f fit %.2f known %.2f constraint %.3f margin %.2f agree %.2f r "
+                   "%.1f corr %.2f %s\n",
+                   keyframes_[loop.anchor].stamp, keyframes_[loop.query].stamp, loop.fit,
+                   loop.known, loop.constraint, loop.margin, loop.agreement, loop.radius_m,
+                   loop.correction_m, loop.refused);
   }
   for (const auto& [reason, count] : refused)
     std::fprintf(stderr, "%s: %d\n", reason.empty() ? "accepted" : reason.c_str(), count);
-  std::fprintf(stderr, "%zu keyframes, %zu places, %zu edges, %zu refined\n", keyframes_.size(), places_.size(),
-               graph_.edges.size(), graph_.edges.size() - keyframes_.size() + 1 - loops);
+  std::fprintf(stderr, "%zu keyframes, %zu places, %zu edges, %zu refined\n", keyframes_.size(),
+               places_.size(), graph_.edges.size(),
+               graph_.edges.size() - keyframes_.size() + 1 - loops);
 }
 
 }  // namespace kestrel

@@ -13,8 +13,8 @@ LocalMap::LocalMap(const OccupancyGridConfig& grid, const SubmapOptions& options
       current_(std::make_shared<Submap>(grid, options)),
       next_(nullptr) {}
 
-std::shared_ptr<const Submap> LocalMap::insert(const PlanarScan& scan, const Pose2& local_T_base, bool new_view,
-                      bool degenerate) {
+std::shared_ptr<const Submap> LocalMap::insert(const PlanarScan& scan, const Pose2& local_T_base,
+                                               bool new_view, bool degenerate) {
   std::shared_ptr<const Submap> finished;
   if (window_.enabled && length_ >= window_.submap_scans) finished = beginSubmap();
   if (window_.enabled && !next_ && length_ >= window_.submap_scans - window_.overlap_scans)
@@ -28,8 +28,7 @@ std::shared_ptr<const Submap> LocalMap::insert(const PlanarScan& scan, const Pos
 
 /// The window forgets the submap before the last one.
 std::shared_ptr<const Submap> LocalMap::beginSubmap() {
-  std::shared_ptr<const Submap> finished =
-      std::exchange(current_, std::exchange(next_, nullptr));
+  std::shared_ptr<const Submap> finished = std::exchange(current_, std::exchange(next_, nullptr));
   ++submap_;
   length_ = 0.0;
   return finished;

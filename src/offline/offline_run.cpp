@@ -220,7 +220,8 @@ class Runner {
     entry.odom_T_base = sweep.input.odom_T_base;
     run_.scans.push_back(entry);
     run_.trajectory.push_back({sweep.scan.stamp, result.pose});
-    if (pipeline_.graph()) keyframe_.push_back(std::max<std::size_t>(1, pipeline_.graph()->keyframes().size()) - 1);
+    if (pipeline_.graph())
+      keyframe_.push_back(std::max<std::size_t>(1, pipeline_.graph()->keyframes().size()) - 1);
     addDistance(result.pose);
     const std::string place = placeOf(sweep.input);
     if (result.state == MatchState::kLost) lost_.add(place);

@@ -17,15 +17,15 @@ namespace kestrel {
 /// Limits of the loop search.
 struct LoopConfig {
   bool enabled = true;
-  int query_keyframes = 10;       ///< keyframes that are searched for together
-  double least_radius_m = 1.5;    ///< half size of the search window, if the graph is certain
-  double wide_radius_m = 6.0;     ///< the same, now and then
-  double sigmas = 3.0;            ///< the window covers so many standard deviations of the graph
+  int query_keyframes = 10;     ///< keyframes that are searched for together
+  double least_radius_m = 1.5;  ///< half size of the search window, if the graph is certain
+  double wide_radius_m = 6.0;   ///< the same, now and then
+  double sigmas = 3.0;          ///< the window covers so many standard deviations of the graph
   double min_fit = 0.65;
   double min_known = 0.6;
   double min_constraint = 0.04;
-  double min_margin = 0.08;      ///< of the score to the second explanation
-  double min_agreement = 0.7;    ///< share of the single scans that fit at the same place
+  double min_margin = 0.08;    ///< of the score to the second explanation
+  double min_agreement = 0.7;  ///< share of the single scans that fit at the same place
 };
 
 /// A keyframe of the graph.

@@ -38,7 +38,8 @@ class LocalMap {
   std::uint32_t submap() const { return submap_; }
 
   /// Inserts the scan with this number. `degenerate`: a direction is unobservable.
-  std::shared_ptr<const Submap> insert(const PlanarScan& scan, const Pose2& local_T_base, bool new_view, bool degenerate);
+  std::shared_ptr<const Submap> insert(const PlanarScan& scan, const Pose2& local_T_base,
+                                       bool new_view, bool degenerate);
 
   int scans() const { return scans_; }  ///< inserted so far
   std::size_t memoryBytes() const;

@@ -3,7 +3,6 @@
 
 #include <deque>
 #include <optional>
-#include <optional>
 #include <vector>
 
 #include "kestrel_slam/graph/submap_graph.h"
