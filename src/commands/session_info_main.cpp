@@ -165,7 +165,7 @@ Session readSession(const Options& options, const std::string& bytes) {
 }
 
 void run(const Options& options) {
-  const std::string bytes = readFile(options.file);
+  const std::string bytes = readSessionFile(options.file);
   try {
     const ChunkReader file(bytes);
     if (options.check) printChunks(file);

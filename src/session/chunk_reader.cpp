@@ -18,22 +18,25 @@ std::string Chunk::describe(std::size_t number) const {
 }
 
 ChunkReader::ChunkReader(const std::string& bytes) : bytes_(bytes) {
-  readHeader();
-  readChunks();
-}
-
-void ChunkReader::readHeader() {
   if (bytes_.compare(0, kMagicBytes, kMagic, kMagicBytes) != 0) {
     throw std::runtime_error("it is not a session of kestrel_slam");
   }
-  const std::string damaged = "its header at byte 0 is damaged; nothing of it can be read";
-  if (bytes_.size() < kFixedHeaderBytes) throw std::runtime_error(damaged);
+  if (!readHeader()) {
+    damage_.push_back("its header at byte 0 is damaged");
+    findFirstChunk();
+  }
+  readChunks();
+}
+
+/// False if it is damaged.
+bool ChunkReader::readHeader() {
+  if (bytes_.size() < kFixedHeaderBytes) return false;
   container_version_ = static_cast<std::uint32_t>(numberAt(bytes_, kMagicBytes, 4));
   const std::uint64_t length = numberAt(bytes_, kMagicBytes + 4, 4);
   const std::uint64_t end = kFixedHeaderBytes + length;
   if (length > kMaxWriterBytes || end + kChecksumBytes > bytes_.size() ||
       numberAt(bytes_, end, kChecksumBytes) != checksumOf(bytes_, 0, end)) {
-    throw std::runtime_error(damaged);
+    return false;
   }
   writer_ = bytes_.substr(kFixedHeaderBytes, length);
   if (container_version_ > kVersion) {
@@ -41,6 +44,18 @@ void ChunkReader::readHeader() {
                              "; read it with " + writer_);
   }
   first_chunk_ = end + kChecksumBytes;
+  return true;
+}
+
+/// The first place behind the shortest header where a whole chunk is.
+void ChunkReader::findFirstChunk() {
+  container_version_ = kVersion;
+  const std::uint64_t last = kFixedHeaderBytes + kMaxWriterBytes + kChecksumBytes;
+  first_chunk_ = kFixedHeaderBytes + kChecksumBytes;
+  while (first_chunk_ <= last && !isWhole(chunkAt(first_chunk_))) ++first_chunk_;
+  if (first_chunk_ > last) {
+    throw std::runtime_error("its header at byte 0 is damaged; nothing of it can be read");
+  }
 }
 
 void ChunkReader::readChunks() {
@@ -49,37 +64,52 @@ void ChunkReader::readChunks() {
   }
 }
 
+/// What the head of the chunk says. Not all bytes of it need to be there.
+Chunk ChunkReader::chunkAt(std::uint64_t offset) const {
+  if (offset > bytes_.size() || bytes_.size() - offset < kHeadBytes) return {{}, 0, offset, 0, 0};
+  return {bytes_.substr(offset, kTagBytes),
+          static_cast<std::uint32_t>(numberAt(bytes_, offset + kTagBytes, 4)), offset,
+          numberAt(bytes_, offset + kTagBytes + 4, 8),
+          numberAt(bytes_, offset + kTagBytes + 12, 8)};
+}
+
+/// Whether the file is as long as the head of the chunk says.
+bool ChunkReader::fits(const Chunk& chunk) const {
+  return !chunk.tag.empty() &&
+         chunk.packed_bytes <=
+             std::min(bytes_.size() - chunk.offset - kHeadBytes, kMaxPackedBytes) &&
+         chunk.content_bytes <= ChunkWriter::kMaxContentBytes;
+}
+
+bool ChunkReader::isWhole(const Chunk& chunk) const {
+  return fits(chunk) && numberAt(bytes_, chunk.offset + kCheckedHeadBytes, kChecksumBytes) ==
+                            checksumOf(bytes_, chunk.offset, kCheckedHeadBytes,
+                                       chunk.offset + kHeadBytes, chunk.packed_bytes);
+}
+
 /// Reads one chunk and moves `offset` to the next one. False: the file ends here, or nobody knows
 /// where the next chunk begins.
 bool ChunkReader::readChunk(std::uint64_t& offset) {
-  const std::uint64_t left = bytes_.size() - offset;
   const std::size_t number = seen_++;
-  if (left < kHeadBytes) {
+  const Chunk chunk = chunkAt(offset);
+  if (chunk.tag.empty()) {
     damage_.push_back("the file ends at byte " + std::to_string(bytes_.size()) + " before chunk " +
                       std::to_string(number) + " is complete");
     return false;
   }
-  const Chunk chunk{bytes_.substr(offset, kTagBytes),
-                    static_cast<std::uint32_t>(numberAt(bytes_, offset + kTagBytes, 4)), offset,
-                    numberAt(bytes_, offset + kTagBytes + 4, 8),
-                    numberAt(bytes_, offset + kTagBytes + 12, 8)};
-  if (chunk.packed_bytes > std::min(left - kHeadBytes, kMaxPackedBytes) ||
-      chunk.content_bytes > ChunkWriter::kMaxContentBytes) {
+  if (!fits(chunk)) {
     damage_.push_back(chunk.describe(number) + " is longer than the file, or cut off");
     return false;
   }
   offset += kHeadBytes + chunk.packed_bytes;
-  if (numberAt(bytes_, chunk.offset + kCheckedHeadBytes, kChecksumBytes) !=
-      checksumOf(bytes_, chunk.offset, kCheckedHeadBytes, chunk.offset + kHeadBytes,
-                 chunk.packed_bytes)) {
+  if (!isWhole(chunk)) {
     damage_.push_back(chunk.describe(number) + " has a wrong checksum");
-    return true;
-  }
-  if (chunk.tag == kTableTag) {
+  } else if (chunk.tag == kTableTag) {
     readEnd(chunk, offset);
     return false;
+  } else {
+    chunks_.push_back(chunk);
   }
-  chunks_.push_back(chunk);
   return true;
 }
 

@@ -3,10 +3,13 @@
 
 #include <google/protobuf/message_lite.h>
 
+#include <filesystem>
+#include <fstream>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include "chunk_format.h"
 #include "kestrel_slam/map/atomic_file.h"
 #include "session_messages.h"
 
@@ -202,8 +205,26 @@ Session decodeSession(const std::string& bytes) {
                            "; session_info --repair keeps the rest");
 }
 
+bool isSessionFile(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  std::string start(chunk_format::kMagicBytes, '\0');
+  std::ifstream(path, std::ios::binary)
+      .read(start.data(), static_cast<std::streamsize>(start.size()));
+  return start == chunk_format::kMagic;
+}
+
+std::string readSessionFile(const std::string& path) {
+  std::error_code ignored;
+  const bool is_plain = std::filesystem::is_regular_file(path, ignored);
+  if (is_plain && std::ifstream(path) && !isSessionFile(path)) {
+    throw std::runtime_error("cannot read " + path + ": it is not a session of kestrel_slam");
+  }
+  return readFile(path);
+}
+
 Session loadSession(const std::string& path) {
-  const std::string bytes = readFile(path);
+  const std::string bytes = readSessionFile(path);
   try {
     return decodeSession(bytes);
   } catch (const std::runtime_error& error) {

@@ -94,7 +94,7 @@ TEST(ChunkFile, NamesChunkAndPlaceOfTheDamage) {
   EXPECT_EQ(damageOf(bytes.substr(0, third)),
             "the file ends at byte " + std::to_string(third) + " before chunk 2 is complete");
   EXPECT_CONTAINS(flipped(bytes.size() - 1), "the checksum of the whole file at byte ");
-  EXPECT_EQ(flipped(17), "its header at byte 0 is damaged; nothing of it can be read");
+  EXPECT_EQ(flipped(17), "its header at byte 0 is damaged");
 }
 
 TEST(ChunkFile, KeepsTheWholeChunksOfADamagedFile) {
@@ -105,6 +105,18 @@ TEST(ChunkFile, KeepsTheWholeChunksOfADamagedFile) {
   EXPECT_EQ(reader.damage().size(), 1U);
   ASSERT_EQ(reader.chunks().size(), 2U);
   EXPECT_EQ(reader.chunks()[0].tag, "NONE");
+}
+
+TEST(ChunkFile, FindsTheChunksBehindADamagedHeader) {
+  const std::string bytes = sampleFile();
+  const std::uint64_t first = ChunkReader(bytes).chunks()[0].offset;
+  for (std::uint64_t i = 8; i < first; ++i) {
+    std::string damaged = bytes;
+    damaged[i] = static_cast<char>(damaged[i] ^ 0x11);
+    const ChunkReader reader(damaged);
+    EXPECT_EQ(reader.chunks().size(), 3U) << i;
+    EXPECT_EQ(reader.damage().front(), "its header at byte 0 is damaged");
+  }
 }
 
 TEST(ChunkFile, SaysWhatIsNoSessionAndWhatIsNewer) {

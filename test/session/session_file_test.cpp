@@ -227,7 +227,16 @@ TEST(SessionFile, NamesTheFileThatCannotBeLoaded) {
   EXPECT_CONTAINS(messageOf([&] { loadSession(folder.file("")); }), "cannot read ");
   const std::string picture = folder.write("map.pgm", "P5\n1 1\n255\n.");
   EXPECT_EQ(messageOf([&] { loadSession(picture); }),
-            "cannot load " + picture + ": it is not a session of kestrel_slam");
+            "cannot read " + picture + ": it is not a session of kestrel_slam");
+  EXPECT_FALSE(isSessionFile(picture));
+  EXPECT_FALSE(isSessionFile(folder.file("")));
+  saveSession(folder.file("a.session"), sampleSession(1));
+  EXPECT_TRUE(isSessionFile(folder.file("a.session")));
+  std::string bytes = readFile(folder.file("a.session"));
+  bytes.pop_back();
+  const std::string cut = folder.write("cut.session", bytes);
+  EXPECT_CONTAINS(messageOf([&] { loadSession(cut); }),
+                  "cannot load " + cut + ": the session is damaged: its end at byte ");
 }
 
 TEST(SessionFile, AKilledWriterLeavesTheOldOrTheNewFile) {

@@ -58,7 +58,7 @@ class ChunkWriter {
 class ChunkReader {
  public:
   /// `bytes` must outlive the reader. Throws std::runtime_error if this is not a file of chunks, if
-  /// a newer version has written it, or if its header is damaged.
+  /// a newer version has written it, or if nothing of it can be read.
   explicit ChunkReader(const std::string& bytes);
 
   const std::string& writer() const { return writer_; }
@@ -73,9 +73,13 @@ class ChunkReader {
   std::string content(const Chunk& chunk) const;
 
  private:
-  void readHeader();
+  bool readHeader();
+  void findFirstChunk();
   void readChunks();
   bool readChunk(std::uint64_t& offset);
+  Chunk chunkAt(std::uint64_t offset) const;
+  bool fits(const Chunk& chunk) const;
+  bool isWhole(const Chunk& chunk) const;
   bool contains(const Chunk& chunk, const std::string& expected) const;
   void readEnd(const Chunk& table, std::uint64_t offset);
 

@@ -21,6 +21,13 @@ void saveSession(const std::string& path, const Session& session);
 /// Throws std::runtime_error if the bytes are damaged or come from a newer version.
 Session decodeSession(const std::string& bytes);
 
+/// Whether a plain file begins as a session file does. Reads only its first bytes.
+bool isSessionFile(const std::string& path);
+
+/// The bytes of a file that begins as a session file does. Other files may be larger than the
+/// memory and are not read. Throws std::runtime_error with the file and the reason.
+std::string readSessionFile(const std::string& path);
+
 /// Throws std::runtime_error with the file, the reason and the place in the file.
 Session loadSession(const std::string& path);
 
@@ -31,7 +38,7 @@ struct RepairedSession {
 };
 
 /// Everything in the whole chunks of a file, without what refers to lost parts. Throws
-/// std::runtime_error if not even the header is whole, or for a newer version.
+/// std::runtime_error if this is no session file, or one of a newer version.
 RepairedSession repairSession(const std::string& bytes);
 
 }  // namespace kestrel
