@@ -63,7 +63,7 @@ TEST_F(SessionInfo, RefusesDamagedFilesAndRepairsThem) {
   const Outcome outcome = runCommand(kTool + damaged);
   EXPECT_EQ(outcome.code, 1);
   EXPECT_CONTAINS(outcome.output,
-                  "session_info: " + damaged + ": the session is damaged: chunk 3 ");
+                  "session_info: " + damaged + ": the session is damaged: chunk 4 ");
   EXPECT_EQ(runCommand(kTool + damaged + " --check").code, 1);
   const Outcome repair = runCommand(kTool + damaged + " --repair " + repaired);
   EXPECT_EQ(repair.code, 0);
