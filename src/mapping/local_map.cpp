@@ -10,29 +10,24 @@ LocalMap::LocalMap(const OccupancyGridConfig& grid, const SubmapOptions& options
     : grid_(grid),
       options_(options),
       window_(window),
-      current_(std::make_shared<Submap>(grid, options)),
-      next_(nullptr) {}
+      current_(std::make_unique<Submap>(grid, options)) {}
 
-std::shared_ptr<const Submap> LocalMap::insert(const PlanarScan& scan, const Pose2& local_T_base, bool new_view,
+void LocalMap::insert(const PlanarScan& scan, const Pose2& local_T_base, bool new_view,
                       bool degenerate) {
-  std::shared_ptr<const Submap> finished;
-  if (window_.enabled && length_ >= window_.submap_scans) finished = beginSubmap();
+  if (window_.enabled && length_ >= window_.submap_scans) beginSubmap();
   if (window_.enabled && !next_ && length_ >= window_.submap_scans - window_.overlap_scans)
-    next_ = std::make_shared<Submap>(grid_, options_);
+    next_ = std::make_unique<Submap>(grid_, options_);
   const auto number = static_cast<std::uint32_t>(scans_++);
   current_->insert(scan, local_T_base, new_view, number);
   if (next_) next_->insert(scan, local_T_base, new_view, number);
   length_ += degenerate ? window_.degenerate_weight : 1.0;
-  return finished;
 }
 
-/// The window forgets the submap before the last one.
-std::shared_ptr<const Submap> LocalMap::beginSubmap() {
-  std::shared_ptr<const Submap> finished =
-      std::exchange(current_, std::exchange(next_, nullptr));
+/// The window keeps only the last scans of the submap.
+void LocalMap::beginSubmap() {
+  current_ = std::move(next_);
   ++submap_;
   length_ = 0.0;
-  return finished;
 }
 
 std::size_t LocalMap::memoryBytes() const {

@@ -272,7 +272,7 @@ void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResu
   // moved, and is not a new view.
   const bool new_view =
       scan.integrated_acceleration && result.match.score < config.matcher.good_score;
-  result.finished_window = map.insert(scan, motion.pose(), new_view, result.match.degenerate);
+  map.insert(scan, motion.pose(), new_view, result.match.degenerate);
   result.inserted = true;
   result.new_view = new_view;
   result.submap = map.submap();

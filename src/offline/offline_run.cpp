@@ -10,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "kestrel_slam/graph/submap_graph.h"
 #include "kestrel_slam/offline/arrival_order.h"
 
 namespace kestrel {
@@ -241,12 +242,25 @@ class Runner {
   /// Moves every pose with the keyframe before it.
   void correct(SubmapGraph& graph) {
     graph.finish();
+    if (std::getenv("KV")) {
+      std::map<std::string, int> count;
+      for (const Loop& l : graph.loops()) {
+        ++count[std::string(toString(l.state)) + " " + l.reason + (l.radius_m > 0 ? " (searched)" : "")];
+        if (l.radius_m == 0 && std::string(std::getenv("KV")) != "2") continue;
+        const Pose2 e = graph.poseOf(l.anchor).between(graph.poseOf(l.query));
+        const Pose2 d = l.anchor_T_query.mean.between(e);
+        std::fprintf(stderr, "loop %.2f -> %.2f fit %.2f known %.2f constr %.3f margin %.2f agree %.2f r %.1f corr %.2f final %.3f m %.2f deg %s %s\n",
+          graph.keyframes()[l.anchor].keyframe->stamp, graph.keyframes()[l.query].keyframe->stamp, l.fit, l.known, l.constraint, l.margin, l.agreement, l.radius_m, l.correction_m, d.distance(), d.yaw*57.3, toString(l.state), l.reason);
+      }
+      for (auto& [r,n] : count) std::fprintf(stderr, "%5d %s\n", n, r.c_str());
+      std::fprintf(stderr, "%zu keyframes, %.1f MB\n", graph.keyframes().size(), static_cast<double>(graph.memoryBytes()) / 1e6);
+    }
     for (std::size_t i = 0; i < keyframe_.size(); ++i)
       run_.trajectory[i].pose = graph.mapTLocal(keyframe_[i]) * run_.trajectory[i].pose;
     Submap map(config_.slam.mapper.grid);
     for (std::size_t i = 0; i < graph.keyframes().size(); ++i) {
-      const GraphKeyframe& keyframe = graph.keyframes()[i];
-      map.insert(keyframe.scan, graph.graph().vertices[i].pose, keyframe.new_view);
+      const Keyframe& keyframe = *graph.keyframes()[i].keyframe;
+      map.insert(keyframe.planarScan(), graph.poseOf(i), keyframe.new_view);
     }
     run_.map = map.grid().snapshot();
   }

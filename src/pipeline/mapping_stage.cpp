@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/pipeline/mapping_stage.h"
 
+#include "kestrel_slam/graph/submap_graph.h"
+
 #include <algorithm>
 
 namespace kestrel {
@@ -23,8 +25,9 @@ PlanarRay moved(const Pose2& a_T_b, const PlanarRay& ray) {
 }  // namespace
 
 MappingStage::MappingStage(const MapperConfig& config) : mapper_(config) {
-  if (config.window.enabled) graph_.emplace(config, LoopConfig());
+  if (config.window.enabled) graph_ = std::make_unique<SubmapGraph>(config, LoopConfig());
 }
+MappingStage::~MappingStage() = default;
 
 MapperResult MappingStage::process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                                    const std::optional<double>& time) {

@@ -14,7 +14,7 @@ struct WindowConfig {
   /// false: the whole map, in one grid that grows. true: the scans that were inserted last.
   bool enabled = false;
   /// Length of a submap in insertions that constrain the pose in every direction.
-  int submap_scans = 60;
+  int submap_scans = 90;
   /// So many of the last insertions of a submap are also in the window of the next one.
   int overlap_scans = 30;
   /// An insertion with an unobservable direction counts only this much, so that the window is
@@ -38,19 +38,19 @@ class LocalMap {
   std::uint32_t submap() const { return submap_; }
 
   /// Inserts the scan with this number. `degenerate`: a direction is unobservable.
-  std::shared_ptr<const Submap> insert(const PlanarScan& scan, const Pose2& local_T_base, bool new_view, bool degenerate);
+  void insert(const PlanarScan& scan, const Pose2& local_T_base, bool new_view, bool degenerate);
 
   int scans() const { return scans_; }  ///< inserted so far
   std::size_t memoryBytes() const;
 
  private:
-  std::shared_ptr<const Submap> beginSubmap();
+  void beginSubmap();
 
   OccupancyGridConfig grid_;
   SubmapOptions options_;
   WindowConfig window_;
-  std::shared_ptr<Submap> current_;
-  std::shared_ptr<Submap> next_;  ///< the last scans of the current submap, if it is nearly full
+  std::unique_ptr<Submap> current_;
+  std::unique_ptr<Submap> next_;  ///< the last scans of the current submap, if it is nearly full
   std::uint32_t submap_ = 0;
   double length_ = 0.0;  ///< of the current submap, in insertions
   int scans_ = 0;

@@ -8,7 +8,6 @@
 
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/map/map_snapshot.h"
-#include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/mapping/mapper_config.h"
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 #include "kestrel_slam/matching/match_result.h"
@@ -43,7 +42,6 @@ struct MapperResult {
   /// Of an inserted scan:
   bool new_view = false;     ///< see OccupancyGrid::insert
   std::uint32_t submap = 0;  ///< number of the submap that it belongs to
-  std::shared_ptr<const Submap> finished_window;
   /// Covariance of the motion since the scan that was inserted before it, in the base frame of that
   /// scan, m² and rad².
   Eigen::Matrix3d keyframe_covariance = Eigen::Matrix3d::Zero();

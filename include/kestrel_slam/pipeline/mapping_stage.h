@@ -2,21 +2,23 @@
 #pragma once
 
 #include <deque>
-#include <optional>
+#include <memory>
 #include <optional>
 #include <vector>
 
-#include "kestrel_slam/graph/submap_graph.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/sensor/time_base.h"
 
 namespace kestrel {
+
+class SubmapGraph;
 
 /// The mapper and the time base of its scans. Both the mapper node and the pipeline use this class.
 /// Not thread-safe.
 class MappingStage {
  public:
   explicit MappingStage(const MapperConfig& config);
+  ~MappingStage();
 
   /// Matches a planar scan. If the caller has already repaired the time base, the argument `time`
   /// (s) is used. Otherwise the time of the scan is computed from its stamp; each source has its
@@ -38,7 +40,7 @@ class MappingStage {
   }
 
   const Mapper& mapper() const { return mapper_; }
-  SubmapGraph* graph() { return graph_ ? &*graph_ : nullptr; }
+  SubmapGraph* graph() { return graph_.get(); }
 
  private:
   /// What the mapper got with a scan, and its pose.
@@ -56,7 +58,7 @@ class MappingStage {
 
   TimeBase time_base_;
   Mapper mapper_;
-  std::optional<SubmapGraph> graph_;
+  std::unique_ptr<SubmapGraph> graph_;
   std::deque<Step> steps_;  ///< of the last second, ascending times
 };
 
