@@ -39,6 +39,9 @@ constexpr double kRefineM = 3.0, kRefineRadiusM = 0.3;
 /// Neighbors of a place are not matched with it: they were inserted relative to it.
 constexpr std::size_t kNeighbors = 30;
 
+/// Not a loop.
+constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
 std::size_t apart(std::size_t a, std::size_t b) { return a < b ? b - a : a - b; }
 
 }  // namespace
@@ -74,7 +77,8 @@ void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result
   graph_.vertices.push_back({mapTLocal() * result.pose, number == 0});
   keyframes_.push_back({std::move(keyframe), result.submap, result.pose});
   if (number > 0) addOdometry(result.keyframe_covariance);
-  chain_.grow(graph_);
+  odometry_.vertices.emplace_back();
+  chain_.grow(odometry_);
 }
 
 /// `covariance`: of the motion, in the axes of the keyframe before.
@@ -84,7 +88,9 @@ void SubmapGraph::addOdometry(const Eigen::Matrix3d& covariance) {
   Eigen::Matrix3d tangent = tangentCovariance(covariance, motion);
   tangent.diagonal() += Eigen::Vector3d(kMotionM, kMotionM, kMotionRad).cwiseAbs2();
   const PoseEdge edge{to - 1, to, motion, tangent.inverse(), EdgeKind::kOdometry};
-  graph_.edges.insert(graph_.edges.begin() + static_cast<std::ptrdiff_t>(to - 1), edge);
+  odometry_.edges.push_back(edge);
+  graph_.edges.push_back(edge);
+  loop_of_edge_.push_back(kNone);
 }
 
 Pose2 SubmapGraph::mapTLocal(std::size_t keyframe) const {
@@ -186,6 +192,11 @@ void SubmapGraph::judge(const Loop& found) {
       confirming.push_back(verified_[i]);
     } else {
       ++contradicting;
+      if (std::getenv("KV")) {
+        const auto chi2 = cycleChi2(edgeOf(found), edgeOf(other), chain_);
+        const Pose2 d = (chain_.pose(other.anchor).between(chain_.pose(found.anchor)) * found.anchor_T_query.mean * chain_.pose(found.query).between(chain_.pose(other.query))).between(other.anchor_T_query.mean);
+        std::fprintf(stderr, "contra chi2 %.1f dq %zu da %zu off %.3f m %.2f deg\n", chi2.value_or(-1), apart(other.query, found.query), apart(other.anchor, found.anchor), d.distance(), d.yaw * 57.3);
+      }
     }
   }
   Loop& loop = loops_[number];
@@ -229,26 +240,25 @@ void SubmapGraph::solve() {
 
 /// Takes loops back that the others contradict. Returns whether there was one.
 bool SubmapGraph::takeBack(const std::vector<double>& weights) {
-  const std::size_t odometry = keyframes_.size() - 1;
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < loop_of_edge_.size(); ++i) {
-    Loop& loop = loops_[loop_of_edge_[i]];
-    if (weights[odometry + i] < kLeastWeight) {
+  for (std::size_t i = 0; i < graph_.edges.size(); ++i) {
+    if (loop_of_edge_[i] != kNone && weights[i] < kLeastWeight) {
+      Loop& loop = loops_[loop_of_edge_[i]];
       loop.state = LoopState::kRefused;
       loop.reason = "the optimized graph contradicts it";
       continue;
     }
-    graph_.edges[odometry + kept] = graph_.edges[odometry + i];
+    graph_.edges[kept] = graph_.edges[i];
     loop_of_edge_[kept++] = loop_of_edge_[i];
   }
-  const bool any = kept < loop_of_edge_.size();
+  const bool any = kept < graph_.edges.size();
   loop_of_edge_.resize(kept);
-  graph_.edges.resize(odometry + kept);
+  graph_.edges.resize(kept);
   return any;
 }
 
 void SubmapGraph::finish() {
-  if (loop_of_edge_.empty()) return;
+  if (graph_.edges.size() + 1 <= keyframes_.size()) return;
   solve();
   std::vector<int> matched(keyframes_.size(), 0);
   unsolved_ = 0;

@@ -71,11 +71,12 @@ class SubmapGraph {
   LoopMatcher matcher_;
   std::vector<LocalKeyframe> keyframes_;
   Places places_;
-  PoseGraph graph_;              ///< the odometry, then the accepted loops
+  PoseGraph odometry_;  ///< only that, for `chain_`
+  PoseGraph graph_;     ///< the odometry and the accepted loops
   OdometryChain chain_;
   ConsistentLoops consistency_;
   std::vector<Loop> loops_;
-  std::vector<std::size_t> loop_of_edge_;  ///< of every edge that is a loop, in their order
+  std::vector<std::size_t> loop_of_edge_;  ///< for every edge of `graph_`, the loop
   std::vector<std::size_t> verified_;      ///< numbers in `loops_` of those in `consistency_`
   std::size_t searched_ = 0;               ///< keyframes before this one were searched for
   std::size_t searches_ = 0;
