@@ -7,8 +7,8 @@
 namespace kestrel {
 namespace {
 
-/// Grids in memory. A vehicle searches the same few places for a while.
-constexpr std::size_t kCached = 8;
+/// Memory of the grids. A vehicle searches the same few places for a while.
+constexpr std::size_t kCachedBytes = 32'000'000;
 
 }  // namespace
 
@@ -29,14 +29,16 @@ const Submap& Places::mapOf(std::size_t place, const std::vector<LocalKeyframe>&
     map->insert(entry.keyframe->planarScan(), entry.local_T_base, entry.keyframe->new_view);
   }
   cache_.push_front({place, std::move(map)});
-  if (cache_.size() > kCached) cache_.pop_back();
+  cached_bytes_ += cache_.front().map->memoryBytes();
+  while (cached_bytes_ > kCachedBytes && cache_.size() > 1) {
+    cached_bytes_ -= cache_.back().map->memoryBytes();
+    cache_.pop_back();
+  }
   return *cache_.front().map;
 }
 
 std::size_t Places::memoryBytes() const {
-  std::size_t bytes = places_.capacity() * sizeof(Place);
-  for (const Cached& cached : cache_) bytes += cached.map->memoryBytes();
-  return bytes;
+  return places_.capacity() * sizeof(Place) + cached_bytes_;
 }
 
 }  // namespace kestrel

@@ -24,7 +24,7 @@ constexpr double kBasinM = 0.3;
 constexpr double kAroundM = 2.0;
 /// Loops are of one place if their keyframes are at most this far apart, and they confirm each
 /// other if there are at least so many keyframes between their queries.
-constexpr std::size_t kSamePlace = 60;
+constexpr double kSamePlaceM = 15.0;
 /// Smallest errors of the motion from one keyframe to the next.
 constexpr double kMotionM = 0.003, kMotionRad = 0.001;
 /// Expected loops do not change the poses much, so they wait for the next optimization.
@@ -42,8 +42,6 @@ constexpr std::size_t kNeighbors = 30;
 /// Not a loop.
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
-std::size_t apart(std::size_t a, std::size_t b) { return a < b ? b - a : a - b; }
-
 }  // namespace
 
 SubmapGraph::SubmapGraph(const MapperConfig& mapper, const LoopConfig& config)
@@ -52,11 +50,19 @@ SubmapGraph::SubmapGraph(const MapperConfig& mapper, const LoopConfig& config)
 void SubmapGraph::add(const PlanarScan& scan, const MapperResult& result) {
   if (!result.inserted) return;
   addKeyframe(scan, result);
-  const auto queried = static_cast<std::size_t>(config_.query_keyframes);
-  if (keyframes_.size() < searched_ + queried) return;
+  if (std::getenv("KLOOPS")) return;
+  if (!isQuery({searched_, keyframes_.size()})) return;
   const LoopQuery query{searched_, keyframes_.size()};
   searched_ = keyframes_.size();
   search(query);
+}
+
+/// Whether these keyframes are enough to search for.
+bool SubmapGraph::isQuery(const LoopQuery& query) const {
+  const auto most = static_cast<std::size_t>(config_.query_keyframes);
+  const std::size_t count = query.last - query.first;
+  if (count >= most || count * 2 < most) return count >= most;
+  return pathBetween(query.first, query.last - 1) >= config_.query_path_m;
 }
 
 void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result) {
@@ -76,6 +82,10 @@ void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result
   }
   graph_.vertices.push_back({mapTLocal() * result.pose, number == 0});
   keyframes_.push_back({std::move(keyframe), result.submap, result.pose});
+  path_.push_back(number == 0 ? 0.0
+                              : path_.back() + keyframes_[number - 1]
+                                                   .local_T_base.between(result.pose)
+                                                   .distance());
   if (number > 0) addOdometry(result.keyframe_covariance);
   odometry_.vertices.emplace_back();
   chain_.grow(odometry_);
@@ -91,6 +101,11 @@ void SubmapGraph::addOdometry(const Eigen::Matrix3d& covariance) {
   odometry_.edges.push_back(edge);
   graph_.edges.push_back(edge);
   loop_of_edge_.push_back(kNone);
+}
+
+/// Length of the path between two keyframes, m.
+double SubmapGraph::pathBetween(std::size_t a, std::size_t b) const {
+  return std::abs(path_[a] - path_[b]);
 }
 
 Pose2 SubmapGraph::mapTLocal(std::size_t keyframe) const {
@@ -186,17 +201,13 @@ void SubmapGraph::judge(const Loop& found) {
   for (std::size_t i = 0; i < own; ++i) {
     const Loop& other = loops_[verified_[i]];
     if (other.state == LoopState::kRefused) continue;
-    if (apart(other.query, found.query) > kSamePlace || apart(other.anchor, found.anchor) > kSamePlace)
+    if (pathBetween(other.query, found.query) > kSamePlaceM ||
+        pathBetween(other.anchor, found.anchor) > kSamePlaceM)
       continue;
     if (consistency_.areConsistent(own, i)) {
       confirming.push_back(verified_[i]);
     } else {
       ++contradicting;
-      if (std::getenv("KV")) {
-        const auto chi2 = cycleChi2(edgeOf(found), edgeOf(other), chain_);
-        const Pose2 d = (chain_.pose(other.anchor).between(chain_.pose(found.anchor)) * found.anchor_T_query.mean * chain_.pose(found.query).between(chain_.pose(other.query))).between(other.anchor_T_query.mean);
-        std::fprintf(stderr, "contra chi2 %.1f dq %zu da %zu off %.3f m %.2f deg\n", chi2.value_or(-1), apart(other.query, found.query), apart(other.anchor, found.anchor), d.distance(), d.yaw * 57.3);
-      }
     }
   }
   Loop& loop = loops_[number];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/mapping/local_map.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace kestrel {
@@ -20,7 +21,10 @@ void LocalMap::insert(const PlanarScan& scan, const Pose2& local_T_base, bool ne
   const auto number = static_cast<std::uint32_t>(scans_++);
   current_->insert(scan, local_T_base, new_view, number);
   if (next_) next_->insert(scan, local_T_base, new_view, number);
-  length_ += degenerate ? window_.degenerate_weight : 1.0;
+  const double moved = last_ ? last_->between(local_T_base).distance() : 0.0;
+  length_ += (degenerate ? window_.degenerate_weight : 1.0) *
+             std::max(1.0, moved / window_.scan_distance_m);
+  last_ = local_T_base;
 }
 
 /// The window keeps only the last scans of the submap.

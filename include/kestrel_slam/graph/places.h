@@ -50,6 +50,7 @@ class Places {
   MapperConfig config_;
   std::vector<Place> places_;
   std::list<Cached> cache_;  ///< last used first
+  std::size_t cached_bytes_ = 0;
 };
 
 }  // namespace kestrel

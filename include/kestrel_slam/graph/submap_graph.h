@@ -52,6 +52,8 @@ class SubmapGraph {
   };
 
   void addKeyframe(const PlanarScan& scan, const MapperResult& result);
+  bool isQuery(const LoopQuery& query) const;
+  double pathBetween(std::size_t a, std::size_t b) const;
   void addOdometry(const Eigen::Matrix3d& covariance);
   void search(const LoopQuery& query);
   std::vector<Candidate> candidatesFor(std::size_t query) const;
@@ -70,6 +72,7 @@ class SubmapGraph {
   LoopConfig config_;
   LoopMatcher matcher_;
   std::vector<LocalKeyframe> keyframes_;
+  std::vector<double> path_;  ///< from the first keyframe to each, m
   Places places_;
   PoseGraph odometry_;  ///< only that, for `chain_`
   PoseGraph graph_;     ///< the odometry and the accepted loops

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "kestrel_slam/map/submap.h"
@@ -17,6 +18,8 @@ struct WindowConfig {
   int submap_scans = 90;
   /// So many of the last insertions of a submap are also in the window of the next one.
   int overlap_scans = 30;
+  /// Scans that are farther apart than this count more, so that a submap does not become too long.
+  double scan_distance_m = 0.5;
   /// An insertion with an unobservable direction counts only this much, so that the window is
   /// longer in corridors.
   double degenerate_weight = 0.4;
@@ -53,6 +56,7 @@ class LocalMap {
   std::unique_ptr<Submap> next_;  ///< the last scans of the current submap, if it is nearly full
   std::uint32_t submap_ = 0;
   double length_ = 0.0;  ///< of the current submap, in insertions
+  std::optional<Pose2> last_;  ///< of the last inserted scan
   int scans_ = 0;
 };
 
