@@ -21,10 +21,24 @@ void LocalMap::insert(const PlanarScan& scan, const Pose2& local_T_base, bool ne
   const auto number = static_cast<std::uint32_t>(scans_++);
   current_->insert(scan, local_T_base, new_view, number);
   if (next_) next_->insert(scan, local_T_base, new_view, number);
-  const double moved = last_ ? last_->between(local_T_base).distance() : 0.0;
-  length_ += (degenerate ? window_.degenerate_weight : 1.0) *
-             std::max(1.0, moved / window_.scan_distance_m);
+  length_ += weightOf(scan, local_T_base, degenerate);
   last_ = local_T_base;
+}
+
+/// Length of the submap that a scan adds, in scans that are near each other.
+double LocalMap::weightOf(const PlanarScan& scan, const Pose2& local_T_base,
+                          bool degenerate) const {
+  std::vector<float> ranges;
+  for (const PlanarRay& ray : scan.rays) {
+    if (ray.hit) ranges.push_back((ray.end - ray.origin).norm());
+  }
+  double weight = degenerate ? window_.degenerate_weight : 1.0;
+  if (!last_ || ranges.empty()) return weight;
+  const auto median = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
+  std::nth_element(ranges.begin(), median, ranges.end());
+  const double near_m =
+      std::max(window_.scan_distance_m, window_.scan_distance_share * static_cast<double>(*median));
+  return weight * std::max(1.0, last_->between(local_T_base).distance() / near_m);
 }
 
 /// The window keeps only the last scans of the submap.

@@ -18,11 +18,12 @@ struct WindowConfig {
   int submap_scans = 90;
   /// So many of the last insertions of a submap are also in the window of the next one.
   int overlap_scans = 30;
-  /// Scans that are farther apart than this count more, so that a submap does not become too long.
-  double scan_distance_m = 0.5;
   /// An insertion with an unobservable direction counts only this much, so that the window is
   /// longer in corridors.
   double degenerate_weight = 0.4;
+  /// Scans that are farther apart than this distance, and than this share of the median range,
+  /// count more, so that a submap does not become too long.
+  double scan_distance_m = 0.5, scan_distance_share = 0.15;
 };
 
 /// The map around the vehicle, in the local frame: the scans of the current submap and of the one
@@ -48,6 +49,7 @@ class LocalMap {
 
  private:
   void beginSubmap();
+  double weightOf(const PlanarScan& scan, const Pose2& local_T_base, bool degenerate) const;
 
   OccupancyGridConfig grid_;
   SubmapOptions options_;
