@@ -152,8 +152,8 @@ TEST(ConsistentLoops, FindsTheTrueLoopsAmongFalseOnes) {
     loops.add(measuredEdge(truth, i, kLap + i, EdgeKind::kLoop, random), chain);
   }
   for (std::size_t i = 0; i < 80; ++i) {
-    PoseEdge wrong =
-        measuredEdge(truth, (7 * i) % kLap, kLap + (31 * i + 20) % kLap, EdgeKind::kLoop, random);
+    PoseEdge wrong = measuredEdge(truth, (7 * i) % kLap, kLap + (7 * i + 20 + i % 40) % kLap,
+                                  EdgeKind::kLoop, random);
     wrong.measured = Pose2(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), 0.0);
     loops.add(wrong, chain);
   }
