@@ -58,6 +58,19 @@ TEST(OdometryChain, GrowsAndBeginsAPartWhereAnEdgeIsMissing) {
   for (std::size_t i = 0; i < chain.size(); ++i) EXPECT_EQ(chain.pose(i), at_once.pose(i));
 }
 
+TEST(OdometryChain, EdgesMayLeadBackward) {
+  Random random(11);
+  const PoseGraph forward = odometryGraph(squareDrive(1), random);
+  PoseGraph backward = forward;
+  for (PoseEdge& edge : backward.edges) {
+    const GaussianPose2 turned = inverse(GaussianPose2{edge.measured, edge.information.inverse()});
+    edge = {edge.to, edge.from, turned.mean, turned.covariance.inverse(), edge.kind};
+  }
+  const OdometryChain a(forward), b(backward);
+  EXPECT_LT(a.pose(70).between(b.pose(70)).log().norm(), 1e-9);
+  EXPECT_TRUE(a.noiseBetween(20, 70).isApprox(b.noiseBetween(20, 70), 1e-9));
+}
+
 /// The mean of chi2 over many samples of the same two true loops.
 double meanChi2(std::size_t from_a, std::size_t to_a, std::size_t from_b, std::size_t to_b) {
   constexpr int kRuns = 400;
