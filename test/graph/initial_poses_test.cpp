@@ -28,7 +28,7 @@ TEST(InitialPoses, ByRotationsNeedsNoGuess) {
   PoseGraph graph = loopedGraph(truth, kLap, random);
   for (PoseVertex& vertex : graph.vertices) vertex.pose = Pose2();
   ASSERT_TRUE(placeByRotations(graph));
-  EXPECT_LT(meanDistance(graph, truth), 0.8);
+  EXPECT_LT(meanDistance(graph, truth), 1.5);  // the odometry alone: 6 m
   for (PoseEdge& edge : graph.edges) edge.measured = truth[edge.from].between(truth[edge.to]);
   ASSERT_TRUE(placeByRotations(graph));
   EXPECT_LT(meanDistance(graph, truth), 1e-6);
