@@ -79,11 +79,6 @@ class RobustOptimization {
   }
 
  private:
-  /// Whether chance does not explain that a loop agrees with one of the others so closely.
-  bool isUnlikely(double spread) const {
-    return chance_.of(spread) * static_cast<double>(loops_.size()) <= options_.max_chance;
-  }
-
   void acceptConsistent(const std::vector<std::size_t>& edges) {
     ConsistentLoops loops(options_.consistency);
     std::vector<std::size_t> numbered;
@@ -102,20 +97,37 @@ class RobustOptimization {
     std::vector<std::size_t> set;
     for (const std::size_t loop : found.first) set.push_back(numbered[loop]);
     for (const std::size_t edge : set) {
-      if (isSupported(edge, set)) verdicts_[edge] = Verdict::kAccepted;
+      if (isSupported(edge, numbered, set)) verdicts_[edge] = Verdict::kAccepted;
     }
   }
 
-  /// By the odometry, or by another loop of the set, all of which are consistent with it.
-  bool isSupported(std::size_t edge, const std::vector<std::size_t>& set) const {
+  /// By the odometry, or by loops of the set (all of which are consistent with it), more of which
+  /// are so close than chance explains. `edges`: all loops that could have agreed.
+  bool isSupported(std::size_t edge, const std::vector<std::size_t>& edges,
+                   const std::vector<std::size_t>& set) const {
     const std::optional<CycleCheck> alone = checkCycle(graph_.edges[edge], chain_);
-    if (alone && isUnlikely(alone->spread)) return true;
-    return std::any_of(set.begin(), set.end(), [&](std::size_t other) {
-      if (other == edge) return false;
+    if (alone && isUnlikely(chance_.of(alone->spread))) return true;
+    std::vector<std::pair<double, bool>> chances;  // of each loop, and whether it is of the set
+    for (const std::size_t other : edges) {
       const auto cycle = checkCycle(graph_.edges[edge], graph_.edges[other], chain_);
-      return cycle && isUnlikely(cycle->spread);
-    });
+      if (other == edge || !cycle) continue;
+      chances.emplace_back(chance_.of(cycle->spread),
+                           std::binary_search(set.begin(), set.end(), other));
+    }
+    std::sort(chances.begin(), chances.end());
+    // Of the n closest loops m agree. By chance: a Poisson distribution with the mean n p.
+    double tail = 1.0, agreeing = 0.0;
+    for (std::size_t i = 0; i < chances.size() && !isUnlikely(tail); ++i) {
+      if (!chances[i].second) continue;
+      agreeing += 1.0;
+      const double mean = static_cast<double>(i + 1) * chances[i].first;
+      if (mean >= agreeing) break;
+      tail = std::min(tail, std::exp(agreeing * std::log(mean) - std::lgamma(agreeing + 1.0)));
+    }
+    return isUnlikely(tail);
   }
+
+  bool isUnlikely(double chance) const { return chance <= options_.max_chance; }
 
   PoseGraph acceptedGraph() const {
     PoseGraph accepted;
@@ -158,7 +170,7 @@ class RobustOptimization {
     const Eigen::Vector3d error = loop.measured.between(pose->mean).log();
     const Eigen::LLT<Eigen::Matrix3d> factor(pose->covariance + loop.information.inverse());
     const Eigen::Matrix3d root = factor.matrixL();
-    return error.dot(factor.solve(error)) <= options_.max_chi2 && isUnlikely(root.diagonal().prod());
+    return error.dot(factor.solve(error)) <= options_.max_chi2 && isUnlikely(chance_.of(root.diagonal().prod()));
   }
 
   PoseGraph& graph_;
