@@ -49,7 +49,11 @@ struct Cycle {
   Eigen::Vector3d error;
   Eigen::Matrix3d covariance;
 
-  double chi2() const { return error.dot(covariance.llt().solve(error)); }
+  CycleCheck check() const {
+    const Eigen::LLT<Eigen::Matrix3d> factor(covariance);
+    const Eigen::Matrix3d root = factor.matrixL();
+    return {error.dot(factor.solve(error)), root.diagonal().prod()};
+  }
 };
 
 GaussianPose2 poseOf(const PoseEdge& loop) { return {loop.measured, loop.information.inverse()}; }
@@ -78,22 +82,21 @@ Cycle cycleOf(const PoseEdge& a, const PoseEdge& b, const OdometryChain& chain) 
 
 }  // namespace
 
-std::optional<double> cycleChi2(const PoseEdge& a, const PoseEdge& b, const OdometryChain& chain) {
+std::optional<CycleCheck> checkCycle(const PoseEdge& a, const PoseEdge& b,
+                                     const OdometryChain& chain) {
   const auto joined = [&](std::size_t v, std::size_t w) {
     return chain.partOf(v) == chain.partOf(w);
   };
-  const bool forward = joined(a.from, b.from) && joined(a.to, b.to);
-  const bool backward = joined(a.from, b.to) && joined(a.to, b.from);
-  if (!forward && !backward) return std::nullopt;
-  if (!backward) return cycleOf(a, b, chain).chi2();
-  const Cycle turned = cycleOf(a, reversed(b), chain);
-  if (!forward) return turned.chi2();
-  const Cycle straight = cycleOf(a, b, chain);
-  const bool sharper = turned.covariance.determinant() < straight.covariance.determinant();
-  return (sharper ? turned : straight).chi2();
+  std::optional<CycleCheck> straight, turned;
+  if (joined(a.from, b.from) && joined(a.to, b.to)) straight = cycleOf(a, b, chain).check();
+  if (joined(a.from, b.to) && joined(a.to, b.from)) {
+    turned = cycleOf(a, reversed(b), chain).check();
+  }
+  if (!straight || !turned) return straight ? straight : turned;
+  return turned->spread < straight->spread ? turned : straight;
 }
 
-std::optional<double> cycleChi2(const PoseEdge& loop, const OdometryChain& chain) {
+std::optional<CycleCheck> checkCycle(const PoseEdge& loop, const OdometryChain& chain) {
   if (chain.partOf(loop.from) != chain.partOf(loop.to)) return std::nullopt;
   const std::size_t begin = std::min(loop.from, loop.to), end = std::max(loop.from, loop.to);
   const PoseEdge forward = loop.from == begin ? loop : reversed(loop);
@@ -101,7 +104,7 @@ std::optional<double> cycleChi2(const PoseEdge& loop, const OdometryChain& chain
   const Eigen::Matrix3d noise =
       transformed(chain.pose(end).inverse().adjoint(), chain.noiseBetween(begin, end));
   const Eigen::Vector3d error = forward.measured.between(odometry).log();
-  return Cycle{error, noise + forward.information.inverse()}.chi2();
+  return Cycle{error, noise + forward.information.inverse()}.check();
 }
 
 struct ConsistentLoops::Matrix {
@@ -145,8 +148,8 @@ std::size_t ConsistentLoops::add(const PoseEdge& loop, const OdometryChain& chai
   const std::size_t number = size();
   BitSet row(number + 1);
   for (std::size_t i = 0; i < number; ++i) {
-    const std::optional<double> chi2 = cycleChi2(loop, matrix_->loops[i], chain);
-    if (!chi2 || !(*chi2 <= options_.max_chi2)) continue;
+    const std::optional<CycleCheck> cycle = checkCycle(loop, matrix_->loops[i], chain);
+    if (!cycle || !(cycle->chi2 <= options_.max_chi2)) continue;
     row.insert(i);
     matrix_->rows[i].grow(number + 1);
     matrix_->rows[i].insert(number);

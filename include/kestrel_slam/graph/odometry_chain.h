@@ -10,7 +10,7 @@
 namespace kestrel {
 
 /// The vertices of a graph as the odometry alone places them, with the covariances of what lies
-/// between any two of them in constant time. Odometry leads from vertex i to vertex i + 1. Where
+/// between any two of them in constant time. Odometry joins vertex i and vertex i + 1. Where
 /// that edge is missing, a new part begins, whose pose relative to the others is unknown: another
 /// vehicle, or the same one after it was carried away.
 class OdometryChain {

@@ -11,16 +11,24 @@
 
 namespace kestrel {
 
-/// chi2 with three degrees of freedom of the cycle of two loops: along the one loop, along the
-/// odometry to the other loop, back along that and along the odometry to the start
-/// [Mangelson 2018, eq. 8]. Odometry that both ways have in common cancels out. Of the two cycles
-/// that two loops of one part have, the one with the smaller covariance is taken. Nothing if the
-/// odometry does not connect the loops.
-std::optional<double> cycleChi2(const PoseEdge& a, const PoseEdge& b, const OdometryChain& chain);
+/// A closed way through the graph, whose poses should compose to the identity.
+struct CycleCheck {
+  double chi2 = 0.0;  ///< with three degrees of freedom
+  /// Square root of the determinant of the covariance of the error, m² rad. A false loop agrees by
+  /// chance the more often, the larger this is.
+  double spread = 0.0;
+};
 
-/// chi2 of the cycle of one loop and the odometry between its vertices. Nothing if these are in
-/// different parts.
-std::optional<double> cycleChi2(const PoseEdge& loop, const OdometryChain& chain);
+/// The cycle of two loops: along the one loop, along the odometry to the other loop, back along that
+/// and along the odometry to the start [Mangelson 2018, eq. 8]. Odometry that both ways have in
+/// common cancels out. Of the two cycles that two loops of one part have, the one with the smaller
+/// spread is taken. Nothing if the odometry does not connect the loops.
+std::optional<CycleCheck> checkCycle(const PoseEdge& a, const PoseEdge& b,
+                                     const OdometryChain& chain);
+
+/// The cycle of one loop and the odometry between its vertices. Nothing if these are in different
+/// parts.
+std::optional<CycleCheck> checkCycle(const PoseEdge& loop, const OdometryChain& chain);
 
 struct ConsistencyOptions {
   double max_chi2 = 11.345;  ///< of a cycle; true loops exceed it in 1 % of the cases
