@@ -13,6 +13,7 @@
 #include "kestrel_slam/evaluation/covariance_file.h"
 #include "kestrel_slam/evaluation/scan_file.h"
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/graph/g2o_file.h"
 #include "kestrel_slam/map/map_folder.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
 #include "kestrel_slam/recording/trajectory.h"
@@ -140,6 +141,10 @@ void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
   app.add_option("--odometry", arguments.odometry,
                  "none: laser only (default); use: predict the motion from the recorded odometry")
       ->check(CLI::IsMember({"none", "use"}));
+  app.add_option("--loops", arguments.loops,
+                 "use: search for loops and correct the map with a pose graph; none: one map that "
+                 "grows (default: parameter graph)")
+      ->check(CLI::IsMember({"none", "use"}));
   app.add_option("--imu", arguments.imu,
                  "use: roll, pitch and yaw rate from the recorded IMU (default); none: the vehicle "
                  "is level")
@@ -164,6 +169,7 @@ SlamConfig configOf(const MappingArguments& arguments) {
   SlamConfig config;
   if (!arguments.config.empty()) loadParameters(arguments.config, config);
   applySettings(arguments.settings, config);
+  if (!arguments.loops.empty()) config.mapper.window.enabled = arguments.loops == "use";
   return config;
 }
 
@@ -253,12 +259,16 @@ void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& 
   }
   const std::string stats =
       statsOf(run, info).dump(kJsonIndent, ' ', false, nlohmann::json::error_handler_t::replace);
-  writeMapFolder(folder.string(), run.map,
-                 {{"trajectory.tum", tumText(run.trajectory)},
-                  {"covariances.txt", covariancesText(covariances)},
-                  {"scans.csv", scansText(rows)},
-                  {"stats.json", stats + "\n"},
-                  {"report.html", reportHtml(run, info)}});
+  std::vector<NamedContent> files = {{"trajectory.tum", tumText(run.trajectory)},
+                                     {"covariances.txt", covariancesText(covariances)},
+                                     {"scans.csv", scansText(rows)},
+                                     {"stats.json", stats + "\n"},
+                                     {"report.html", reportHtml(run, info)}};
+  if (run.graph) {
+    files.push_back({"loops.csv", loopsText(*run.graph)});
+    files.push_back({"graph.g2o", g2oText({run.graph->graph, {}})});
+  }
+  writeMapFolder(folder.string(), run.map, files);
 }
 
 }  // namespace kestrel

@@ -116,7 +116,11 @@ Loop LoopMatcher::matchExpected(const Submap& map, const Place& place,
                                 const std::vector<LocalKeyframe>& keyframes, std::size_t keyframe,
                                 const Pose2& expected, double radius_m) const {
   const Points points = sampled(keyframes[keyframe].keyframe->scan.hits(), kScanPoints);
-  if (points.size() < kLeastHits) return {};
+  Loop none;
+  none.anchor = place.first;
+  none.query = keyframe;
+  none.reason = "too few hits";
+  if (points.size() < kLeastHits) return none;
   const MatchResult match = matchNear(map, points, expected, matcher_);
   Loop loop = loopAt(place, keyframes, keyframe, match);
   const Pose2 correction = expected.between(match.pose);
@@ -153,9 +157,10 @@ double LoopMatcher::agreementAt(const Submap& map, const std::vector<LocalKeyfra
 bool LoopMatcher::agrees(const MatchResult& single, const Pose2& expected,
                          const MatchResult& found) const {
   if (single.score < kSingleFit || single.known < kSingleKnown) return false;
-  const Eigen::Vector2d away = observable(
-      observable(single.pose.translation() - expected.translation(), single), found);
-  return away.norm() < kSameM && std::abs(normalizeAngle(single.pose.yaw - expected.yaw)) < kSameRad;
+  const Eigen::Vector2d away =
+      observable(observable(single.pose.translation() - expected.translation(), single), found);
+  return away.norm() < kSameM &&
+         std::abs(normalizeAngle(single.pose.yaw - expected.yaw)) < kSameRad;
 }
 
 }  // namespace kestrel

@@ -170,7 +170,8 @@ class RobustOptimization {
     const Eigen::Vector3d error = loop.measured.between(pose->mean).log();
     const Eigen::LLT<Eigen::Matrix3d> factor(pose->covariance + loop.information.inverse());
     const Eigen::Matrix3d root = factor.matrixL();
-    return error.dot(factor.solve(error)) <= options_.max_chi2 && isUnlikely(chance_.of(root.diagonal().prod()));
+    return error.dot(factor.solve(error)) <= options_.max_chi2 &&
+           isUnlikely(chance_.of(root.diagonal().prod()));
   }
 
   PoseGraph& graph_;

@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <utility>
 
@@ -50,7 +49,6 @@ SubmapGraph::SubmapGraph(const MapperConfig& mapper, const LoopConfig& config)
 void SubmapGraph::add(const PlanarScan& scan, const MapperResult& result) {
   if (!result.inserted) return;
   addKeyframe(scan, result);
-  if (std::getenv("KLOOPS")) return;
   if (!isQuery({searched_, keyframes_.size()})) return;
   const LoopQuery query{searched_, keyframes_.size()};
   searched_ = keyframes_.size();
@@ -82,10 +80,10 @@ void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result
   }
   graph_.vertices.push_back({mapTLocal() * result.pose, number == 0});
   keyframes_.push_back({std::move(keyframe), result.submap, result.pose});
-  path_.push_back(number == 0 ? 0.0
-                              : path_.back() + keyframes_[number - 1]
-                                                   .local_T_base.between(result.pose)
-                                                   .distance());
+  path_.push_back(number == 0
+                      ? 0.0
+                      : path_.back() +
+                            keyframes_[number - 1].local_T_base.between(result.pose).distance());
   if (number > 0) addOdometry(result.keyframe_covariance);
   odometry_.vertices.emplace_back();
   chain_.grow(odometry_);
@@ -167,9 +165,8 @@ Pose2 SubmapGraph::expectedAt(const Candidate& candidate, std::size_t query) con
 
 bool SubmapGraph::confirm(const Candidate& candidate, std::size_t query) {
   const Submap& map = places_.mapOf(candidate.place, keyframes_);
-  const Loop loop =
-      matcher_.matchExpected(map, places_.all()[candidate.place], keyframes_, query,
-                             expectedAt(candidate, query), kBasinM);
+  const Loop loop = matcher_.matchExpected(map, places_.all()[candidate.place], keyframes_, query,
+                                           expectedAt(candidate, query), kBasinM);
   if (loop.state != LoopState::kAccepted) return false;
   loops_.push_back(loop);
   accept(loops_.size() - 1);
@@ -290,9 +287,8 @@ void SubmapGraph::refineAt(std::size_t number, std::vector<int>& matched) {
       if (distance < candidate.distance_m) candidate.distance_m = distance, candidate.anchor = i;
     }
     if (candidate.distance_m > kRefineM) continue;
-    const Loop loop =
-        matcher_.matchExpected(places_.mapOf(number, keyframes_), place, keyframes_, query,
-                               expectedAt(candidate, query), kRefineRadiusM);
+    const Loop loop = matcher_.matchExpected(places_.mapOf(number, keyframes_), place, keyframes_,
+                                             query, expectedAt(candidate, query), kRefineRadiusM);
     if (loop.state != LoopState::kAccepted) continue;
     ++matched[query];
     loops_.push_back(loop);

@@ -188,8 +188,8 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   if (lost) {
     uncertainty.lose(motion.pose(), error);
   } else {
-    uncertainty.update(map.current().surface(), points, result.match, motion.secondsSince(scan), moved,
-                       prediction_source);
+    uncertainty.update(map.current().surface(), points, result.match, motion.secondsSince(scan),
+                       moved, prediction_source);
   }
 }
 

@@ -51,9 +51,8 @@ PlaceMatch matchPlace(const Submap& place, const Points& points, const Pose2& ce
     found.push_back({pose, scoreOf(fitOf(place, few, pose, config.score_scale_m))});
   }
   if (found.empty()) return result;
-  std::stable_sort(found.begin(), found.end(), [](const Explanation& a, const Explanation& b) {
-    return a.score > b.score;
-  });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Explanation& a, const Explanation& b) { return a.score > b.score; });
   for (std::size_t i = 0; i < std::min(kRefined, found.size()); ++i) {
     const MatchResult match = matchNear(place, points, found[i].pose, config);
     const double score = match.score * match.known;

@@ -221,7 +221,8 @@ class Runner {
     entry.odom_T_base = sweep.input.odom_T_base;
     run_.scans.push_back(entry);
     run_.trajectory.push_back({sweep.scan.stamp, result.pose});
-    if (pipeline_.graph()) keyframe_.push_back(std::max<std::size_t>(1, pipeline_.graph()->keyframes().size()) - 1);
+    if (const SubmapGraph* graph = pipeline_.graph())
+      keyframes_.push_back(graph->keyframes().size());
     addDistance(result.pose);
     const std::string place = placeOf(sweep.input);
     if (result.state == MatchState::kLost) lost_.add(place);
@@ -239,30 +240,14 @@ class Runner {
     last_counted_ = pose;
   }
 
-  /// Moves every pose with the keyframe before it.
+  /// Corrects the poses and the map by the loops that were found.
   void correct(SubmapGraph& graph) {
     graph.finish();
-    if (std::getenv("KV")) {
-      std::map<std::string, int> count;
-      for (const Loop& l : graph.loops()) {
-        ++count[std::string(toString(l.state)) + " " + l.reason + (l.radius_m > 0 ? " (searched)" : "")];
-        if (l.radius_m == 0 && std::string(std::getenv("KV")) != "2") continue;
-        const Pose2 e = graph.poseOf(l.anchor).between(graph.poseOf(l.query));
-        const Pose2 d = l.anchor_T_query.mean.between(e);
-        std::fprintf(stderr, "loop %.2f -> %.2f fit %.2f known %.2f constr %.3f margin %.2f agree %.2f r %.1f corr %.2f final %.3f m %.2f deg %s %s\n",
-          graph.keyframes()[l.anchor].keyframe->stamp, graph.keyframes()[l.query].keyframe->stamp, l.fit, l.known, l.constraint, l.margin, l.agreement, l.radius_m, l.correction_m, d.distance(), d.yaw*57.3, toString(l.state), l.reason);
-      }
-      for (auto& [r,n] : count) std::fprintf(stderr, "%5d %s\n", n, r.c_str());
-      std::fprintf(stderr, "%zu keyframes, %.1f MB\n", graph.keyframes().size(), static_cast<double>(graph.memoryBytes()) / 1e6);
-    }
-    for (std::size_t i = 0; i < keyframe_.size(); ++i)
-      run_.trajectory[i].pose = graph.mapTLocal(keyframe_[i]) * run_.trajectory[i].pose;
-    Submap map(config_.slam.mapper.grid);
-    for (std::size_t i = 0; i < graph.keyframes().size(); ++i) {
-      const Keyframe& keyframe = *graph.keyframes()[i].keyframe;
-      map.insert(keyframe.planarScan(), graph.poseOf(i), keyframe.new_view);
-    }
-    run_.map = map.grid().snapshot();
+    run_.graph = resultOf(graph, run_.trajectory);
+    run_.trajectory = corrected(run_.trajectory, keyframes_, graph);
+    for (std::size_t i = 0; i < run_.scans.size(); ++i)
+      run_.scans[i].uncertain = placedAt(run_.trajectory[i].pose, run_.scans[i].uncertain);
+    run_.map = mapOf(graph, config_.slam.mapper.grid);
   }
 
   void finishFilter() {
@@ -321,7 +306,7 @@ class Runner {
   double work_s_ = 0.0;           ///< time in earlier calls since the last scan
 
   OfflineRun run_;
-  std::vector<std::size_t> keyframe_;  ///< the last one at every scan
+  std::vector<std::size_t> keyframes_;  ///< number of keyframes at every scan
   std::size_t read_ = 0;
   std::optional<double> first_time_;
   std::optional<double> first_stamp_;  ///< arrival of the first scan, s

@@ -60,6 +60,24 @@ Json mapOf(const OfflineRun& run) {
       {"memory_mb", rounded(static_cast<double>(run.map_memory_bytes) / kBytesPerMegabyte, kFine)}};
 }
 
+/// Without loops: null.
+Json graphOf(const OfflineRun& run) {
+  if (!run.graph) return nullptr;
+  Json loops = Json::object();
+  for (const auto& [what, count] : run.graph->counts()) loops[what] = count;
+  double correction = 0.0;
+  for (std::size_t i = 0; i < run.trajectory.size(); ++i) {
+    const Pose2& before = run.graph->before[i].pose;
+    correction = std::max(correction, before.between(run.trajectory[i].pose).distance());
+  }
+  return {{"keyframes", run.graph->stamps.size()},
+          {"submaps", run.graph->submaps},
+          {"loops", loops},
+          {"largest_correction_m", rounded(correction, kFine)},
+          {"memory_mb",
+           rounded(static_cast<double>(run.graph->memory_bytes) / kBytesPerMegabyte, kFine)}};
+}
+
 Json timingOf(const OfflineRun& run) {
   const Distribution scan_ms = scanTimes(run);
   // Side by side they tell whether the time grows with the map.
@@ -151,6 +169,7 @@ nlohmann::ordered_json statsOf(const OfflineRun& run, const RunInfo& info) {
                 {"distance_m", rounded(run.distance_m, kFine)},
                 {"duration_s", rounded(run.duration_s, kFine)},
                 {"map", mapOf(run)},
+                {"graph", graphOf(run)},
                 {"parameters", parametersJson(info.config)},
                 {"warnings", run.warnings}};
   if (info.timing) stats["timing"] = timingOf(run);

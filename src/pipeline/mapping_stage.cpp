@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/pipeline/mapping_stage.h"
 
-#include "kestrel_slam/graph/submap_graph.h"
-
 #include <algorithm>
+
+#include "kestrel_slam/graph/submap_graph.h"
 
 namespace kestrel {
 namespace {
@@ -24,9 +24,10 @@ PlanarRay moved(const Pose2& a_T_b, const PlanarRay& ray) {
 
 }  // namespace
 
-MappingStage::MappingStage(const MapperConfig& config) : mapper_(config) {
-  if (config.window.enabled) graph_ = std::make_unique<SubmapGraph>(config, LoopConfig());
+MappingStage::MappingStage(const MapperConfig& config, const LoopConfig& loops) : mapper_(config) {
+  if (config.window.enabled) graph_ = std::make_unique<SubmapGraph>(config, loops);
 }
+
 MappingStage::~MappingStage() = default;
 
 MapperResult MappingStage::process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,

@@ -18,7 +18,7 @@ Pipeline::Pipeline(const PipelineConfig& config)
     : config_(config),
       projection_(projectionConfigOf(config)),
       filter_(config.filter),
-      mapping_(config.slam.mapper),
+      mapping_(config.slam.mapper, config.slam.loops),
       queue_(config.queue_size) {}
 
 void Pipeline::advance(double arrival) {

@@ -24,6 +24,7 @@ struct MappingArguments {
   std::vector<std::string> recordings;  ///< one file, or the bags of a recording that was split
   std::string config;                   ///< YAML file with parameters; may be empty
   std::string odometry = "none";
+  std::string loops;  ///< none or use; "": as the parameter says
   std::string imu = "use";
   std::string filter = "use";
   std::vector<std::string> settings;  ///< name=value; these override the file

@@ -25,8 +25,7 @@ class LoopMatcher {
   /// Searches for the query within `radius_m` and `yaw_rad` of `expected` (local_T_base of its
   /// middle keyframe, in the local frame of the place).
   Loop search(const Submap& map, const Place& place, const std::vector<LocalKeyframe>& keyframes,
-              const LoopQuery& query, const Pose2& expected, double radius_m,
-              double yaw_rad) const;
+              const LoopQuery& query, const Pose2& expected, double radius_m, double yaw_rad) const;
 
   /// Matches one keyframe where the graph expects it, at most `radius_m` away.
   Loop matchExpected(const Submap& map, const Place& place,

@@ -32,8 +32,8 @@ struct RobustResult {
 /// Optimizes a graph that may have false loops.
 ///
 /// 1. The largest set of loops that agree pair by pair (ConsistentLoops), between each two parts of
-///    the odometry; none where a second set has more than half as many. Of this set, those that agree
-///    with another one, or with the odometry, so closely that chance does not explain it.
+///    the odometry; none where a second set has more than half as many. Of this set, those that
+///    agree with another one, or with the odometry, so closely that chance does not explain it.
 /// 2. The graph is optimized with the loops that are accepted.
 /// 3. Loops with a large chi2 in the optimized graph are refused for good. Others are accepted if
 ///    they agree with the optimized graph so closely that chance does not explain it. Then step 2

@@ -40,6 +40,7 @@ class SubmapGraph {
 
   const std::vector<LocalKeyframe>& keyframes() const { return keyframes_; }
   const PoseGraph& graph() const { return graph_; }
+  std::size_t submapCount() const { return places_.all().size(); }
   /// All loops of a search, accepted or not, and the accepted ones of other matches.
   const std::vector<Loop>& loops() const { return loops_; }
   std::size_t memoryBytes() const;
@@ -83,7 +84,7 @@ class SubmapGraph {
   std::vector<std::size_t> verified_;      ///< numbers in `loops_` of those in `consistency_`
   std::size_t searched_ = 0;               ///< keyframes before this one were searched for
   std::size_t searches_ = 0;
-  std::size_t unsolved_ = 0;               ///< accepted loops since the last optimization
+  std::size_t unsolved_ = 0;  ///< accepted loops since the last optimization
 };
 
 }  // namespace kestrel

@@ -33,8 +33,7 @@ class Submap {
 
   /// Inserts a scan and updates the surface. `new_view`: see OccupancyGrid::insert. Returns false
   /// if the memory limit kept a part out. `number`: of the scan, see Surfel::birth.
-  bool insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view,
-              std::uint32_t number);
+  bool insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view, std::uint32_t number);
   /// The same, numbered from 0.
   bool insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view = false) {
     return insert(scan, map_T_base, new_view, static_cast<std::uint32_t>(scans_));

@@ -26,8 +26,9 @@ struct WindowConfig {
   double scan_distance_m = 0.5, scan_distance_share = 0.15;
 };
 
-/// The map around the vehicle, in the local frame: the scans of the current submap and of the one
-/// before it. A frame that never jumps: what a pose graph corrects is the place of the submaps.
+/// The map around the vehicle, in the local frame: the scans of the current submap and the last
+/// ones of the submap before it. The frame never jumps: a pose graph corrects the poses of the
+/// submaps.
 ///
 /// Without a window there is one submap, which grows.
 class LocalMap {
@@ -57,7 +58,7 @@ class LocalMap {
   std::unique_ptr<Submap> current_;
   std::unique_ptr<Submap> next_;  ///< the last scans of the current submap, if it is nearly full
   std::uint32_t submap_ = 0;
-  double length_ = 0.0;  ///< of the current submap, in insertions
+  double length_ = 0.0;        ///< of the current submap, in insertions
   std::optional<Pose2> last_;  ///< of the last inserted scan
   int scans_ = 0;
 };

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "kestrel_slam/graph/loop.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/sensor/time_base.h"
 
@@ -17,7 +18,8 @@ class SubmapGraph;
 /// Not thread-safe.
 class MappingStage {
  public:
-  explicit MappingStage(const MapperConfig& config);
+  /// With a pose graph if `config` matches against a window.
+  explicit MappingStage(const MapperConfig& config, const LoopConfig& loops = LoopConfig());
   ~MappingStage();
 
   /// Matches a planar scan. If the caller has already repaired the time base, the argument `time`
