@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "kestrel_slam/graph/composed_map.h"
 #include "kestrel_slam/graph/submap_graph.h"
-#include "kestrel_slam/map/submap.h"
 
 namespace kestrel {
 
@@ -30,12 +30,9 @@ Trajectory corrected(const Trajectory& trajectory, const std::vector<std::size_t
 }
 
 MapSnapshot mapOf(const SubmapGraph& graph, const OccupancyGridConfig& config) {
-  OccupancyGrid grid(config);
-  for (std::size_t i = 0; i < graph.keyframes().size(); ++i) {
-    const Keyframe& keyframe = *graph.keyframes()[i].keyframe;
-    grid.insert(keyframe.planarScan(), graph.poseOf(i), keyframe.new_view);
-  }
-  return grid.snapshot();
+  ComposedMap map(config);
+  map.add(graph);
+  return map.grid().snapshot();
 }
 
 GraphResult resultOf(const SubmapGraph& graph, const Trajectory& before) {

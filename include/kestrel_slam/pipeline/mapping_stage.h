@@ -2,25 +2,19 @@
 #pragma once
 
 #include <deque>
-#include <memory>
 #include <optional>
 #include <vector>
 
-#include "kestrel_slam/graph/loop.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/sensor/time_base.h"
 
 namespace kestrel {
 
-class SubmapGraph;
-
 /// The mapper and the time base of its scans. Both the mapper node and the pipeline use this class.
 /// Not thread-safe.
 class MappingStage {
  public:
-  /// With a pose graph if `config` matches against a window.
-  explicit MappingStage(const MapperConfig& config, const LoopConfig& loops = LoopConfig());
-  ~MappingStage();
+  explicit MappingStage(const MapperConfig& config) : mapper_(config) {}
 
   /// Matches a planar scan. If the caller has already repaired the time base, the argument `time`
   /// (s) is used. Otherwise the time of the scan is computed from its stamp; each source has its
@@ -42,7 +36,6 @@ class MappingStage {
   }
 
   const Mapper& mapper() const { return mapper_; }
-  SubmapGraph* graph() { return graph_.get(); }
 
  private:
   /// What the mapper got with a scan, and its pose.
@@ -60,7 +53,6 @@ class MappingStage {
 
   TimeBase time_base_;
   Mapper mapper_;
-  std::unique_ptr<SubmapGraph> graph_;
   std::deque<Step> steps_;  ///< of the last second, ascending times
 };
 
