@@ -29,16 +29,20 @@ inline std::vector<room::Segment> ring() {
   return walls;
 }
 
-/// Poses on a square path through the ring, from its lower left corner, every 0.25 m.
+/// Poses on a square path through the ring, from its lower left corner: every 0.25 m, and every 10°
+/// in the corners.
 inline std::vector<Pose2> laps(double count) {
   constexpr double kSide = 21.0, kStep = 0.25;
+  constexpr int kTurns = 9;
+  const Pose2 corners[] = {
+      {-10.5, -10.5, 0.0}, {10.5, -10.5, kPi / 2}, {10.5, 10.5, kPi}, {-10.5, 10.5, -kPi / 2}};
   std::vector<Pose2> poses;
-  for (double s = 0.0; s < 4.0 * kSide * count; s += kStep) {
-    const double in_lap = std::fmod(s, 4.0 * kSide), along = std::fmod(in_lap, kSide);
-    const int side = static_cast<int>(in_lap / kSide);
-    const Pose2 corners[] = {
-        {-10.5, -10.5, 0.0}, {10.5, -10.5, kPi / 2}, {10.5, 10.5, kPi}, {-10.5, 10.5, -kPi / 2}};
-    poses.push_back(corners[side] * Pose2(along, 0.0, 0.0));
+  for (int side = 0; side < 4.0 * count; ++side) {
+    const double length = kSide * std::min(1.0, 4.0 * count - side);
+    for (int i = 1; side > 0 && i < kTurns; ++i)
+      poses.push_back(corners[side % 4] * Pose2(0.0, 0.0, kPi / 2 * i / kTurns - kPi / 2));
+    for (double along = 0.0; along < length; along += kStep)
+      poses.push_back(corners[side % 4] * Pose2(along, 0.0, 0.0));
   }
   return poses;
 }
