@@ -132,8 +132,8 @@ class RobustOptimization {
     }
   }
 
-  /// By the odometry and by loops of the set (all of which are consistent with it), more of which are
-  /// so close than chance explains. `edges`: all loops that could have agreed.
+  /// By the odometry and by loops of the set (all of which are consistent with it), more of which
+  /// are so close than chance explains. `edges`: all loops that could have agreed.
   bool isSupported(std::size_t edge, const std::vector<std::size_t>& edges,
                    const std::vector<std::size_t>& set) const {
     const auto alone = kestrel::checkCycle(graph_.edges[edge], chain_);

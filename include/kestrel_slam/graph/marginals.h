@@ -11,8 +11,8 @@
 
 namespace kestrel {
 
-/// The joint normal distribution of the poses of an optimized graph. One sparse factorization when it
-/// is made, and a few solutions with it for each question.
+/// The joint normal distribution of the poses of an optimized graph. One sparse factorization when
+/// it is made, and a few solutions with it for each question.
 class GraphMarginals {
  public:
   /// `edge_weights` are those of OptimizerResult; empty: all are 1.
@@ -23,7 +23,8 @@ class GraphMarginals {
 
   /// The pose from_T_to with its covariance (in the tangent space of from_T_to). It does not depend
   /// on the vertices that the optimizer held, unless the graph has fixed vertices. Nothing if no
-  /// edges connect the two, unless fixed vertices tell where both are; or if the graph has an error.
+  /// edges connect the two, unless fixed vertices tell where both are; or if the graph has an
+  /// error.
   std::optional<GaussianPose2> between(std::size_t from, std::size_t to) const;
 
  private:

@@ -19,10 +19,10 @@ struct CycleCheck {
   double spread = 0.0;
 };
 
-/// The cycle of two loops: along the one loop, along the odometry to the other loop, back along that
-/// and along the odometry to the start [Mangelson 2018, eq. 8]. Odometry that both ways have in
-/// common cancels out. Of the two cycles that two loops of one part have, the one with the smaller
-/// spread is taken. Nothing if the odometry does not connect the loops.
+/// The cycle of two loops: along the one loop, along the odometry to the other loop, back along
+/// that and along the odometry to the start [Mangelson 2018, eq. 8]. Odometry that both ways have
+/// in common cancels out. Of the two cycles that two loops of one part have, the one with the
+/// smaller spread is taken. Nothing if the odometry does not connect the loops.
 std::optional<CycleCheck> checkCycle(const PoseEdge& a, const PoseEdge& b,
                                      const OdometryChain& chain);
 

@@ -33,12 +33,13 @@ struct RobustResult {
 /// Optimizes a graph that may have false loops.
 ///
 /// 1. The largest set of loops that agree pair by pair (ConsistentLoops), between each two parts of
-///    the odometry; none where a second set has more than half as many. Of this set, those that agree
-///    with another one, or with the odometry, so closely that chance does not explain it.
+///    the odometry; none where a second set has more than half as many. Of this set, those that
+///    agree with another one, or with the odometry, so closely that chance does not explain it.
 /// 2. The graph is optimized with the loops that are accepted.
-/// 3. Loops that do not fit into the optimized graph are refused for good. Others are accepted if they
-///    agree with it so closely that chance does not explain it. Then step 2 again; and step 1 without
-///    the refused loops, until nothing changes.
+/// 3. Loops that do not fit into the optimized graph are refused for good. Others are accepted if
+/// they
+///    agree with it so closely that chance does not explain it. Then step 2 again; and step 1
+///    without the refused loops, until nothing changes.
 ///
 /// Chance is judged for errors that are spread evenly over the area of the odometry and over all
 /// yaws. The initial poses of the vertices are not used, except of those that are held.
