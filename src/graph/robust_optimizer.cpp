@@ -27,8 +27,8 @@ LoopsByParts loopsByParts(const PoseGraph& graph, const OdometryChain& chain) {
   for (std::size_t i = 0; i < graph.edges.size(); ++i) {
     const PoseEdge& edge = graph.edges[i];
     if (edge.kind != EdgeKind::kLoop) continue;
-    const auto [a, b] = std::minmax(chain.partOf(edge.from), chain.partOf(edge.to));
-    loops[{a, b}].push_back(i);
+    const std::size_t a = chain.partOf(edge.from), b = chain.partOf(edge.to);
+    loops[{std::min(a, b), std::max(a, b)}].push_back(i);
   }
   return loops;
 }
@@ -50,6 +50,16 @@ class Chance {
   double factor_;
 };
 
+/// The cycle of a loop and the way between its vertices through an optimized graph.
+std::optional<CycleCheck> checkCycle(const PoseEdge& loop, const GraphMarginals& marginals) {
+  const std::optional<GaussianPose2> pose = marginals.between(loop.from, loop.to);
+  if (!pose) return std::nullopt;
+  const Eigen::Vector3d error = loop.measured.between(pose->mean).log();
+  const Eigen::LLT<Eigen::Matrix3d> factor(pose->covariance + loop.information.inverse());
+  const Eigen::Matrix3d root = factor.matrixL();
+  return CycleCheck{error.dot(factor.solve(error)), root.diagonal().prod()};
+}
+
 enum class Verdict { kOpen, kAccepted, kRefused };
 
 class RobustOptimization {
@@ -67,10 +77,11 @@ class RobustOptimization {
   }
 
   RobustResult run() {
-    for (const auto& [parts, edges] : loopsByParts(graph_, chain_)) acceptConsistent(edges);
+    choose();
     for (int round = 0; round < options_.max_rounds; ++round) {
       optimizeAccepted();
-      if (!result_.optimizer.ok() || !judge()) break;
+      if (!result_.optimizer.ok()) break;
+      if (!refuseAccepted() && !judgeOpen() && !chooseAgain()) break;
     }
     for (const Verdict verdict : verdicts_) {
       result_.accepted.push_back(verdict == Verdict::kAccepted);
@@ -79,11 +90,31 @@ class RobustOptimization {
   }
 
  private:
+  void choose() {
+    result_.first = result_.second = 0;
+    for (const auto& [parts, edges] : loopsByParts(graph_, chain_)) acceptConsistent(edges);
+  }
+
+  /// Without the loops that the optimized graph contradicts. Returns whether more are accepted.
+  bool chooseAgain() {
+    const auto open = std::count(verdicts_.begin(), verdicts_.end(), Verdict::kOpen);
+    if (open == 0 || refused_ == refused_before_) return false;
+    refused_before_ = refused_;
+    choose();
+    return std::count(verdicts_.begin(), verdicts_.end(), Verdict::kOpen) < open;
+  }
+
+  void refuse(std::size_t edge) {
+    verdicts_[edge] = Verdict::kRefused;
+    ++refused_;
+  }
+
   void acceptConsistent(const std::vector<std::size_t>& edges) {
     ConsistentLoops loops(options_.consistency);
     std::vector<std::size_t> numbered;
     for (const std::size_t edge : edges) {
-      const std::optional<CycleCheck> alone = checkCycle(graph_.edges[edge], chain_);
+      if (verdicts_[edge] == Verdict::kRefused) continue;
+      const auto alone = kestrel::checkCycle(graph_.edges[edge], chain_);
       if (alone && !(alone->chi2 <= options_.max_chi2)) continue;  // the odometry contradicts it
       loops.add(graph_.edges[edge], chain_);
       numbered.push_back(edge);
@@ -101,12 +132,13 @@ class RobustOptimization {
     }
   }
 
-  /// By the odometry, or by loops of the set (all of which are consistent with it), more of which
+  /// By the odometry and by loops of the set (all of which are consistent with it), more of which
   /// are so close than chance explains. `edges`: all loops that could have agreed.
   bool isSupported(std::size_t edge, const std::vector<std::size_t>& edges,
                    const std::vector<std::size_t>& set) const {
-    const std::optional<CycleCheck> alone = checkCycle(graph_.edges[edge], chain_);
-    if (alone && isUnlikely(chance_.of(alone->spread))) return true;
+    const auto alone = kestrel::checkCycle(graph_.edges[edge], chain_);
+    const double of_odometry = alone ? std::min(1.0, chance_.of(alone->spread)) : 1.0;
+    if (isUnlikely(of_odometry)) return true;
     std::vector<std::pair<double, bool>> chances;  // of each loop, and whether it is of the set
     for (const std::size_t other : edges) {
       const auto cycle = checkCycle(graph_.edges[edge], graph_.edges[other], chain_);
@@ -117,14 +149,14 @@ class RobustOptimization {
     std::sort(chances.begin(), chances.end());
     // Of the n closest loops m agree. By chance: a Poisson distribution with the mean n p.
     double tail = 1.0, agreeing = 0.0;
-    for (std::size_t i = 0; i < chances.size() && !isUnlikely(tail); ++i) {
+    for (std::size_t i = 0; i < chances.size() && !isUnlikely(of_odometry * tail); ++i) {
       if (!chances[i].second) continue;
       agreeing += 1.0;
       const double mean = static_cast<double>(i + 1) * chances[i].first;
       if (mean >= agreeing) break;
       tail = std::min(tail, std::exp(agreeing * std::log(mean) - std::lgamma(agreeing + 1.0)));
     }
-    return isUnlikely(tail);
+    return isUnlikely(of_odometry * tail);
   }
 
   bool isUnlikely(double chance) const { return chance <= options_.max_chance; }
@@ -145,33 +177,32 @@ class RobustOptimization {
     if (result_.optimizer.ok()) graph_.vertices = std::move(accepted.vertices);
   }
 
-  /// Judges the loops in the optimized graph. Returns whether anything changed.
-  bool judge() {
-    bool changed = false;
+  /// Accepted loops that do not fit into the optimized graph. Returns whether there is one.
+  bool refuseAccepted() {
+    const std::size_t before = refused_;
     for (const std::size_t i : loops_) {
       if (verdicts_[i] != Verdict::kAccepted) continue;
-      if (chi2Of(graph_.edges[i], graph_) <= options_.max_chi2) continue;
-      verdicts_[i] = Verdict::kRefused;
-      changed = true;
+      if (!(chi2Of(graph_.edges[i], graph_) <= options_.max_chi2)) refuse(i);
     }
-    if (changed) return true;
-    const GraphMarginals marginals(acceptedGraph(), result_.optimizer.edge_weights);
-    for (const std::size_t i : loops_) {
-      if (verdicts_[i] != Verdict::kOpen || !agrees(graph_.edges[i], marginals)) continue;
-      verdicts_[i] = Verdict::kAccepted;
-      changed = true;
-    }
-    return changed;
+    return refused_ > before;
   }
 
-  bool agrees(const PoseEdge& loop, const GraphMarginals& marginals) const {
-    const std::optional<GaussianPose2> pose = marginals.between(loop.from, loop.to);
-    if (!pose) return false;
-    const Eigen::Vector3d error = loop.measured.between(pose->mean).log();
-    const Eigen::LLT<Eigen::Matrix3d> factor(pose->covariance + loop.information.inverse());
-    const Eigen::Matrix3d root = factor.matrixL();
-    return error.dot(factor.solve(error)) <= options_.max_chi2 &&
-           isUnlikely(chance_.of(root.diagonal().prod()));
+  /// The other loops, by the optimized graph. Returns whether one is accepted.
+  bool judgeOpen() {
+    bool accepted = false;
+    const GraphMarginals marginals(acceptedGraph(), result_.optimizer.edge_weights);
+    for (const std::size_t i : loops_) {
+      if (verdicts_[i] != Verdict::kOpen) continue;
+      const std::optional<CycleCheck> cycle = checkCycle(graph_.edges[i], marginals);
+      if (!cycle) continue;
+      if (!(cycle->chi2 <= options_.max_chi2)) {
+        refuse(i);
+      } else if (isUnlikely(chance_.of(cycle->spread))) {
+        verdicts_[i] = Verdict::kAccepted;
+        accepted = true;
+      }
+    }
+    return accepted;
   }
 
   PoseGraph& graph_;
@@ -180,6 +211,7 @@ class RobustOptimization {
   const Chance chance_;
   std::vector<std::size_t> loops_;  // indices of edges
   std::vector<Verdict> verdicts_;   // of all edges
+  std::size_t refused_ = 0, refused_before_ = 0;
   RobustResult result_;
 };
 

@@ -24,9 +24,10 @@ struct RobustOptions {
 struct RobustResult {
   OptimizerResult optimizer;   ///< of the odometry and the accepted loops, in this order
   std::vector<bool> accepted;  ///< for each edge of the graph; always true for odometry
-  std::size_t first = 0;       ///< loops in the largest consistent set
-  std::size_t second = 0;      ///< loops in the largest set that contradicts it
-  bool exact = true;           ///< false: these sets may not be the largest ones
+  /// Loops in the largest consistent set, when step 1 was done the last time.
+  std::size_t first = 0;
+  std::size_t second = 0;  ///< loops in the largest set that contradicts it
+  bool exact = true;       ///< false: these sets may not be the largest ones
 };
 
 /// Optimizes a graph that may have false loops.
@@ -35,9 +36,10 @@ struct RobustResult {
 ///    the odometry; none where a second set has more than half as many. Of this set, those that
 ///    agree with another one, or with the odometry, so closely that chance does not explain it.
 /// 2. The graph is optimized with the loops that are accepted.
-/// 3. Loops with a large chi2 in the optimized graph are refused for good. Others are accepted if
-///    they agree with the optimized graph so closely that chance does not explain it. Then step 2
-///    again, until nothing changes.
+/// 3. Loops that do not fit into the optimized graph are refused for good. Others are accepted if
+/// they
+///    agree with it so closely that chance does not explain it. Then step 2 again; and step 1
+///    without the refused loops, until nothing changes.
 ///
 /// Chance is judged for errors that are spread evenly over the area of the odometry and over all
 /// yaws. The initial poses of the vertices are not used, except of those that are held.
