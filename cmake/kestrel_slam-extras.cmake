@@ -6,13 +6,16 @@ include(CMakeFindDependencyMacro)
 find_dependency(Eigen3)
 find_dependency(Threads)
 # Needed by some of the libraries. CMake reports a missing one when such a library is linked.
-foreach(package yaml-cpp nlohmann_json CLI11 nanoflann Ceres)
+foreach(package yaml-cpp nlohmann_json CLI11 nanoflann Ceres Protobuf ZLIB)
   find_package(${package} QUIET)
 endforeach()
 find_package(Boost QUIET COMPONENTS iostreams)
 find_package(PkgConfig QUIET)
 if(PkgConfig_FOUND AND NOT TARGET PkgConfig::CAIRO)
   pkg_check_modules(CAIRO QUIET IMPORTED_TARGET cairo)
+endif()
+if(PkgConfig_FOUND AND NOT TARGET PkgConfig::XXHASH)
+  pkg_check_modules(XXHASH QUIET IMPORTED_TARGET libxxhash)
 endif()
 
 # In the same catkin workspace the targets already exist.

@@ -22,7 +22,8 @@ function(kestrel_library folder)
   set(KESTREL_LIBRARIES ${KESTREL_LIBRARIES} ${name} PARENT_SCOPE)
 endfunction()
 
-# ---- core: no ROS; third-party libraries are only Eigen, nanoflann for ICP, and Ceres for the graph
+# ---- core: no ROS; third-party libraries are only Eigen, nanoflann for ICP, Ceres for the graph,
+# and protobuf, zlib and xxhash for session files
 kestrel_library(geometry LINKS Eigen3::Eigen)
 target_include_directories(kestrel_geometry PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
@@ -31,8 +32,14 @@ kestrel_library(map LINKS kestrel_sensor)
 kestrel_library(matching LINKS kestrel_map PRIVATE $<BUILD_INTERFACE:nanoflann::nanoflann>)
 kestrel_library(mapping LINKS kestrel_matching)
 kestrel_library(graph LINKS kestrel_mapping PRIVATE Ceres::ceres)
+kestrel_library(session LINKS kestrel_graph
+  PRIVATE protobuf::libprotobuf-lite ZLIB::ZLIB PkgConfig::XXHASH)
+protobuf_generate_cpp(session_format_sources session_format_headers src/session/session.proto)
+target_sources(kestrel_session PRIVATE ${session_format_sources})
+target_include_directories(kestrel_session SYSTEM PRIVATE ${PROJECT_BINARY_DIR})
+set_source_files_properties(${session_format_sources} PROPERTIES COMPILE_OPTIONS -w)
 kestrel_library(filter LINKS kestrel_sensor)
-kestrel_library(pipeline LINKS kestrel_graph kestrel_filter)
+kestrel_library(pipeline LINKS kestrel_session kestrel_filter)
 kestrel_library(parameters LINKS kestrel_pipeline PRIVATE yaml-cpp)
 
 # ---- messages: ROS message <-> core type

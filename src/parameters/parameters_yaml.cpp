@@ -65,22 +65,26 @@ std::string yamlOf(const std::vector<Parameter>& parameters, const char* introdu
 
 void loadParameters(const std::string& path, const std::vector<Parameter>& table,
                     const WarningHandler& warn) {
-  const std::string text = readFile(path);
+  takeParameters(readFile(path), path, table, warn);
+}
+
+void takeParameters(const std::string& yaml, const std::string& source,
+                    const std::vector<Parameter>& table, const WarningHandler& warn) {
   YAML::Node root;
   try {
-    root = YAML::Load(text);
+    root = YAML::Load(yaml);
   } catch (const YAML::Exception& error) {
-    throw std::runtime_error(path + ", " + lineOf(error.mark) + ": no valid YAML: " + error.msg);
+    throw std::runtime_error(source + ", " + lineOf(error.mark) + ": no valid YAML: " + error.msg);
   }
   if (root.IsNull()) return;  // nothing but comments
   if (!root.IsMap()) {
-    throw std::runtime_error(path + ": one 'name: value' a line is expected");
+    throw std::runtime_error(source + ": one 'name: value' a line is expected");
   }
   for (const auto& entry : root) {
     try {
       setFrom(entry.first, entry.second, table, warn);
     } catch (const std::invalid_argument& error) {
-      throw std::runtime_error(path + ", " + lineOf(entry.first.Mark()) + ": " + error.what());
+      throw std::runtime_error(source + ", " + lineOf(entry.first.Mark()) + ": " + error.what());
     }
   }
 }

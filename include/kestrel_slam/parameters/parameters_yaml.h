@@ -15,6 +15,10 @@ void loadParameters(const std::string& path, const std::vector<Parameter>& table
                     const WarningHandler& warn = printWarning);
 void loadParameters(const std::string& path, SlamConfig& config);
 
+/// The same for a YAML text. `source`: what errors call it.
+void takeParameters(const std::string& yaml, const std::string& source,
+                    const std::vector<Parameter>& table, const WarningHandler& warn = printWarning);
+
 /// All parameters of projector and mapper with their defaults as a commented YAML file.
 std::string defaultParametersYaml();
 /// The same of the pose filter.

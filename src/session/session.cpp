@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/session/session.h"
+
+#include <cstdarg>
+#include <cstdio>
+#include <unordered_map>
+
+namespace kestrel {
+namespace {
+
+/// Enough digits to read the same number again.
+constexpr int kDigits = 17;
+
+void appendNumbers(std::string& text, std::initializer_list<double> numbers) {
+  char number[40];
+  for (const double value : numbers) {
+    std::snprintf(number, sizeof number, " %.*g", kDigits, value);
+    text += number;
+  }
+  text += '\n';
+}
+
+/// For every keyframe in a submap, its pose in map by the first submap that contains it.
+std::unordered_map<std::uint64_t, Pose2> submapPoses(const Session& session) {
+  std::unordered_map<std::uint64_t, Pose2> map_T_submap;
+  for (const SubmapRecord& submap : session.submaps) {
+    for (const std::uint64_t id : submap.keyframes) map_T_submap.emplace(id, submap.map_T_submap);
+  }
+  return map_T_submap;
+}
+
+}  // namespace
+
+const char* toString(LoopState state) {
+  switch (state) {
+    case LoopState::kPending:
+      return "pending";
+    case LoopState::kAccepted:
+      return "accepted";
+    case LoopState::kRefused:
+      return "refused";
+    case LoopState::kUndone:
+      return "undone";
+  }
+  return "unknown";
+}
+
+std::vector<Pose2> keyframePoses(const Session& session) {
+  const std::unordered_map<std::uint64_t, Pose2> map_T_submap = submapPoses(session);
+  std::unordered_map<std::uint64_t, Pose2> in_graph;
+  for (const VertexRecord& vertex : session.vertices) {
+    if (vertex.kind == VertexKind::kKeyframe) in_graph.emplace(vertex.id, vertex.vertex.pose);
+  }
+  std::vector<Pose2> poses;
+  poses.reserve(session.keyframes.size());
+  for (const KeyframePtr& keyframe : session.keyframes) {
+    const auto found = in_graph.find(keyframe->id);
+    poses.push_back(found != in_graph.end()
+                        ? found->second
+                        : map_T_submap.at(keyframe->id) * keyframe->submap_T_base);
+  }
+  return poses;
+}
+
+PoseGraph graphOf(const Session& session) {
+  PoseGraph graph;
+  graph.vertices.reserve(session.vertices.size());
+  for (const VertexRecord& vertex : session.vertices) graph.vertices.push_back(vertex.vertex);
+  graph.edges = session.edges;
+  return graph;
+}
+
+std::string g2oText(const Session& session) {
+  std::string text;
+  for (std::size_t i = 0; i < session.vertices.size(); ++i) {
+    const Pose2& pose = session.vertices[i].vertex.pose;
+    text += "VERTEX_SE2 " + std::to_string(i);
+    appendNumbers(text, {pose.x, pose.y, pose.yaw});
+    if (session.vertices[i].vertex.fixed) text += "FIX " + std::to_string(i) + '\n';
+  }
+  for (const PoseEdge& edge : session.edges) {
+    const Eigen::Matrix3d& m = edge.information;
+    text += "EDGE_SE2 " + std::to_string(edge.from) + ' ' + std::to_string(edge.to);
+    appendNumbers(text, {edge.measured.x, edge.measured.y, edge.measured.yaw, m(0, 0), m(0, 1),
+                         m(0, 2), m(1, 1), m(1, 2), m(2, 2)});
+  }
+  return text;
+}
+
+MapSnapshot mapOf(const Session& session, const OccupancyGridConfig& config) {
+  OccupancyGrid grid(config);
+  const std::vector<Pose2> poses = keyframePoses(session);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Keyframe& keyframe = *session.keyframes[i];
+    grid.insert(keyframe.planarScan(), poses[i], keyframe.new_view);
+  }
+  return grid.snapshot();
+}
+
+}  // namespace kestrel

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/session/session.h"
+
+#include <gtest/gtest.h>
+
+#include "session/session_samples.h"
+#include "temporary_folder.h"
+
+namespace kestrel {
+namespace {
+
+TEST(Session, KeyframesMoveWithTheirSubmap) {
+  Session session = sampleSession();
+  const std::vector<Pose2> before = keyframePoses(session);
+  const Pose2 moved(3.0, -2.0, 1.0);
+  session.submaps[1].map_T_submap = moved * session.submaps[1].map_T_submap;
+  const std::vector<Pose2> after = keyframePoses(session);
+  EXPECT_EQ(after[2], before[2]);
+  const Pose2 expected = moved * before[3];
+  EXPECT_NEAR(after[3].x, expected.x, 1e-12);
+  EXPECT_NEAR(after[3].y, expected.y, 1e-12);
+  EXPECT_NEAR(after[3].yaw, expected.yaw, 1e-12);
+}
+
+TEST(Session, AVertexOfAKeyframeGivesItsPose) {
+  Session session = sampleSession();
+  const Pose2 optimized(7.0, 8.0, 0.9);
+  session.vertices.push_back({VertexKind::kKeyframe, 101, {optimized, false}});
+  EXPECT_EQ(problemOf(session), "");
+  EXPECT_EQ(keyframePoses(session)[1], optimized);
+  session.submaps.clear();
+  session.vertices.erase(session.vertices.begin(), session.vertices.begin() + 2);
+  session.edges.clear();
+  session.loops.clear();
+  removeDangling(session);
+  EXPECT_EQ(session.keyframes.size(), 1U);
+  EXPECT_EQ(keyframePoses(session)[0], optimized);
+}
+
+TEST(Session, TheMapOfTheKeyframesIsTheRoom) {
+  const MapSnapshot map = mapOf(sampleSession(3, 720), OccupancyGridConfig());
+  EXPECT_NEAR(map.width * map.resolution_m, 8.0, 0.3);
+  EXPECT_NEAR(map.height * map.resolution_m, 6.0, 0.3);
+}
+
+TEST(Session, WritesGraphsForG2o) {
+  Session session = sampleSession();
+  const std::string text = g2oText(session);
+  EXPECT_CONTAINS(text, "VERTEX_SE2 0 0 0.10000000000000001 0.050000000000000003\nFIX 0\n");
+  EXPECT_CONTAINS(text,
+                  "\nEDGE_SE2 0 1 0.20000000000000001 0 0 20000 1000 -3000 15000 2000 10000\n");
+}
+
+TEST(Session, RemovesWhatRefersToNothing) {
+  Session session = sampleSession(4);
+  session.submaps.erase(session.submaps.begin() + 1);
+  EXPECT_NE(problemOf(session), "");
+  removeDangling(session);
+  EXPECT_EQ(problemOf(session), "");
+  EXPECT_EQ(session.keyframes.size(), 9U);
+  EXPECT_EQ(session.vertices.size(), 3U);
+  ASSERT_EQ(session.edges.size(), 1U);
+  EXPECT_EQ(session.vertices[session.edges[0].from].id, 12U);
+  EXPECT_EQ(session.vertices[session.edges[0].to].id, 13U);
+  EXPECT_EQ(session.loops.size(), 2U);
+}
+
+}  // namespace
+}  // namespace kestrel
