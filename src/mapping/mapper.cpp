@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "kestrel_slam/map/submap.h"
+#include "kestrel_slam/mapping/laser_odometry.h"
 #include "kestrel_slam/mapping/match_reason.h"
 #include "kestrel_slam/mapping/motion_model.h"
 #include "kestrel_slam/mapping/pose_uncertainty.h"
@@ -86,12 +87,14 @@ struct Mapper::State {
       : config(c),
         map(c.grid, submapOptions(c.matcher)),
         matcher(makeMatcher(c.matcher)),
-        motion(c, map_T_base) {}
+        motion(c, map_T_base),
+        laser_odometry(c) {}
 
   MapperConfig config;
   Submap map;
   std::unique_ptr<Matcher> matcher;
   MotionModel motion;
+  LaserOdometry laser_odometry;
   Pose2 inserted_pose;  ///< pose of the last inserted scan
   PoseUncertainty uncertainty;
   int unsettled_scans = 0;  ///< scans that have to fit before the state is ok again
@@ -108,6 +111,11 @@ struct Mapper::State {
   void carryUnmatched(const Points& points, const PlanarScan& scan,
                       const std::optional<Pose2>& odom_T_base, const PredictionError& error,
                       MapperResult& result);
+  bool followScans(const Points& points, const PlanarScan& scan, MapperResult& result);
+  void fillFit(const Points& points, MapperResult& result) const;
+  void addNewPart();
+  void beginLaserOdometry(const PlanarScan& scan, const PredictionError& error,
+                          const MapperResult& result);
   bool isBlank(const Points& points, const PlanarScan& scan,
                const std::optional<Pose2>& odom_T_base) const;
   bool isLikely(const MatchResult& match, const MatchRequest& request,
@@ -176,6 +184,8 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   }
   settle(result);
   const bool lost = result.state == MatchState::kLost;
+  if (lost && prediction_source != PredictionSource::kOdometry && followScans(points, scan, result))
+    return;
   if (lost && isCarried(scan, odom_T_base, error)) {
     carryUnmatched(points, scan, odom_T_base, error, result);
     return;
@@ -220,11 +230,68 @@ void Mapper::State::carryUnmatched(const Points& points, const PlanarScan& scan,
                                    const std::optional<Pose2>& odom_T_base,
                                    const PredictionError& error, MapperResult& result) {
   carry(scan, odom_T_base, error, result);
+  fillFit(points, result);
+}
+
+/// The fit to the map at a pose that was not found by it.
+void Mapper::State::fillFit(const Points& points, MapperResult& result) const {
+  result.match.pose = motion.pose();
   const Fit fit = fitOf(map, points, motion.pose(), config.matcher.score_scale_m);
   result.match.score = fit.score;
   result.match.known = fit.known;
   for (StageEstimate& stage : result.match.stages) stage = {motion.pose(), fit.score};
   result.evaluation = evaluationFunction(result.match, config.evaluation);
+}
+
+/// The scan fits nowhere in the map, but it fits the scans before it.
+bool Mapper::State::followScans(const Points& points, const PlanarScan& scan,
+                                MapperResult& result) {
+  if (!config.laser_odometry || !laser_odometry.follow(scan)) return false;
+  const Pose2& pose = laser_odometry.pose();
+  const PredictionError& error = laser_odometry.error();
+  result.followed = true;
+  if (!motion.isWide(error)) {
+    motion.follow(pose, scan);
+    uncertainty.carry(pose, error);
+    fillFit(points, result);
+    result.carried = true;
+    result.state = MatchState::kDegraded;
+  } else if (laser_odometry.steps() >= kSettlingScans && !result.match.incomplete) {
+    motion.follow(pose, scan);
+    fillFit(points, result);
+    addNewPart();
+    result.new_part = true;
+    result.inserted = true;
+    result.state = MatchState::kDegraded;
+  } else {
+    motion.move(pose, pose, true, scan);
+    uncertainty.lose(pose, error);
+  }
+  return true;
+}
+
+/// The next scan that does not fit the map is matched with this one and those before it.
+void Mapper::State::beginLaserOdometry(const PlanarScan& scan, const PredictionError& error,
+                                       const MapperResult& result) {
+  if (!config.laser_odometry) return;
+  if (result.blank) {
+    laser_odometry.stop();
+  } else if (result.isMatched()) {
+    laser_odometry.begin(scan, motion.pose(), PredictionError());
+  } else if (!result.followed) {
+    laser_odometry.begin(scan, motion.pose(), error);
+  }
+}
+
+/// The map goes on with the scans of the laser odometry, because they fit nowhere in the old map.
+void Mapper::State::addNewPart() {
+  for (const PlacedScan& placed : laser_odometry.scans()) {
+    uncertainty.lose(placed.map_T_base, placed.error);
+    map.insert(placed.scan, placed.map_T_base);
+    uncertainty.insert();
+    inserted_pose = placed.map_T_base;
+  }
+  uncertainty.lose(motion.pose(), laser_odometry.error());
 }
 
 /// After a pose that may be wrong, the state is degraded until some scans in a row fit.
@@ -267,7 +334,7 @@ void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResu
   const bool accepted = !config.evaluation.enabled || first || new_space ||
                         result.evaluation < config.evaluation.threshold;
   const bool known_pose = result.state != MatchState::kLost && (!result.carried || has_odometry);
-  if (!known_pose || !accepted || !(first || movedEnough())) return;
+  if (result.new_part || !known_pose || !accepted || !(first || movedEnough())) return;
   // Without an IMU the laser is level and always sees the same slice: a new object is moving or was
   // moved, and is not a new view.
   const bool new_view =
@@ -309,10 +376,13 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   } else if (!points.empty()) {
     s.begin(result);
   }
-  s.insert(scan, s.motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry,
-           result);
+  const bool has_odometry =
+      s.motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry;
+  s.insert(scan, has_odometry || result.followed, result);
   result.map_full = s.map.isFull();
-  s.motion.remember(scan, odom_T_base, result.isMatched() ? std::nullopt : std::optional(error));
+  const PredictionError& now = result.followed ? s.laser_odometry.error() : error;
+  s.motion.remember(scan, odom_T_base, result.isMatched() ? std::nullopt : std::optional(now));
+  s.beginLaserOdometry(scan, now, result);
   result.pose = s.motion.pose();
   result.velocity = Eigen::Rotation2Dd(-result.pose.yaw) * s.motion.velocity();
   result.uncertain = s.uncertainty.last();

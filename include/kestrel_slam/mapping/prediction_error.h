@@ -24,6 +24,10 @@ class PredictionError {
  public:
   void grow(const PredictedStep& step);
 
+  /// Extends the error by a motion that was measured with `motion`, up to `moved_m` away from the
+  /// place of the error so far.
+  void add(const MotionError& motion, double moved_m);
+
   double position_m() const { return position_m_; }  ///< standard deviation along x and along y, m
   double yaw_rad() const { return yaw_rad_; }        ///< standard deviation, rad
   double speed_m_s() const { return speed_m_s_; }    ///< standard deviation of the velocity, m/s
