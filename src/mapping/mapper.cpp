@@ -312,7 +312,8 @@ bool Mapper::State::isLikely(const MatchResult& match, const MatchRequest& reque
     return match.score >= limits.search_score || request.prior->isPlausible(match.pose);
   }
   if (!request.lost && !motion.isCarried()) return true;
-  if (match.score >= limits.search_score && match.known >= kSureKnownShare) return true;
+  if (match.score >= limits.search_score && match.known >= kSureKnownShare && !match.degenerate)
+    return true;
   const double away = (request.initial_guesses.front().inverse() * match.pose).distance();
   return match.score >= kFoundScore && match.known >= kFoundKnownShare &&
          away <= kFoundSigmas * error.position_m();

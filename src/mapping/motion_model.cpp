@@ -109,7 +109,7 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
   result.search_all_yaws = result.lost && !result.yaw_known;
   result.prior = priorAt(odom_T_base, error, scan);
   if (result.prior) result.last = result.prior->pose;
-  if (is_gap) result.last = result.initial_guesses.front();
+  if (is_gap || (result.wide && !result.prior)) result.last = result.initial_guesses.front();
   if (result.lost) {
     const double distance =
         lost_scans_ > 0 ? kMaxSpeed * (scan.time - found_time_) : kSigmas * error.position_m();
