@@ -4,13 +4,18 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/mapping/mapper.h"
+#include "kestrel_slam/mapping/motion_model.h"
+#include "kestrel_slam/matching/fit.h"
 
 namespace kestrel {
 namespace {
 
-/// So many scans are kept for the map.
-constexpr std::size_t kMostScans = 20;
+/// Scans that fit each other but not the map become a new part of it after this number of scans
+/// and this motion. An object that covers the laser moves with the vehicle, and shows no motion.
+constexpr int kNewPartScans = 10;
+constexpr double kNewPartM = 1.0;
 
 MotionError errorOf(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> position(covariance.topLeftCorner<2, 2>(),
@@ -25,47 +30,91 @@ MapperConfig withoutLaserOdometry(MapperConfig config) {
 
 }  // namespace
 
-LaserOdometry::LaserOdometry(const MapperConfig& config) : config_(withoutLaserOdometry(config)) {}
+LaserOdometry::LaserOdometry(const MapperConfig& config) : config_(config) {}
 LaserOdometry::~LaserOdometry() = default;
 LaserOdometry::LaserOdometry(LaserOdometry&&) noexcept = default;
 LaserOdometry& LaserOdometry::operator=(LaserOdometry&&) noexcept = default;
 
-void LaserOdometry::begin(const PlanarScan& scan, const Pose2& map_T_base,
-                          const PredictionError& error) {
+void LaserOdometry::begin(const PlanarScan& scan, const Pose2& map_T_base, bool is_matched) {
   stop();
-  scans_.push_back({scan, map_T_base, error});
+  first_scan_ = scan;
   pose_ = first_pose_ = map_T_base;
-  error_ = first_error_ = error;
+  begins_at_match_ = is_matched;
 }
 
 void LaserOdometry::stop() {
   mapper_.reset();
-  scans_.clear();
+  first_scan_.reset();
+  error_ = PredictionError();
   steps_ = 0;
-  following_ = false;
-}
-
-void LaserOdometry::restart() {
-  mapper_ = std::make_unique<Mapper>(config_);
-  mapper_->reset(first_pose_);
-  mapper_->process(scans_.front().scan);
+  begins_at_match_ = followed_ = false;
 }
 
 bool LaserOdometry::follow(const PlanarScan& scan) {
-  following_ = false;
-  if (scans_.empty()) return false;
-  if (!mapper_) restart();
+  if (!first_scan_) return false;
+  if (!mapper_) {
+    mapper_ = std::make_unique<Mapper>(withoutLaserOdometry(config_));
+    mapper_->reset(first_pose_);
+    mapper_->process(*first_scan_);
+  }
   const MapperResult result = mapper_->process(scan);
   pose_ = result.pose;
-  following_ = result.isMatched();
-  if (!following_) return false;
+  if (!result.isMatched()) return false;
+  error_ = PredictionError(errorOf(result.covariance));
   ++steps_;
-  error_ = first_error_;
-  error_.add(errorOf(result.covariance), (pose_.translation() - first_pose_.translation()).norm());
-  if (!result.inserted) return true;
-  if (scans_.size() == kMostScans) scans_.erase(scans_.begin());
-  scans_.push_back({scan, pose_, error_});
   return true;
+}
+
+bool LaserOdometry::carry(const PlanarScan& scan, const PredictionError& predicted,
+                          MotionModel& motion, PoseUncertainty& uncertainty, MapperResult& result) {
+  if (!config_.laser_odometry) return false;
+  // A good prediction is better than scans that may show an object that covers the laser.
+  if (!begins_at_match_ && !motion.isWide(predicted)) return false;
+  followed_ = follow(scan);
+  if (!followed_) return false;
+  const PredictionError error = *errorOr(predicted);
+  result.followed = true;
+  result.carried = !motion.isWide(error);
+  result.new_part = !result.carried && steps_ >= kNewPartScans && moved_m() >= kNewPartM &&
+                    !result.match.incomplete;
+  if (result.carried) {
+    uncertainty.carry(pose_, error);
+  } else {
+    uncertainty.lose(pose_, error);
+  }
+  if (result.carried || result.new_part) {
+    motion.follow(pose_, scan);
+    result.state = MatchState::kDegraded;
+  } else {
+    motion.move(pose_, pose_, true, scan);
+  }
+  return true;
+}
+
+bool LaserOdometry::agrees(const MatchRequest& request, const Pose2& found) const {
+  if (request.lost || request.prior || !begins_at_match_ || !first_scan_) return true;
+  const Pose2 moved = request.initial_guesses.front().inverse() * found;
+  if (moved.distance() <= config_.matcher.near_window.linear_m) return true;
+  Submap last(config_.grid);
+  last.insert(*first_scan_, first_pose_);
+  const Fit fit = fitOf(last, request.points, found, config_.matcher.score_scale_m);
+  return fit.known < config_.min_known_share || fit.score >= config_.lost_score;
+}
+
+std::optional<PredictionError> LaserOdometry::errorOr(const PredictionError& predicted) const {
+  return isKnownPlace() ? error_ : predicted;
+}
+
+void LaserOdometry::update(const PlanarScan& scan, bool is_matched, bool is_blank,
+                           const Pose2& map_T_base) {
+  if (!config_.laser_odometry) return;
+  const bool goes_on = followed_ && !is_matched;
+  followed_ = false;
+  if (is_blank) {
+    stop();
+  } else if (!goes_on) {
+    begin(scan, map_T_base, is_matched);
+  }
 }
 
 }  // namespace kestrel

@@ -70,18 +70,6 @@ void correctAlong(const AlongFit& fit, double variance, double seconds, MatchRes
 
 }  // namespace
 
-const char* toString(MatchState state) {
-  switch (state) {
-    case MatchState::kOk:
-      return "ok";
-    case MatchState::kDegraded:
-      return "degraded";
-    case MatchState::kLost:
-      return "lost";
-  }
-  return "unknown";
-}
-
 struct Mapper::State {
   explicit State(const MapperConfig& c, const Pose2& map_T_base = Pose2())
       : config(c),
@@ -111,11 +99,7 @@ struct Mapper::State {
   void carryUnmatched(const Points& points, const PlanarScan& scan,
                       const std::optional<Pose2>& odom_T_base, const PredictionError& error,
                       MapperResult& result);
-  bool followScans(const Points& points, const PlanarScan& scan, MapperResult& result);
   void fillFit(const Points& points, MapperResult& result) const;
-  void addNewPart();
-  void beginLaserOdometry(const PlanarScan& scan, const PredictionError& error,
-                          const MapperResult& result);
   bool isBlank(const Points& points, const PlanarScan& scan,
                const std::optional<Pose2>& odom_T_base) const;
   bool isLikely(const MatchResult& match, const MatchRequest& request,
@@ -178,18 +162,19 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request, error);
   if ((request.lost || request.wide) && result.state != MatchState::kLost &&
-      secondExplanation(map, request, result.match, config.matcher)) {
+      (secondExplanation(map, request, result.match, config.matcher) ||
+       !laser_odometry.agrees(request, result.match.pose))) {
     result.match.ambiguous = true;
     result.state = request.lost ? MatchState::kLost : MatchState::kDegraded;
   }
   settle(result);
   const bool lost = result.state == MatchState::kLost;
-  if (lost && prediction_source != PredictionSource::kOdometry && followScans(points, scan, result))
-    return;
-  if (lost && isCarried(scan, odom_T_base, error)) {
-    carryUnmatched(points, scan, odom_T_base, error, result);
-    return;
+  if (lost && prediction_source != PredictionSource::kOdometry &&
+      laser_odometry.carry(scan, error, motion, uncertainty, result)) {
+    return fillFit(points, result);
   }
+  if (lost && isCarried(scan, odom_T_base, error))
+    return carryUnmatched(points, scan, odom_T_base, error, result);
   motion.learnOdometry(
       result.match.pose, odom_T_base,
       result.state == MatchState::kOk && result.match.constraint > kWellConstrained);
@@ -233,7 +218,7 @@ void Mapper::State::carryUnmatched(const Points& points, const PlanarScan& scan,
   fillFit(points, result);
 }
 
-/// The fit to the map at a pose that was not found by it.
+/// The fit to the map at a pose that was not found in it.
 void Mapper::State::fillFit(const Points& points, MapperResult& result) const {
   result.match.pose = motion.pose();
   const Fit fit = fitOf(map, points, motion.pose(), config.matcher.score_scale_m);
@@ -241,57 +226,6 @@ void Mapper::State::fillFit(const Points& points, MapperResult& result) const {
   result.match.known = fit.known;
   for (StageEstimate& stage : result.match.stages) stage = {motion.pose(), fit.score};
   result.evaluation = evaluationFunction(result.match, config.evaluation);
-}
-
-/// The scan fits nowhere in the map, but it fits the scans before it.
-bool Mapper::State::followScans(const Points& points, const PlanarScan& scan,
-                                MapperResult& result) {
-  if (!config.laser_odometry || !laser_odometry.follow(scan)) return false;
-  const Pose2& pose = laser_odometry.pose();
-  const PredictionError& error = laser_odometry.error();
-  result.followed = true;
-  if (!motion.isWide(error)) {
-    motion.follow(pose, scan);
-    uncertainty.carry(pose, error);
-    fillFit(points, result);
-    result.carried = true;
-    result.state = MatchState::kDegraded;
-  } else if (laser_odometry.steps() >= kSettlingScans && !result.match.incomplete) {
-    motion.follow(pose, scan);
-    fillFit(points, result);
-    addNewPart();
-    result.new_part = true;
-    result.inserted = true;
-    result.state = MatchState::kDegraded;
-  } else {
-    motion.move(pose, pose, true, scan);
-    uncertainty.lose(pose, error);
-  }
-  return true;
-}
-
-/// The next scan that does not fit the map is matched with this one and those before it.
-void Mapper::State::beginLaserOdometry(const PlanarScan& scan, const PredictionError& error,
-                                       const MapperResult& result) {
-  if (!config.laser_odometry) return;
-  if (result.blank) {
-    laser_odometry.stop();
-  } else if (result.isMatched()) {
-    laser_odometry.begin(scan, motion.pose(), PredictionError());
-  } else if (!result.followed) {
-    laser_odometry.begin(scan, motion.pose(), error);
-  }
-}
-
-/// The map goes on with the scans of the laser odometry, because they fit nowhere in the old map.
-void Mapper::State::addNewPart() {
-  for (const PlacedScan& placed : laser_odometry.scans()) {
-    uncertainty.lose(placed.map_T_base, placed.error);
-    map.insert(placed.scan, placed.map_T_base);
-    uncertainty.insert();
-    inserted_pose = placed.map_T_base;
-  }
-  uncertainty.lose(motion.pose(), laser_odometry.error());
 }
 
 /// After a pose that may be wrong, the state is degraded until some scans in a row fit.
@@ -312,6 +246,7 @@ bool Mapper::State::isLikely(const MatchResult& match, const MatchRequest& reque
     return match.score >= limits.search_score || request.prior->isPlausible(match.pose);
   }
   if (!request.lost && !motion.isCarried()) return true;
+  // A direction that is unobservable here does not show that it is the right place.
   if (match.score >= limits.search_score && match.known >= kSureKnownShare && !match.degenerate)
     return true;
   const double away = (request.initial_guesses.front().inverse() * match.pose).distance();
@@ -332,10 +267,11 @@ MatchState Mapper::State::judge(const MatchResult& match, const MatchRequest& re
 void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResult& result) {
   const bool first = map.scans() == 0;
   const bool new_space = result.carried && result.match.known < config.min_known_share;
-  const bool accepted = !config.evaluation.enabled || first || new_space ||
+  const bool accepted = !config.evaluation.enabled || first || new_space || result.new_part ||
                         result.evaluation < config.evaluation.threshold;
-  const bool known_pose = result.state != MatchState::kLost && (!result.carried || has_odometry);
-  if (result.new_part || !known_pose || !accepted || !(first || movedEnough())) return;
+  const bool known_pose =
+      result.state != MatchState::kLost && (!result.carried || has_odometry || result.followed);
+  if (!known_pose || !accepted || !(first || movedEnough())) return;
   // Without an IMU the laser is level and always sees the same slice: a new object is moving or was
   // moved, and is not a new view.
   const bool new_view =
@@ -377,13 +313,12 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   } else if (!points.empty()) {
     s.begin(result);
   }
-  const bool has_odometry =
-      s.motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry;
-  s.insert(scan, has_odometry || result.followed, result);
+  s.insert(scan, s.motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry,
+           result);
   result.map_full = s.map.isFull();
-  const PredictionError& now = result.followed ? s.laser_odometry.error() : error;
-  s.motion.remember(scan, odom_T_base, result.isMatched() ? std::nullopt : std::optional(now));
-  s.beginLaserOdometry(scan, now, result);
+  s.motion.remember(scan, odom_T_base,
+                    result.isMatched() ? std::nullopt : s.laser_odometry.errorOr(error));
+  s.laser_odometry.update(scan, result.isMatched(), result.blank, s.motion.pose());
   result.pose = s.motion.pose();
   result.velocity = Eigen::Rotation2Dd(-result.pose.yaw) * s.motion.velocity();
   result.uncertain = s.uncertainty.last();

@@ -27,6 +27,18 @@ const char* reasonOfDegraded(const MapperResult& result, const MapperConfig& con
 
 }  // namespace
 
+const char* toString(MatchState state) {
+  switch (state) {
+    case MatchState::kOk:
+      return "ok";
+    case MatchState::kDegraded:
+      return "degraded";
+    case MatchState::kLost:
+      return "lost";
+  }
+  return "unknown";
+}
+
 const char* reasonOf(const MapperResult& result, const MapperConfig& config) {
   if (result.state == MatchState::kOk) return "fits";
   if (result.state == MatchState::kLost) return reasonOfLost(result, config);

@@ -42,12 +42,6 @@ void PredictionError::grow(const PredictedStep& step) {
          position_m_);
 }
 
-void PredictionError::add(const MotionError& motion, double moved_m) {
-  position_m_ += motion.position_m + yaw_rad_ * moved_m;
-  yaw_rad_ = std::min(yaw_rad_ + motion.yaw_rad, kUnknownYaw);
-  speed_m_s_ = rate_rad_s_ = 0.0;
-}
-
 void PredictionError::growYaw(const PredictedStep& step) {
   if (!step.yaw_measured) {
     rate_rad_s_ = std::max(rate_rad_s_, kFirstRate);

@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/mapping/mapper_config.h"
@@ -13,13 +12,9 @@
 namespace kestrel {
 
 class Mapper;
-
-/// A scan and its pose.
-struct PlacedScan {
-  PlanarScan scan;
-  Pose2 map_T_base;
-  PredictionError error;  ///< of the pose, since the last match with the map
-};
+class MotionModel;
+class PoseUncertainty;
+struct MapperResult;
 
 /// The motion of the vehicle from scans alone, for scans that do not fit the map: each is matched
 /// with the scans before it, in a map of their own.
@@ -30,8 +25,8 @@ class LaserOdometry {
   LaserOdometry(LaserOdometry&&) noexcept;
   LaserOdometry& operator=(LaserOdometry&&) noexcept;
 
-  /// The motion is measured from this scan on.
-  void begin(const PlanarScan& scan, const Pose2& map_T_base, const PredictionError& error);
+  /// The motion is measured from this scan on. `is_matched`: its pose was found in the map.
+  void begin(const PlanarScan& scan, const Pose2& map_T_base, bool is_matched);
 
   /// Forgets all scans, for example because the last one shows nothing.
   void stop();
@@ -39,31 +34,45 @@ class LaserOdometry {
   /// Matches a scan with those since begin(). Returns false if it does not fit them.
   bool follow(const PlanarScan& scan);
 
-  /// Whether the last scan was matched with the scans before it.
-  bool isFollowing() const { return following_; }
-
   /// map_T_base of the last scan, or its prediction if it was not matched.
   const Pose2& pose() const { return pose_; }
-  /// Of `pose()`: the error at begin() and that of the motion since then.
+  /// The error of the motion since begin().
   const PredictionError& error() const { return error_; }
   /// Number of scans that were matched since begin().
   int steps() const { return steps_; }
-  /// The scans since begin(), without those that were taken at the same place. Old ones are
-  /// dropped.
-  const std::vector<PlacedScan>& scans() const { return scans_; }
+  /// Distance from the pose at begin().
+  double moved_m() const { return (first_pose_.inverse() * pose_).distance(); }
+
+  /// For a scan that does not fit the map. If it fits the scans before it, this moves the vehicle,
+  /// fills the state, and returns true. `predicted`: the error of the prediction. The state is
+  ///  - degraded (carried), if the motion from the last match to this scan is known well enough;
+  ///  - degraded (new part), if enough scans fit each other but not the map: the map goes on here;
+  ///  - lost otherwise. The pose is then relative to an unknown place.
+  bool carry(const PlanarScan& scan, const PredictionError& predicted, MotionModel& motion,
+             PoseUncertainty& uncertainty, MapperResult& result);
+
+  /// False if the scan moved far from its prediction, to a pose at which it does not fit the scan
+  /// before it. Then one of both is wrong: this match with the map, or those before.
+  bool agrees(const MatchRequest& request, const Pose2& found) const;
+
+  /// The error of the pose after a scan that was not matched with the map: by the scans since the
+  /// last match, or else `predicted`.
+  std::optional<PredictionError> errorOr(const PredictionError& predicted) const;
+
+  /// To be called last for every scan, with its pose.
+  void update(const PlanarScan& scan, bool is_matched, bool is_blank, const Pose2& map_T_base);
 
  private:
-  void restart();
+  bool isKnownPlace() const { return begins_at_match_ && followed_; }
 
   MapperConfig config_;
   std::unique_ptr<Mapper> mapper_;  ///< of the scans since begin(); created when it is needed
-  std::vector<PlacedScan> scans_;   ///< the first one is that of begin()
-  Pose2 first_pose_;
-  PredictionError first_error_;
-  Pose2 pose_;
+  std::optional<PlanarScan> first_scan_;
+  Pose2 first_pose_, pose_;
   PredictionError error_;
   int steps_ = 0;
-  bool following_ = false;
+  bool begins_at_match_ = false;  ///< and all scans since then fit
+  bool followed_ = false;         ///< carry() has returned true for this scan
 };
 
 }  // namespace kestrel

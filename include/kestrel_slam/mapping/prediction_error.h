@@ -22,11 +22,12 @@ struct PredictedStep {
 /// have the same sign over many steps, so standard deviations are added, not variances.
 class PredictionError {
  public:
-  void grow(const PredictedStep& step);
+  PredictionError() = default;
+  /// The error of a measured motion.
+  explicit PredictionError(const MotionError& measured)
+      : position_m_(measured.position_m), yaw_rad_(measured.yaw_rad) {}
 
-  /// Extends the error by a motion that was measured with `motion`, up to `moved_m` away from the
-  /// place of the error so far.
-  void add(const MotionError& motion, double moved_m);
+  void grow(const PredictedStep& step);
 
   double position_m() const { return position_m_; }  ///< standard deviation along x and along y, m
   double yaw_rad() const { return yaw_rad_; }        ///< standard deviation, rad
