@@ -7,7 +7,7 @@
 #include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/mapping/motion_model.h"
-#include "kestrel_slam/matching/fit.h"
+#include "kestrel_slam/matching/matcher.h"
 
 namespace kestrel {
 namespace {
@@ -47,7 +47,7 @@ void LaserOdometry::stop() {
   first_scan_.reset();
   error_ = PredictionError();
   steps_ = 0;
-  begins_at_match_ = followed_ = false;
+  begins_at_match_ = false;
 }
 
 bool LaserOdometry::follow(const PlanarScan& scan) {
@@ -65,14 +65,14 @@ bool LaserOdometry::follow(const PlanarScan& scan) {
   return true;
 }
 
-bool LaserOdometry::carry(const PlanarScan& scan, const PredictionError& predicted,
-                          MotionModel& motion, PoseUncertainty& uncertainty, MapperResult& result) {
-  if (!config_.laser_odometry) return false;
+bool LaserOdometry::carry(const PlanarScan& scan, PredictionSource source,
+                          const PredictionError& predicted, MotionModel& motion,
+                          PoseUncertainty& uncertainty, MapperResult& result) {
+  if (!config_.laser_odometry || source == PredictionSource::kOdometry) return false;
   // A good prediction is better than scans that may show an object that covers the laser.
   if (!begins_at_match_ && !motion.isWide(predicted)) return false;
-  followed_ = follow(scan);
-  if (!followed_) return false;
-  const PredictionError error = *errorOr(predicted);
+  if (!follow(scan)) return false;
+  const PredictionError& error = begins_at_match_ ? error_ : predicted;
   result.followed = true;
   result.carried = !motion.isWide(error);
   result.new_part = !result.carried && steps_ >= kNewPartScans && moved_m() >= kNewPartM &&
@@ -93,27 +93,30 @@ bool LaserOdometry::carry(const PlanarScan& scan, const PredictionError& predict
 
 bool LaserOdometry::agrees(const MatchRequest& request, const Pose2& found) const {
   if (request.lost || request.prior || !begins_at_match_ || !first_scan_) return true;
-  const Pose2 moved = request.initial_guesses.front().inverse() * found;
-  if (moved.distance() <= config_.matcher.near_window.linear_m) return true;
-  Submap last(config_.grid);
+  const auto is_near = [&](const Pose2& pose) {
+    return (pose.inverse() * found).distance() <= config_.matcher.near_window.linear_m;
+  };
+  if (is_near(request.initial_guesses.front())) return true;
+  Submap last(config_.grid, submapOptions(config_.matcher));
   last.insert(*first_scan_, first_pose_);
-  const Fit fit = fitOf(last, request.points, found, config_.matcher.score_scale_m);
-  return fit.known < config_.min_known_share || fit.score >= config_.lost_score;
+  MatchRequest local = request;
+  local.wide = false;
+  return is_near(makeMatcher(config_.matcher)->match(last, local).pose);
 }
 
-std::optional<PredictionError> LaserOdometry::errorOr(const PredictionError& predicted) const {
-  return isKnownPlace() ? error_ : predicted;
+std::optional<PredictionError> LaserOdometry::errorAfter(const MapperResult& result,
+                                                         const PredictionError& predicted) const {
+  if (result.isMatched()) return std::nullopt;
+  return result.followed && begins_at_match_ ? error_ : predicted;
 }
 
-void LaserOdometry::update(const PlanarScan& scan, bool is_matched, bool is_blank,
+void LaserOdometry::update(const PlanarScan& scan, const MapperResult& result,
                            const Pose2& map_T_base) {
   if (!config_.laser_odometry) return;
-  const bool goes_on = followed_ && !is_matched;
-  followed_ = false;
-  if (is_blank) {
+  if (result.blank) {
     stop();
-  } else if (!goes_on) {
-    begin(scan, map_T_base, is_matched);
+  } else if (result.isMatched() || !result.followed) {
+    begin(scan, map_T_base, result.isMatched());
   }
 }
 

@@ -169,10 +169,8 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   }
   settle(result);
   const bool lost = result.state == MatchState::kLost;
-  if (lost && prediction_source != PredictionSource::kOdometry &&
-      laser_odometry.carry(scan, error, motion, uncertainty, result)) {
+  if (lost && laser_odometry.carry(scan, prediction_source, error, motion, uncertainty, result))
     return fillFit(points, result);
-  }
   if (lost && isCarried(scan, odom_T_base, error))
     return carryUnmatched(points, scan, odom_T_base, error, result);
   motion.learnOdometry(
@@ -316,9 +314,8 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   s.insert(scan, s.motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry,
            result);
   result.map_full = s.map.isFull();
-  s.motion.remember(scan, odom_T_base,
-                    result.isMatched() ? std::nullopt : s.laser_odometry.errorOr(error));
-  s.laser_odometry.update(scan, result.isMatched(), result.blank, s.motion.pose());
+  s.motion.remember(scan, odom_T_base, s.laser_odometry.errorAfter(result, error));
+  s.laser_odometry.update(scan, result, s.motion.pose());
   result.pose = s.motion.pose();
   result.velocity = Eigen::Rotation2Dd(-result.pose.yaw) * s.motion.velocity();
   result.uncertain = s.uncertainty.last();
@@ -338,6 +335,7 @@ void Mapper::reset(const Pose2& map_T_base) {
 void Mapper::setPose(const Pose2& map_T_base) {
   if (!isUsable(map_T_base)) return;
   state_->motion.setPose(map_T_base);
+  state_->laser_odometry.stop();
   state_->unsettled_scans = 0;
 }
 

@@ -44,27 +44,27 @@ class LaserOdometry {
   double moved_m() const { return (first_pose_.inverse() * pose_).distance(); }
 
   /// For a scan that does not fit the map. If it fits the scans before it, this moves the vehicle,
-  /// fills the state, and returns true. `predicted`: the error of the prediction. The state is
+  /// fills the state, and returns true. Not with an odometry, which is better. `predicted`: the
+  /// error of the prediction by `source`. The state is
   ///  - degraded (carried), if the motion from the last match to this scan is known well enough;
   ///  - degraded (new part), if enough scans fit each other but not the map: the map goes on here;
   ///  - lost otherwise. The pose is then relative to an unknown place.
-  bool carry(const PlanarScan& scan, const PredictionError& predicted, MotionModel& motion,
-             PoseUncertainty& uncertainty, MapperResult& result);
+  bool carry(const PlanarScan& scan, PredictionSource source, const PredictionError& predicted,
+             MotionModel& motion, PoseUncertainty& uncertainty, MapperResult& result);
 
-  /// False if the scan moved far from its prediction, to a pose at which it does not fit the scan
-  /// before it. Then one of both is wrong: this match with the map, or those before.
+  /// False if the match with the map is far from the prediction, and a match with only the scan
+  /// before does not confirm it. Then one is wrong: this match with the map, or those before.
   bool agrees(const MatchRequest& request, const Pose2& found) const;
 
-  /// The error of the pose after a scan that was not matched with the map: by the scans since the
-  /// last match, or else `predicted`.
-  std::optional<PredictionError> errorOr(const PredictionError& predicted) const;
+  /// The error of the pose of a scan that was not matched with the map, since the last match. It is
+  /// that of the motion that the scans show, or else `predicted`. Nothing for a match.
+  std::optional<PredictionError> errorAfter(const MapperResult& result,
+                                            const PredictionError& predicted) const;
 
-  /// To be called last for every scan, with its pose.
-  void update(const PlanarScan& scan, bool is_matched, bool is_blank, const Pose2& map_T_base);
+  /// To be called last for every scan, with its result and pose.
+  void update(const PlanarScan& scan, const MapperResult& result, const Pose2& map_T_base);
 
  private:
-  bool isKnownPlace() const { return begins_at_match_ && followed_; }
-
   MapperConfig config_;
   std::unique_ptr<Mapper> mapper_;  ///< of the scans since begin(); created when it is needed
   std::optional<PlanarScan> first_scan_;
@@ -72,7 +72,6 @@ class LaserOdometry {
   PredictionError error_;
   int steps_ = 0;
   bool begins_at_match_ = false;  ///< and all scans since then fit
-  bool followed_ = false;         ///< carry() has returned true for this scan
 };
 
 }  // namespace kestrel
