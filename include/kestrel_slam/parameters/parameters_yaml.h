@@ -17,7 +17,9 @@ void loadParameters(const std::string& path, SlamConfig& config);
 
 /// All parameters of projector and mapper with their defaults as a commented YAML file.
 std::string defaultParametersYaml();
-/// The same of the pose filter.
+/// The same with the values of `config`.
+std::string parametersYaml(SlamConfig config);
+/// The defaults of the pose filter.
 std::string defaultFilterParametersYaml();
 
 }  // namespace kestrel
