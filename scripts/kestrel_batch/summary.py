@@ -56,7 +56,8 @@ def row_of(plan, recording):
     row["warnings"] = len(stats.get("warnings", []))
     errors = read_json(folder / "evaluation.json") or {}
     for name, *path in ERRORS:
-        row[name] = value_at(errors, path)
+        if value_at(errors, [*path[:-1], "count"]) != 0:  # without items the mean is no result
+            row[name] = value_at(errors, path)
     return row
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Maps one recording in processes of its own, and puts the results into their place."""
 
+import glob
 import hashlib
 import json
 import os
@@ -9,6 +10,7 @@ import re
 import select
 import shutil
 import signal
+import socket
 import subprocess
 import time
 
@@ -48,8 +50,9 @@ def run(plan, recording, stop=lambda: False):
     """Maps, evaluates, and renames the folder into its place. Returns the result."""
     target = folder_of(plan, recording)
     target.parent.mkdir(parents=True, exist_ok=True)
-    work = target.parent / f".{target.name}.{os.getpid()}"
-    shutil.rmtree(work, ignore_errors=True)
+    for left in target.parent.glob(f".{glob.escape(target.name)}.work*"):  # by a killed process
+        shutil.rmtree(left, ignore_errors=True)
+    work = target.parent / f".{target.name}.work-{socket.gethostname()}-{os.getpid()}"
     work.mkdir()
     try:
         result = map_into(work, plan, recording, stop)
