@@ -71,6 +71,7 @@ if(KESTREL_WITH_ROS)
     LINKS kestrel_messages kestrel_parameters Threads::Threads)
   # hector's companions: not linked into the nodes that fly
   kestrel_library(ros/hector LINKS kestrel_ros kestrel_report)
+  kestrel_library(ros/simulation LINKS kestrel_ros kestrel_recording)
   kestrel_library(ros/latency LINKS kestrel_ros PRIVATE ${rosbag_storage_LIBRARIES})
   target_include_directories(kestrel_ros_latency SYSTEM PUBLIC ${rosbag_storage_INCLUDE_DIRS})
 endif()

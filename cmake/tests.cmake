@@ -49,7 +49,7 @@ if(KESTREL_WITH_ROS)
   kestrel_test(ros/common)
   target_link_libraries(test_ros_common PRIVATE kestrel_ros_hector)
   add_dependencies(test_ros_common mapper_node scan_projector_node pose_filter_node geotiff_node
-    map_to_image_node)
+    map_to_image_node simulated_flight)
 endif()
 
 # Tests on live nodes: rostest starts a master and the nodes of each .test file.

@@ -46,8 +46,8 @@ TEST(NodeProgram, ParametersEqualTheDocument) {
   }
 }
 
-TEST(NodeProgram, ParametersOfHectorsCompanionsEqualTheDocument) {
-  for (const std::string program : {"geotiff_node", "map_to_image_node"}) {
+TEST(NodeProgram, ParametersOfOtherProgramsEqualTheDocument) {
+  for (const std::string program : {"geotiff_node", "map_to_image_node", "simulated_flight"}) {
     EXPECT_TRUE(documented(program) == run(program, "--parameters-markdown").output)
         << program << ": run scripts/update_api_doc";
   }
