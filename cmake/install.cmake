@@ -29,6 +29,9 @@ else()
     DESTINATION ${EXPORT_FOLDER})
 endif()
 
+install(DIRECTORY ${PAGES}/man/ DESTINATION share/man/man1)
+install(DIRECTORY ${PAGES}/completions/ DESTINATION share/bash-completion/completions)
+
 # The parts of map_batch lie beside it, or in share/ where others install their programs too.
 install(DIRECTORY scripts/kestrel_batch DESTINATION ${BATCH_FOLDER}
   FILES_MATCHING PATTERN *.py PATTERN *.html PATTERN __pycache__ EXCLUDE)

@@ -15,9 +15,20 @@ file(GLOB COMMANDS CONFIGURE_DEPENDS src/commands/*_main.cpp)
 if(NOT KESTREL_WITH_ROS)
   list(FILTER COMMANDS EXCLUDE REGEX "/(carmen_to_bag|simulate_flight)_main\\.cpp$")
 endif()
+set(PAGES ${PROJECT_BINARY_DIR}/pages)
+file(MAKE_DIRECTORY ${PAGES}/man ${PAGES}/completions)
 foreach(main ${COMMANDS})
   kestrel_program(${main} kestrel_commands CLI11::CLI11)
+  # Man page and completion come from the options of the program.
+  get_filename_component(name ${main} NAME_WE)
+  string(REGEX REPLACE "_main$" "" name ${name})
+  add_custom_command(TARGET ${name} POST_BUILD
+    COMMAND ${name} --man-page > ${PAGES}/man/${name}.1
+    COMMAND ${name} --bash-completion > ${PAGES}/completions/${name})
 endforeach()
+add_custom_target(map_batch_pages ALL
+  COMMAND ${PROJECT_SOURCE_DIR}/scripts/map_batch --man-page > ${PAGES}/man/map_batch.1
+  COMMAND ${PROJECT_SOURCE_DIR}/scripts/map_batch --bash-completion > ${PAGES}/completions/map_batch)
 
 if(KESTREL_WITH_ROS)
   foreach(main mapper/mapper_node projector/scan_projector_node filter/pose_filter_node replay/recorded_tf_node)
