@@ -69,6 +69,7 @@ if(KESTREL_WITH_ROS)
   kestrel_library(ros
     SOURCES src/ros/common/*.cpp src/ros/projector/*.cpp src/ros/mapper/*.cpp src/ros/filter/*.cpp src/ros/replay/*.cpp
     LINKS kestrel_messages kestrel_parameters Threads::Threads)
+  kestrel_library(ros/panel SOURCES src/ros/panel/mapper_summary.cpp LINKS kestrel_messages)
   # hector's companions: not linked into the nodes that fly
   kestrel_library(ros/hector LINKS kestrel_ros kestrel_report)
   kestrel_library(ros/simulation LINKS kestrel_ros kestrel_recording)

@@ -81,10 +81,12 @@ def sbatch(folder, partition, options, command):
 
 def wait_for(job, plan, quiet):
     """Asks squeue, because `sbatch --wait` asks seldom. The summary is the last job."""
-    total, said = len(plan["recordings"]), -1
+    total, said, pause = len(plan["recordings"]), -1, POLL
     while is_queued(job):
-        time.sleep(POLL)
+        time.sleep(pause)
+        begin = time.monotonic()
         done = total - len(todo_of(plan, again=False))
+        pause = max(POLL, 10.0 * (time.monotonic() - begin))  # thousands of results take seconds
         if not quiet and done != said:
             print(f"{done}/{total} recordings have a result", file=sys.stderr, flush=True)
         said = done
