@@ -62,8 +62,13 @@ else()
   kestrel_library(recording LINKS kestrel_simulation kestrel_map PRIVATE Boost::iostreams)
 endif()
 kestrel_library(offline LINKS kestrel_recording kestrel_parameters nlohmann_json::nlohmann_json)
+set(COMMIT_FILE ${PROJECT_BINARY_DIR}/built_commit.cpp)
+add_custom_target(built_commit BYPRODUCTS ${COMMIT_FILE} COMMAND ${CMAKE_COMMAND}
+  -DSOURCE=${PROJECT_SOURCE_DIR} -DOUTPUT=${COMMIT_FILE} -P ${PROJECT_SOURCE_DIR}/cmake/commit.cmake)
+add_dependencies(kestrel_offline built_commit)
+target_sources(kestrel_offline PRIVATE ${COMMIT_FILE})
 kestrel_library(evaluation LINKS kestrel_recording kestrel_mapping)
-kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfig::CAIRO)
+kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfig::CAIRO geotiff TIFF::TIFF)
 kestrel_library(experiments LINKS kestrel_report)
 kestrel_library(commands LINKS kestrel_experiments PRIVATE CLI11::CLI11)
 
@@ -72,6 +77,10 @@ if(KESTREL_WITH_ROS)
   kestrel_library(ros
     SOURCES src/ros/common/*.cpp src/ros/projector/*.cpp src/ros/mapper/*.cpp src/ros/filter/*.cpp src/ros/replay/*.cpp
     LINKS kestrel_messages kestrel_parameters Threads::Threads)
+  kestrel_library(ros/panel SOURCES src/ros/panel/mapper_summary.cpp LINKS kestrel_messages)
+  # hector's companions: not linked into the nodes that fly
+  kestrel_library(ros/hector LINKS kestrel_ros kestrel_report)
+  kestrel_library(ros/simulation LINKS kestrel_ros kestrel_recording)
   kestrel_library(ros/latency LINKS kestrel_ros PRIVATE ${rosbag_storage_LIBRARIES})
   target_include_directories(kestrel_ros_latency SYSTEM PUBLIC ${rosbag_storage_INCLUDE_DIRS})
 endif()

@@ -15,8 +15,10 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/graph/g2o_file.h"
 #include "kestrel_slam/map/map_folder.h"
+#include "kestrel_slam/offline/provenance.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
 #include "kestrel_slam/recording/trajectory.h"
+#include "kestrel_slam/report/map_image.h"
 #include "kestrel_slam/report/progress_bar.h"
 #include "kestrel_slam/report/report.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
@@ -29,6 +31,7 @@ namespace fs = std::filesystem;
 
 constexpr int kJsonIndent = 2;
 constexpr int kPoseNumbers = 3;  // x, y, yaw
+constexpr int kThumbnailPixels = 320;
 
 volatile std::sig_atomic_t stop_requested = 0;
 
@@ -98,6 +101,22 @@ void addRunOptions(CLI::App& app, RunOptions& run) {
       });
 }
 
+/// The options on the command line that change the result, except parameters.
+std::vector<std::pair<std::string, std::string>> optionsOf(const CLI::App& app) {
+  static const std::set<std::string> kOthers = {"RECORDING", "--config", "--set",
+                                                "--output",  "--quiet",  "--no-timing"};
+  std::vector<std::pair<std::string, std::string>> options;
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0 || kOthers.count(option->get_name()) > 0) continue;
+    std::string values;
+    for (const std::string& value : option->results()) {
+      values += (values.empty() ? "" : ",") + value;
+    }
+    options.emplace_back(option->get_name(), values);
+  }
+  return options;
+}
+
 /// Advice for a recording whose IMU makes all scans unusable.
 std::string imuAdvice(const OfflineRun& run) {
   static const std::set<std::string> kReasons = {"no-imu",
@@ -133,6 +152,7 @@ std::optional<Eigen::Isometry3d> laserPoseOf(const std::vector<double>& x_y_yaw)
 }
 
 void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
+  arguments.app = &app;
   app.add_option(
       "RECORDING", arguments.recordings,
       "rosbag, CARMEN log, BreezySLAM log or table of ranges (may be .bz2, .gz or .xz); of a "
@@ -178,6 +198,8 @@ RunInfo runInfoOf(const MappingArguments& arguments, const SlamConfig& config,
   RunInfo info;
   info.recording = fs::path(arguments.recording()).filename().string();
   info.description = recording.description();
+  info.hash = hashOfFiles(arguments.recordings);
+  if (arguments.app != nullptr) info.options = optionsOf(*arguments.app);
   info.config = config;
   info.odometry = arguments.odometry == "use";
   info.timing = !arguments.no_timing;
@@ -259,11 +281,13 @@ void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& 
   }
   const std::string stats =
       statsOf(run, info).dump(kJsonIndent, ' ', false, nlohmann::json::error_handler_t::replace);
-  std::vector<NamedContent> files = {{"trajectory.tum", tumText(run.trajectory)},
-                                     {"covariances.txt", covariancesText(covariances)},
-                                     {"scans.csv", scansText(rows)},
-                                     {"stats.json", stats + "\n"},
-                                     {"report.html", reportHtml(run, info)}};
+  std::vector<NamedContent> files = {
+      {"trajectory.tum", tumText(run.trajectory)},
+      {"covariances.txt", covariancesText(covariances)},
+      {"scans.csv", scansText(rows)},
+      {"stats.json", stats + "\n"},
+      {"thumbnail.png", renderMap(run.map, kThumbnailPixels).png},
+      {"report.html", reportHtml(run, info)}};
   if (run.graph) {
     files.push_back({"loops.csv", loopsText(*run.graph)});
     files.push_back({"graph.g2o", g2oText({run.graph->graph, {}})});

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "kestrel_slam/offline/provenance.h"
 #include "kestrel_slam/offline/version.h"
 
 namespace kestrel {
@@ -160,18 +161,25 @@ double rounded(double value, int decimals) {
 
 nlohmann::ordered_json statsOf(const OfflineRun& run, const RunInfo& info) {
   const MatchSummary match = summarize(run.scans);
-  Json stats = {{"version", kVersion},
-                {"recording", {{"name", info.recording}, {"description", info.description}}},
-                {"odometry", info.odometry ? "use" : "none"},
-                {"filter", filterOf(run)},
-                {"scans", scansOf(run, match)},
-                {"match", matchOf(match, run.scans.size())},
-                {"distance_m", rounded(run.distance_m, kFine)},
-                {"duration_s", rounded(run.duration_s, kFine)},
-                {"map", mapOf(run)},
-                {"graph", graphOf(run)},
-                {"parameters", parametersJson(info.config)},
-                {"warnings", run.warnings}};
+  const Json parameters = parametersJson(info.config);
+  Json options = Json::object();
+  for (const auto& [name, value] : info.options) options[name] = value;
+  Json stats = {
+      {"version", kVersion},
+      {"commit", builtCommit()},
+      {"recording",
+       {{"name", info.recording}, {"description", info.description}, {"hash", info.hash}}},
+      {"parameters_hash", hashOfText(parameters.dump() + options.dump())},
+      {"odometry", info.odometry ? "use" : "none"},
+      {"filter", filterOf(run)},
+      {"scans", scansOf(run, match)},
+      {"match", matchOf(match, run.scans.size())},
+      {"distance_m", rounded(run.distance_m, kFine)},
+      {"duration_s", rounded(run.duration_s, kFine)},
+      {"map", mapOf(run)},
+      {"options", options},
+      {"parameters", parameters},
+      {"warnings", run.warnings}};
   if (info.timing) stats["timing"] = timingOf(run);
   return stats;
 }

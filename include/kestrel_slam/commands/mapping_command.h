@@ -31,6 +31,7 @@ struct MappingArguments {
   RecordingOptions topics;
   std::vector<double> laser_pose;  ///< x, y (m), yaw (degrees) of the laser; may be empty
   RunOptions run;                  ///< without the choice of sensors, see `odometry` and `imu`
+  const CLI::App* app = nullptr;   ///< where the options were declared
   bool no_timing = false;
   bool quiet = false;
 
@@ -82,8 +83,8 @@ OfflineRun mapWithProgress(Recording& recording, const SlamConfig& config,
 /// Prints the warnings of a run to standard error; each line begins with `prefix`.
 void printWarnings(const std::string& prefix, const OfflineRun& run);
 
-/// Writes map.pgm, map.yaml, trajectory.tum, covariances.txt, scans.csv, stats.json and
-/// report.html. Throws std::runtime_error.
+/// Writes map.pgm, map.yaml, trajectory.tum, covariances.txt, scans.csv, stats.json, thumbnail.png
+/// and report.html. Throws std::runtime_error.
 void writeOutputs(const std::filesystem::path& folder, const OfflineRun& run, const RunInfo& info);
 
 }  // namespace kestrel

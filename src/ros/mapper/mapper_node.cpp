@@ -68,6 +68,8 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
   restart_server_ =
       nh.advertiseService("restart_mapping_with_new_pose", &MapperNode::restartMapping, this);
   map_publisher_ = std::make_unique<MapPublisher>(nh, config_, mapper_, trajectory_);
+  trajectory_services_ = std::make_unique<TrajectoryServices>(map_publisher_->nodeHandle(),
+                                                              config_.map_frame, trajectory_);
   input_ = std::make_unique<ScanInput>(nh, config_, statistics_,
                                        [this](ReadyScan scan) { enqueue(std::move(scan)); });
   diagnostics_ = std::make_unique<Diagnostics>(
