@@ -244,7 +244,8 @@ void printWarnings(const std::string& prefix, const OfflineRun& run) {
   }
 }
 
-void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& info) {
+void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& info,
+                  const std::vector<NamedContent>& others) {
   std::vector<ScanCovariance> covariances;
   std::vector<ScanRow> rows;
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
@@ -253,12 +254,13 @@ void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& 
   }
   const std::string stats =
       statsOf(run, info).dump(kJsonIndent, ' ', false, nlohmann::json::error_handler_t::replace);
-  writeMapFolder(folder.string(), run.map,
-                 {{"trajectory.tum", tumText(run.trajectory)},
-                  {"covariances.txt", covariancesText(covariances)},
-                  {"scans.csv", scansText(rows)},
-                  {"stats.json", stats + "\n"},
-                  {"report.html", reportHtml(run, info)}});
+  std::vector<NamedContent> files = {{"trajectory.tum", tumText(run.trajectory)},
+                                     {"covariances.txt", covariancesText(covariances)},
+                                     {"scans.csv", scansText(rows)},
+                                     {"stats.json", stats + "\n"},
+                                     {"report.html", reportHtml(run, info)}};
+  files.insert(files.end(), others.begin(), others.end());
+  writeMapFolder(folder.string(), run.map, files);
 }
 
 }  // namespace kestrel

@@ -35,6 +35,14 @@ void PhdFilter<N, M>::predict(double seconds, const std::vector<Component>& birt
   components_ = std::move(predicted);
 }
 
+template <int N, int M>
+void PhdFilter<N, M>::add(const std::vector<Component>& births) {
+  for (const Component& birth : births) {
+    components_.push_back(birth);
+    components_.back().label = next_label_++;
+  }
+}
+
 /// [Siew 2018, eq. 23].
 template <int N, int M>
 void PhdFilter<N, M>::addSpawned(std::vector<Component>& predicted) {

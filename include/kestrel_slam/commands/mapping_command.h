@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "kestrel_slam/map/map_folder.h"
 #include "kestrel_slam/offline/offline_run.h"
 #include "kestrel_slam/offline/stats.h"
 #include "kestrel_slam/parameters/parameters.h"
@@ -82,7 +83,8 @@ OfflineRun mapWithProgress(Recording& recording, const SlamConfig& config,
 void printWarnings(const std::string& prefix, const OfflineRun& run);
 
 /// Writes map.pgm, map.yaml, trajectory.tum, covariances.txt, scans.csv, stats.json and
-/// report.html. Throws std::runtime_error.
-void writeOutputs(const std::filesystem::path& folder, const OfflineRun& run, const RunInfo& info);
+/// report.html, and `others`. Throws std::runtime_error.
+void writeOutputs(const std::filesystem::path& folder, const OfflineRun& run, const RunInfo& info,
+                  const std::vector<NamedContent>& others = {});
 
 }  // namespace kestrel

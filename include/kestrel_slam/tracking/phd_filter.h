@@ -112,6 +112,9 @@ class PhdFilter {
 
   /// Survival, spawning and birth [Siew 2018, eq. 21-24]. Every birth gets a new label.
   void predict(double seconds, const std::vector<Component>& births);
+  /// Adds components with new labels to the current intensity, for targets that were born before
+  /// the next prediction.
+  void add(const std::vector<Component>& births);
   /// Measurement update [Siew 2018, eq. 25-31], then pruning and merging.
   void update(const std::vector<Observation<M>>& observations);
 
