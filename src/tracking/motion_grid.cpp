@@ -119,7 +119,8 @@ void MotionGrid<D>::updateHit(const GridRay<D>& ray, std::size_t number) {
   }
   const bool is_moving = motion == Motion::kMoving;
   if (is_moving) {
-    if (cell->scan != scan_) {
+    if (cell->moved_in != scan_) {
+      cell->moved_in = scan_;
       cell->slot = static_cast<std::uint32_t>(result_.moving.size());
       result_.moving.push_back({index, {}});
     }

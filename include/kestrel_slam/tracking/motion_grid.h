@@ -111,9 +111,10 @@ class MotionGrid {
   struct CellData {
     float static_odds = 0.0F, dynamic_odds = 0.0F;  ///< log odds; the prior of 0.5 is 0
     std::uint32_t scan = 0;                         ///< that updated it last
-    std::uint32_t imposed = 0;  ///< number of the scan for which it is in the imposed map
-    std::uint32_t slot = 0;     ///< in Result::moving, if it moved in `scan`
-    bool was_moving = false;    ///< it was free, and then filled by something that moved
+    std::uint32_t imposed = 0;   ///< number of the scan for which it is in the imposed map
+    std::uint32_t moved_in = 0;  ///< last scan with something moving in it
+    std::uint32_t slot = 0;      ///< in Result::moving of that scan
+    bool was_moving = false;     ///< it was free, and then filled by something that moved
   };
 
   bool isUsable(const GridRay<D>& ray) const;
