@@ -272,7 +272,8 @@ void printWarnings(const std::string& prefix, const OfflineRun& run) {
   }
 }
 
-void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& info) {
+void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& info,
+                  const std::vector<NamedContent>& others) {
   std::vector<ScanCovariance> covariances;
   std::vector<ScanRow> rows;
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
@@ -292,6 +293,7 @@ void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& 
     files.push_back({"loops.csv", loopsText(*run.graph)});
     files.push_back({"graph.g2o", g2oText({run.graph->graph, {}})});
   }
+  files.insert(files.end(), others.begin(), others.end());
   writeMapFolder(folder.string(), run.map, files);
 }
 

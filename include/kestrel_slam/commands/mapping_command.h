@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "kestrel_slam/map/map_folder.h"
 #include "kestrel_slam/offline/offline_run.h"
 #include "kestrel_slam/offline/stats.h"
 #include "kestrel_slam/parameters/parameters.h"
@@ -83,8 +84,10 @@ OfflineRun mapWithProgress(Recording& recording, const SlamConfig& config,
 /// Prints the warnings of a run to standard error; each line begins with `prefix`.
 void printWarnings(const std::string& prefix, const OfflineRun& run);
 
-/// Writes map.pgm, map.yaml, trajectory.tum, covariances.txt, scans.csv, stats.json, thumbnail.png
-/// and report.html. Throws std::runtime_error.
-void writeOutputs(const std::filesystem::path& folder, const OfflineRun& run, const RunInfo& info);
+/// Writes map.pgm, map.yaml, trajectory.tum, covariances.txt, scans.csv, stats.json, thumbnail.png,
+/// report.html, with a pose graph also loops.csv and graph.g2o, and `others`. Throws
+/// std::runtime_error.
+void writeOutputs(const std::filesystem::path& folder, const OfflineRun& run, const RunInfo& info,
+                  const std::vector<NamedContent>& others = {});
 
 }  // namespace kestrel
