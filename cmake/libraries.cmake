@@ -39,6 +39,7 @@ target_sources(kestrel_session PRIVATE ${session_format_sources})
 target_include_directories(kestrel_session SYSTEM PRIVATE ${PROJECT_BINARY_DIR})
 set_source_files_properties(${session_format_sources} PROPERTIES COMPILE_OPTIONS -w)
 kestrel_library(filter LINKS kestrel_sensor)
+kestrel_library(tracking LINKS kestrel_map)
 kestrel_library(pipeline LINKS kestrel_session kestrel_filter)
 kestrel_library(parameters LINKS kestrel_pipeline PRIVATE yaml-cpp)
 
@@ -62,8 +63,14 @@ else()
   kestrel_library(recording LINKS kestrel_simulation kestrel_map PRIVATE Boost::iostreams)
 endif()
 kestrel_library(offline LINKS kestrel_recording kestrel_parameters nlohmann_json::nlohmann_json)
-kestrel_library(evaluation LINKS kestrel_recording kestrel_mapping)
-kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfig::CAIRO)
+set(COMMIT_FILE ${PROJECT_BINARY_DIR}/built_commit.cpp)
+add_custom_target(built_commit BYPRODUCTS ${COMMIT_FILE} COMMAND ${CMAKE_COMMAND}
+  -DSOURCE=${PROJECT_SOURCE_DIR} -DOUTPUT=${COMMIT_FILE} -P ${PROJECT_SOURCE_DIR}/cmake/commit.cmake)
+add_dependencies(kestrel_offline built_commit)
+target_sources(kestrel_offline PRIVATE ${COMMIT_FILE})
+kestrel_library(evaluation LINKS kestrel_recording kestrel_mapping kestrel_tracking
+  PRIVATE nlohmann_json::nlohmann_json)
+kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfig::CAIRO geotiff TIFF::TIFF)
 kestrel_library(experiments LINKS kestrel_report)
 kestrel_library(commands LINKS kestrel_experiments PRIVATE CLI11::CLI11)
 
@@ -72,6 +79,10 @@ if(KESTREL_WITH_ROS)
   kestrel_library(ros
     SOURCES src/ros/common/*.cpp src/ros/projector/*.cpp src/ros/mapper/*.cpp src/ros/filter/*.cpp src/ros/replay/*.cpp
     LINKS kestrel_messages kestrel_parameters Threads::Threads)
+  kestrel_library(ros/panel SOURCES src/ros/panel/mapper_summary.cpp LINKS kestrel_messages)
+  # hector's companions: not linked into the nodes that fly
+  kestrel_library(ros/hector LINKS kestrel_ros kestrel_report)
+  kestrel_library(ros/simulation LINKS kestrel_ros kestrel_recording)
   kestrel_library(ros/latency LINKS kestrel_ros PRIVATE ${rosbag_storage_LIBRARIES})
   target_include_directories(kestrel_ros_latency SYSTEM PUBLIC ${rosbag_storage_INCLUDE_DIRS})
 endif()

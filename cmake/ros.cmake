@@ -9,7 +9,7 @@ file(GLOB MESSAGES RELATIVE ${PROJECT_SOURCE_DIR}/msg ${PROJECT_SOURCE_DIR}/msg/
 add_message_files(DIRECTORY msg FILES ${MESSAGES})
 file(GLOB SERVICES RELATIVE ${PROJECT_SOURCE_DIR}/srv ${PROJECT_SOURCE_DIR}/srv/*.srv)
 add_service_files(DIRECTORY srv FILES ${SERVICES})
-generate_messages(DEPENDENCIES geometry_msgs std_msgs)
+generate_messages(DEPENDENCIES geometry_msgs nav_msgs std_msgs)
 
 catkin_package(
   INCLUDE_DIRS include

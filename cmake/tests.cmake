@@ -32,16 +32,22 @@ function(kestrel_test folder)
   endif()
 endfunction()
 
-foreach(folder geometry sensor map matching graph session mapping filter pipeline parameters simulation recording
+foreach(folder geometry sensor map matching graph session mapping filter tracking pipeline parameters simulation recording
     offline evaluation report experiments commands fuzz)
   kestrel_test(${folder})
 endforeach()
+if(NOT KESTREL_ONLY_ROS_TESTS)
+  add_test(NAME map_batch COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/map_batch_test.py)
+  add_test(NAME map_batch_slurm COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/map_batch_slurm_test.py)
+  set_tests_properties(map_batch_slurm PROPERTIES SKIP_RETURN_CODE 77)
+endif()
 if(KESTREL_WITH_ROS)
   kestrel_test(messages)
   kestrel_test(recording/bag)
   kestrel_test(ros/common)
-  target_link_libraries(test_ros_common PRIVATE kestrel_ros)
-  add_dependencies(test_ros_common mapper_node scan_projector_node pose_filter_node)
+  target_link_libraries(test_ros_common PRIVATE kestrel_ros_hector kestrel_ros_panel)
+  add_dependencies(test_ros_common mapper_node scan_projector_node pose_filter_node geotiff_node
+    map_to_image_node simulated_flight)
 endif()
 
 # Tests on live nodes: rostest starts a master and the nodes of each .test file.
@@ -58,7 +64,7 @@ if(KESTREL_WITH_ROS AND CATKIN_ENABLE_TESTING)
   foreach(source ${ROS_TEST_SOURCES})
     get_filename_component(name ${source} NAME_WE)
     add_executable(${name} ${source})
-    target_link_libraries(${name} PRIVATE kestrel_ros_testing kestrel_commands kestrel_warnings GTest::gtest
+    target_link_libraries(${name} PRIVATE kestrel_ros_testing kestrel_ros_hector kestrel_commands kestrel_warnings GTest::gtest
       ${rosbag_storage_LIBRARIES})
     target_compile_definitions(${name} PRIVATE KESTREL_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
       KESTREL_MAPPER_NODE="$<TARGET_FILE:mapper_node>"

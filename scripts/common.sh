@@ -101,6 +101,34 @@ progress() {
   done
 }
 
+# heartbeat LOG COMMAND...: runs a command with its output in LOG. Whenever 10 s have passed, prints
+# the last line of the log, so that everybody sees that it works.
+heartbeat() {
+  local log=$1 begin=$SECONDS worker
+  shift
+  "$@" >"$log" 2>&1 &
+  worker=$!
+  while kill -0 "$worker" 2>/dev/null; do
+    sleep 1
+    if (((SECONDS - begin) % 10 == 9)); then
+      printf '   %s (%d:%02d min)\n' "$(tail -n 1 "$log" | tr -d '\r' | cut -c -60)" \
+        $(((SECONDS - begin) / 60)) $(((SECONDS - begin) % 60))
+    fi
+  done
+  wait "$worker"
+}
+
+# build_or_die TARGET...: builds the package for ROS without its tests, and shows how far it is.
+build_or_die() {
+  local log=$BUILD/build.log
+  mkdir -p "$BUILD"
+  say "building (log: $log)"
+  if ! build_workspace OFF "$@" 2>&1 | tee "$log" | progress; then
+    { grep -E -A 5 'error:|Error [0-9]' "$log" || tail -n 40 "$log"; } | head -n 60 >&2
+    die "the build failed, see above and $log"
+  fi
+}
+
 # Enters the environment of the installed package and adds its tools to PATH. It does not use
 # `devel`, because rosrun would then search the clone and find the programs in .build twice.
 enter_workspace() {

@@ -28,7 +28,8 @@ void declareOptions(CLI::App& app, Arguments& arguments) {
       "output folder for map, trajectory, statistics and report (default: ./<name>_map)");
   addMappingOptions(app, arguments.mapping);
   app.add_flag("--list-parameters", arguments.list_parameters,
-               "print all parameters with their defaults as YAML and exit");
+               "print all parameters as YAML, with the values of --config and --set or else their "
+               "defaults, and exit");
   app.add_flag("--version", arguments.version, "print the version and exit");
 }
 
@@ -65,11 +66,16 @@ void mapRecording(const Arguments& arguments) {
   if (!mapping.quiet) printSummary(folder, run);
 }
 
+std::string parametersText(const MappingArguments& mapping) {
+  if (mapping.config.empty() && mapping.settings.empty()) return defaultParametersYaml();
+  return parametersYaml(configOf(mapping));
+}
+
 void run(const Arguments& arguments) {
   if (arguments.version) {
     std::puts(kVersion);
   } else if (arguments.list_parameters) {
-    std::fputs(defaultParametersYaml().c_str(), stdout);
+    std::fputs(parametersText(arguments.mapping).c_str(), stdout);
   } else {
     mapRecording(arguments);
   }

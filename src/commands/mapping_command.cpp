@@ -13,9 +13,12 @@
 #include "kestrel_slam/evaluation/covariance_file.h"
 #include "kestrel_slam/evaluation/scan_file.h"
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/graph/g2o_file.h"
 #include "kestrel_slam/map/map_folder.h"
+#include "kestrel_slam/offline/provenance.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
 #include "kestrel_slam/recording/trajectory.h"
+#include "kestrel_slam/report/map_image.h"
 #include "kestrel_slam/report/progress_bar.h"
 #include "kestrel_slam/report/report.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
@@ -28,6 +31,7 @@ namespace fs = std::filesystem;
 
 constexpr int kJsonIndent = 2;
 constexpr int kPoseNumbers = 3;  // x, y, yaw
+constexpr int kThumbnailPixels = 320;
 
 volatile std::sig_atomic_t stop_requested = 0;
 
@@ -97,6 +101,22 @@ void addRunOptions(CLI::App& app, RunOptions& run) {
       });
 }
 
+/// The options on the command line that change the result, except parameters.
+std::vector<std::pair<std::string, std::string>> optionsOf(const CLI::App& app) {
+  static const std::set<std::string> kOthers = {"RECORDING", "--config", "--set",
+                                                "--output",  "--quiet",  "--no-timing"};
+  std::vector<std::pair<std::string, std::string>> options;
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0 || kOthers.count(option->get_name()) > 0) continue;
+    std::string values;
+    for (const std::string& value : option->results()) {
+      values += (values.empty() ? "" : ",") + value;
+    }
+    options.emplace_back(option->get_name(), values);
+  }
+  return options;
+}
+
 /// Advice for a recording whose IMU makes all scans unusable.
 std::string imuAdvice(const OfflineRun& run) {
   static const std::set<std::string> kReasons = {"no-imu",
@@ -132,6 +152,7 @@ std::optional<Eigen::Isometry3d> laserPoseOf(const std::vector<double>& x_y_yaw)
 }
 
 void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
+  arguments.app = &app;
   app.add_option(
       "RECORDING", arguments.recordings,
       "rosbag, CARMEN log, BreezySLAM log or table of ranges (may be .bz2, .gz or .xz); of a "
@@ -139,6 +160,10 @@ void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
   app.add_option("--config", arguments.config, "YAML file with parameters");
   app.add_option("--odometry", arguments.odometry,
                  "none: laser only (default); use: predict the motion from the recorded odometry")
+      ->check(CLI::IsMember({"none", "use"}));
+  app.add_option("--loops", arguments.loops,
+                 "use: search for loops and correct the map with a pose graph; none: one map that "
+                 "grows (default: parameter graph)")
       ->check(CLI::IsMember({"none", "use"}));
   app.add_option("--imu", arguments.imu,
                  "use: roll, pitch and yaw rate from the recorded IMU (default); none: the vehicle "
@@ -164,6 +189,7 @@ SlamConfig configOf(const MappingArguments& arguments) {
   SlamConfig config;
   if (!arguments.config.empty()) loadParameters(arguments.config, config);
   applySettings(arguments.settings, config);
+  if (!arguments.loops.empty()) config.mapper.window.enabled = arguments.loops == "use";
   return config;
 }
 
@@ -172,6 +198,8 @@ RunInfo runInfoOf(const MappingArguments& arguments, const SlamConfig& config,
   RunInfo info;
   info.recording = fs::path(arguments.recording()).filename().string();
   info.description = recording.description();
+  info.hash = hashOfFiles(arguments.recordings);
+  if (arguments.app != nullptr) info.options = optionsOf(*arguments.app);
   info.config = config;
   info.odometry = arguments.odometry == "use";
   info.timing = !arguments.no_timing;
@@ -244,7 +272,8 @@ void printWarnings(const std::string& prefix, const OfflineRun& run) {
   }
 }
 
-void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& info) {
+void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& info,
+                  const std::vector<NamedContent>& others) {
   std::vector<ScanCovariance> covariances;
   std::vector<ScanRow> rows;
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
@@ -253,12 +282,19 @@ void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& 
   }
   const std::string stats =
       statsOf(run, info).dump(kJsonIndent, ' ', false, nlohmann::json::error_handler_t::replace);
-  writeMapFolder(folder.string(), run.map,
-                 {{"trajectory.tum", tumText(run.trajectory)},
-                  {"covariances.txt", covariancesText(covariances)},
-                  {"scans.csv", scansText(rows)},
-                  {"stats.json", stats + "\n"},
-                  {"report.html", reportHtml(run, info)}});
+  std::vector<NamedContent> files = {
+      {"trajectory.tum", tumText(run.trajectory)},
+      {"covariances.txt", covariancesText(covariances)},
+      {"scans.csv", scansText(rows)},
+      {"stats.json", stats + "\n"},
+      {"thumbnail.png", renderMap(run.map, kThumbnailPixels).png},
+      {"report.html", reportHtml(run, info)}};
+  if (run.graph) {
+    files.push_back({"loops.csv", loopsText(*run.graph)});
+    files.push_back({"graph.g2o", g2oText({run.graph->graph, {}})});
+  }
+  files.insert(files.end(), others.begin(), others.end());
+  writeMapFolder(folder.string(), run.map, files);
 }
 
 }  // namespace kestrel

@@ -6,6 +6,8 @@
 #include <memory>
 #include <sstream>
 
+#include "kestrel_slam/commands/tool_pages.h"
+
 namespace kestrel {
 namespace {
 
@@ -40,6 +42,15 @@ int runTool(const std::string& name, CLI::App& app, int argc, char** argv, const
             const Action& check) {
   app.name(name);
   app.formatter(std::make_shared<WrappedHelp>());
+  // Asked for by the build, which installs both; --help does not show them.
+  if (argc == 2 && std::string(argv[1]) == "--man-page") {
+    std::fputs(manPage(name, app).c_str(), stdout);
+    return kSuccess;
+  }
+  if (argc == 2 && std::string(argv[1]) == "--bash-completion") {
+    std::fputs(bashCompletion(name, app).c_str(), stdout);
+    return kSuccess;
+  }
   try {
     app.parse(argc, argv);
     if (check) check();

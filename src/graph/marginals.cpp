@@ -102,28 +102,43 @@ Eigen::Matrix3d axesOf(const Pose2& pose) {
 
 }  // namespace
 
+struct GraphMarginals::Joint {
+  Joint(const PoseGraph& of, const std::vector<double>& weights)
+      : graph(of), distribution(graph, weights), reach(graph) {}
+
+  Eigen::Matrix3d tangentBlock(std::size_t row, std::size_t column, const Columns& columns) const {
+    return axesOf(graph.vertices[row].pose).transpose() * distribution.blockOf(row, columns) *
+           axesOf(graph.vertices[column].pose);
+  }
+
+  const PoseGraph graph;
+  const JointDistribution distribution;
+  const Reach reach;
+};
+
+GraphMarginals::GraphMarginals(const PoseGraph& graph, const std::vector<double>& edge_weights) {
+  if (problemOf(graph).empty()) joint_ = std::make_unique<Joint>(graph, edge_weights);
+  if (joint_ && !joint_->distribution.isValid()) joint_.reset();
+}
+GraphMarginals::~GraphMarginals() = default;
+GraphMarginals::GraphMarginals(GraphMarginals&&) noexcept = default;
+GraphMarginals& GraphMarginals::operator=(GraphMarginals&&) noexcept = default;
+
+std::optional<GaussianPose2> GraphMarginals::between(std::size_t from, std::size_t to) const {
+  if (!joint_ || !joint_->reach.joins(from, to)) return std::nullopt;
+  const Columns a = joint_->distribution.columnsOf(from), b = joint_->distribution.columnsOf(to);
+  return kestrel::between({joint_->graph.vertices[from].pose, joint_->tangentBlock(from, from, a)},
+                          {joint_->graph.vertices[to].pose, joint_->tangentBlock(to, to, b)},
+                          joint_->tangentBlock(from, to, b));
+}
+
 std::vector<std::optional<GaussianPose2>> marginals(const PoseGraph& graph,
                                                     const std::vector<double>& edge_weights,
                                                     std::size_t base,
                                                     const std::vector<std::size_t>& vertices) {
-  std::vector<std::optional<GaussianPose2>> results(vertices.size());
-  if (!problemOf(graph).empty()) return results;
-  const JointDistribution joint(graph, edge_weights);
-  if (!joint.isValid()) return results;
-  const Reach reach(graph);
-  const Pose2& base_pose = graph.vertices[base].pose;
-  const Eigen::Matrix3d base_covariance =
-      tangentCovariance(joint.blockOf(base, joint.columnsOf(base)), base_pose);
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    if (!reach.joins(base, vertices[i])) continue;
-    const Pose2& pose = graph.vertices[vertices[i]].pose;
-    const Columns columns = joint.columnsOf(vertices[i]);
-    const Eigen::Matrix3d cross =
-        axesOf(base_pose).transpose() * joint.blockOf(base, columns) * axesOf(pose);
-    results[i] =
-        between({base_pose, base_covariance},
-                {pose, tangentCovariance(joint.blockOf(vertices[i], columns), pose)}, cross);
-  }
+  const GraphMarginals joint(graph, edge_weights);
+  std::vector<std::optional<GaussianPose2>> results;
+  for (const std::size_t vertex : vertices) results.push_back(joint.between(base, vertex));
   return results;
 }
 

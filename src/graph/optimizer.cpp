@@ -44,16 +44,24 @@ using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 Pose2 poseOf(const double* components) { return {components[0], components[1], components[2]}; }
 
+double chordOf(double angle) { return 2.0 * std::sin(0.5 * angle); }
+
 /// The error of an edge, in standard deviations.
 class EdgeCost : public ceres::SizedCostFunction<3, 3, 3> {
  public:
-  explicit EdgeCost(const PoseEdge& edge)
-      : measured_(edge.measured), root_(edge.information.llt().matrixU()) {}
+  EdgeCost(const PoseEdge& edge, bool chordal)
+      : measured_(edge.measured), root_(edge.information.llt().matrixU()), chordal_(chordal) {}
 
   bool Evaluate(double const* const* poses, double* residual, double** jacobians) const override {
     Eigen::Matrix3d J_from, J_to;
-    const Eigen::Vector3d error =
+    Eigen::Vector3d error =
         edgeError(measured_, poseOf(poses[0]), poseOf(poses[1]), &J_from, &J_to);
+    if (chordal_) {
+      const double slope = std::cos(0.5 * error.z());
+      J_from.row(2) *= slope;
+      J_to.row(2) *= slope;
+      error.z() = chordOf(error.z());
+    }
     Eigen::Map<Eigen::Vector3d>(residual, 3) = root_ * error;
     if (jacobians == nullptr) return true;
     if (jacobians[0] != nullptr) Eigen::Map<RowMajor3d>(jacobians[0], 3, 3) = root_ * J_from;
@@ -64,6 +72,7 @@ class EdgeCost : public ceres::SizedCostFunction<3, 3, 3> {
  private:
   Pose2 measured_;
   Eigen::Matrix3d root_;  // root' root = information
+  bool chordal_;
 };
 
 ceres::Problem::Options problemOptions() {
@@ -81,8 +90,9 @@ class Optimization {
     kernel_.setScale(options.kernel_scale);
     for (const PoseVertex& v : graph.vertices) poses_.push_back({v.pose.x, v.pose.y, v.pose.yaw});
     for (const PoseEdge& edge : graph.edges) {
-      problem_.AddResidualBlock(new EdgeCost(edge), isRobust(edge) ? &kernel_ : nullptr,
-                                poses_[edge.from].data(), poses_[edge.to].data());
+      problem_.AddResidualBlock(new EdgeCost(edge, options.chordal),
+                                isRobust(edge) ? &kernel_ : nullptr, poses_[edge.from].data(),
+                                poses_[edge.to].data());
     }
     const std::vector<bool> held = heldVertices(graph);
     for (std::size_t i = 0; i < held.size(); ++i) {
@@ -115,13 +125,19 @@ class Optimization {
 
   Pose2 pose(std::size_t vertex) const { return poseOf(poses_[vertex].data()); }
 
+  double chi2At(const PoseEdge& edge) const {
+    Eigen::Vector3d error = edgeError(edge.measured, pose(edge.from), pose(edge.to));
+    if (options_.chordal) error.z() = chordOf(error.z());
+    return error.dot(edge.information * error);
+  }
+
   /// Fills in the values of the edges, and returns the cost.
   double evaluate(OptimizerResult& result) const {
     double cost = 0.0;
     result.edge_chi2.clear();
     result.edge_weights.clear();
     for (const PoseEdge& edge : graph_.edges) {
-      const double chi2 = chi2Of(edge, pose(edge.from), pose(edge.to));
+      const double chi2 = chi2At(edge);
       result.edge_chi2.push_back(chi2);
       result.edge_weights.push_back(isRobust(edge) ? kernel_.weight(chi2) : 1.0);
       cost += isRobust(edge) ? kernel_.cost(chi2) : chi2;

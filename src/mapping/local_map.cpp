@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/mapping/local_map.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace kestrel {
@@ -10,28 +11,41 @@ LocalMap::LocalMap(const OccupancyGridConfig& grid, const SubmapOptions& options
     : grid_(grid),
       options_(options),
       window_(window),
-      current_(std::make_shared<Submap>(grid, options)),
-      next_(nullptr) {}
+      current_(std::make_unique<Submap>(grid, options)) {}
 
-std::shared_ptr<const Submap> LocalMap::insert(const PlanarScan& scan, const Pose2& local_T_base,
-                                               bool new_view, bool degenerate) {
-  std::shared_ptr<const Submap> finished;
-  if (window_.enabled && length_ >= window_.submap_scans) finished = beginSubmap();
+void LocalMap::insert(const PlanarScan& scan, const Pose2& local_T_base, bool new_view,
+                      bool degenerate) {
+  if (window_.enabled && length_ >= window_.submap_scans) beginSubmap();
   if (window_.enabled && !next_ && length_ >= window_.submap_scans - window_.overlap_scans)
-    next_ = std::make_shared<Submap>(grid_, options_);
+    next_ = std::make_unique<Submap>(grid_, options_);
   const auto number = static_cast<std::uint32_t>(scans_++);
   current_->insert(scan, local_T_base, new_view, number);
   if (next_) next_->insert(scan, local_T_base, new_view, number);
-  length_ += degenerate ? window_.degenerate_weight : 1.0;
-  return finished;
+  length_ += weightOf(scan, local_T_base, degenerate);
+  last_ = local_T_base;
 }
 
-/// The window forgets the submap before the last one.
-std::shared_ptr<const Submap> LocalMap::beginSubmap() {
-  std::shared_ptr<const Submap> finished = std::exchange(current_, std::exchange(next_, nullptr));
+/// Length of the submap that a scan adds, in scans that are near each other.
+double LocalMap::weightOf(const PlanarScan& scan, const Pose2& local_T_base,
+                          bool degenerate) const {
+  std::vector<float> ranges;
+  for (const PlanarRay& ray : scan.rays) {
+    if (ray.hit) ranges.push_back((ray.end - ray.origin).norm());
+  }
+  double weight = degenerate ? window_.degenerate_weight : 1.0;
+  if (!last_ || ranges.empty()) return weight;
+  const auto median = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
+  std::nth_element(ranges.begin(), median, ranges.end());
+  const double near_m =
+      std::max(window_.scan_distance_m, window_.scan_distance_share * static_cast<double>(*median));
+  return weight * std::max(1.0, last_->between(local_T_base).distance() / near_m);
+}
+
+/// The window keeps only the last scans of the submap.
+void LocalMap::beginSubmap() {
+  current_ = std::move(next_);
   ++submap_;
   length_ = 0.0;
-  return finished;
 }
 
 std::size_t LocalMap::memoryBytes() const {

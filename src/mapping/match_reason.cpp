@@ -18,6 +18,7 @@ const char* reasonOfLost(const MapperResult& result, const MapperConfig& config)
 }
 
 const char* reasonOfDegraded(const MapperResult& result, const MapperConfig& config) {
+  if (result.new_part) return "new part";
   if (result.match.ambiguous) return "ambiguous";
   if (result.match.degenerate) return "direction unobservable";
   // A scan that fits is degraded only for some time after a pose that may be wrong.
@@ -25,6 +26,18 @@ const char* reasonOfDegraded(const MapperResult& result, const MapperConfig& con
 }
 
 }  // namespace
+
+const char* toString(MatchState state) {
+  switch (state) {
+    case MatchState::kOk:
+      return "ok";
+    case MatchState::kDegraded:
+      return "degraded";
+    case MatchState::kLost:
+      return "lost";
+  }
+  return "unknown";
+}
 
 const char* reasonOf(const MapperResult& result, const MapperConfig& config) {
   if (result.state == MatchState::kOk) return "fits";

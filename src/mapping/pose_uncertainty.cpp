@@ -51,6 +51,11 @@ Eigen::Matrix3d relativeCovariance(const UncertainPose& a, const UncertainPose& 
   return rotated(in_map, -a.pose.yaw);
 }
 
+UncertainPose placedAt(const Pose2& pose, const UncertainPose& uncertain) {
+  const double turn = pose.yaw - uncertain.pose.yaw;
+  return {pose, rotated(uncertain.map_covariance, turn), rotated(uncertain.match_covariance, turn)};
+}
+
 void PoseUncertainty::begin(const Pose2& pose) {
   last_ = UncertainPose();
   last_.pose = pose;

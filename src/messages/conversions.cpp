@@ -110,6 +110,25 @@ nav_msgs::OccupancyGrid toMessage(MapSnapshot map) {
   return message;
 }
 
+MapSnapshot fromMessage(const nav_msgs::OccupancyGrid& message) {
+  constexpr double kRound = 1e6;  // 0.05 as float32 is 0.050000001
+  constexpr std::int8_t kOccupiedFrom = 50;
+  MapSnapshot map;
+  const std::size_t cells = static_cast<std::size_t>(message.info.width) * message.info.height;
+  if (message.data.size() != cells || !(message.info.resolution > 0.0F)) return map;
+  map.resolution_m = std::round(static_cast<double>(message.info.resolution) * kRound) / kRound;
+  map.origin_x = message.info.origin.position.x;
+  map.origin_y = message.info.origin.position.y;
+  map.width = static_cast<int>(message.info.width);
+  map.height = static_cast<int>(message.info.height);
+  for (const std::int8_t value : message.data) {
+    map.cells.push_back(value < 0               ? MapSnapshot::kUnknown
+                        : value < kOccupiedFrom ? MapSnapshot::kFree
+                                                : MapSnapshot::kOccupied);
+  }
+  return map;
+}
+
 sensor_msgs::Range toRangeMessage(const ros::Time& stamp, const std::string& level_frame,
                                   double height_m, double max_height_m) {
   sensor_msgs::Range message;

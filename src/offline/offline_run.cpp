@@ -10,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "kestrel_slam/graph/submap_graph.h"
 #include "kestrel_slam/offline/arrival_order.h"
 
 namespace kestrel {
@@ -220,8 +221,8 @@ class Runner {
     entry.odom_T_base = sweep.input.odom_T_base;
     run_.scans.push_back(entry);
     run_.trajectory.push_back({sweep.scan.stamp, result.pose});
-    if (pipeline_.graph())
-      keyframe_.push_back(std::max<std::size_t>(1, pipeline_.graph()->keyframes().size()) - 1);
+    if (const SubmapGraph* graph = pipeline_.graph())
+      keyframes_.push_back(graph->keyframes().size());
     addDistance(result.pose);
     const std::string place = placeOf(sweep.input);
     if (result.state == MatchState::kLost) lost_.add(place);
@@ -239,17 +240,14 @@ class Runner {
     last_counted_ = pose;
   }
 
-  /// Moves every pose with the keyframe before it.
+  /// Corrects the poses and the map by the loops that were found.
   void correct(SubmapGraph& graph) {
     graph.finish();
-    for (std::size_t i = 0; i < keyframe_.size(); ++i)
-      run_.trajectory[i].pose = graph.mapTLocal(keyframe_[i]) * run_.trajectory[i].pose;
-    Submap map(config_.slam.mapper.grid);
-    for (std::size_t i = 0; i < graph.keyframes().size(); ++i) {
-      const GraphKeyframe& keyframe = graph.keyframes()[i];
-      map.insert(keyframe.scan, graph.graph().vertices[i].pose, keyframe.new_view);
-    }
-    run_.map = map.grid().snapshot();
+    run_.graph = resultOf(graph, run_.trajectory);
+    run_.trajectory = corrected(run_.trajectory, keyframes_, graph);
+    for (std::size_t i = 0; i < run_.scans.size(); ++i)
+      run_.scans[i].uncertain = placedAt(run_.trajectory[i].pose, run_.scans[i].uncertain);
+    run_.map = mapOf(graph, config_.slam.mapper.grid);
   }
 
   void finishFilter() {
@@ -308,7 +306,7 @@ class Runner {
   double work_s_ = 0.0;           ///< time in earlier calls since the last scan
 
   OfflineRun run_;
-  std::vector<std::size_t> keyframe_;  ///< the last one at every scan
+  std::vector<std::size_t> keyframes_;  ///< number of keyframes at every scan
   std::size_t read_ = 0;
   std::optional<double> first_time_;
   std::optional<double> first_stamp_;  ///< arrival of the first scan, s

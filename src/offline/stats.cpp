@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "kestrel_slam/offline/provenance.h"
 #include "kestrel_slam/offline/version.h"
 
 namespace kestrel {
@@ -58,6 +59,24 @@ Json mapOf(const OfflineRun& run) {
       {"height_m", rounded(map.height * map.resolution_m, kFine)},
       {"known_area_m2", rounded(knownArea(map), kCoarse)},
       {"memory_mb", rounded(static_cast<double>(run.map_memory_bytes) / kBytesPerMegabyte, kFine)}};
+}
+
+/// Without loops: null.
+Json graphOf(const OfflineRun& run) {
+  if (!run.graph) return nullptr;
+  Json loops = Json::object();
+  for (const auto& [what, count] : run.graph->counts()) loops[what] = count;
+  double correction = 0.0;
+  for (std::size_t i = 0; i < run.trajectory.size(); ++i) {
+    const Pose2& before = run.graph->before[i].pose;
+    correction = std::max(correction, before.between(run.trajectory[i].pose).distance());
+  }
+  return {{"keyframes", run.graph->stamps.size()},
+          {"submaps", run.graph->submaps},
+          {"loops", loops},
+          {"largest_correction_m", rounded(correction, kFine)},
+          {"memory_mb",
+           rounded(static_cast<double>(run.graph->memory_bytes) / kBytesPerMegabyte, kFine)}};
 }
 
 Json timingOf(const OfflineRun& run) {
@@ -142,17 +161,25 @@ double rounded(double value, int decimals) {
 
 nlohmann::ordered_json statsOf(const OfflineRun& run, const RunInfo& info) {
   const MatchSummary match = summarize(run.scans);
-  Json stats = {{"version", kVersion},
-                {"recording", {{"name", info.recording}, {"description", info.description}}},
-                {"odometry", info.odometry ? "use" : "none"},
-                {"filter", filterOf(run)},
-                {"scans", scansOf(run, match)},
-                {"match", matchOf(match, run.scans.size())},
-                {"distance_m", rounded(run.distance_m, kFine)},
-                {"duration_s", rounded(run.duration_s, kFine)},
-                {"map", mapOf(run)},
-                {"parameters", parametersJson(info.config)},
-                {"warnings", run.warnings}};
+  const Json parameters = parametersJson(info.config);
+  Json options = Json::object();
+  for (const auto& [name, value] : info.options) options[name] = value;
+  Json stats = {
+      {"version", kVersion},
+      {"commit", builtCommit()},
+      {"recording",
+       {{"name", info.recording}, {"description", info.description}, {"hash", info.hash}}},
+      {"parameters_hash", hashOfText(parameters.dump() + options.dump())},
+      {"odometry", info.odometry ? "use" : "none"},
+      {"filter", filterOf(run)},
+      {"scans", scansOf(run, match)},
+      {"match", matchOf(match, run.scans.size())},
+      {"distance_m", rounded(run.distance_m, kFine)},
+      {"duration_s", rounded(run.duration_s, kFine)},
+      {"map", mapOf(run)},
+      {"options", options},
+      {"parameters", parameters},
+      {"warnings", run.warnings}};
   if (info.timing) stats["timing"] = timingOf(run);
   return stats;
 }

@@ -89,17 +89,26 @@ std::vector<Parameter> evaluationParametersOf(EvaluationConfig& evaluation) {
   };
 }
 
-std::vector<Parameter> graphParametersOf(WindowConfig& window) {
+std::vector<Parameter> graphParametersOf(WindowConfig& window, LoopConfig& loops) {
   return {
       flag("graph", &window.enabled,
            "Match against the last submaps only, and correct the map with a pose graph when a loop "
            "closes; false: one map that grows."),
-      number("submap_scans", "", &window.submap_scans, 5.0, 1e6,
-             "Inserted scans in a submap; scans are matched against one to two submaps."),
-      number("submap_overlap", "", &window.overlap_scans, 1.0, 1e6, "Overlap."),
+      number("submap_scans", "", &window.submap_scans, 5.0, 1e6, "Inserted scans in a submap."),
+      number("submap_overlap", "", &window.overlap_scans, 1.0, 1e6,
+             "Last scans of a submap that the next one is matched against at its beginning; less "
+             "than submap_scans."),
       number("submap_degenerate_weight", "", &window.degenerate_weight, 0.01, 1.0,
              "How much an inserted scan with an unobservable direction counts for the length of a "
              "submap; a smaller value keeps more of a corridor."),
+      number("loop_search_window", "m", &loops.wide_radius_m, 0.5, 50.0,
+             "Half width in x and y of the search for a loop, in which the place must be unique; a "
+             "larger window finds larger errors and needs more time."),
+      number("loop_min_fit", "", &loops.min_fit, 0.0, 1.0,
+             "Smallest score of the scans at a place that was visited before."),
+      number("loop_min_margin", "", &loops.min_margin, 0.0, 1.0,
+             "By how much this score must be better than anywhere else in the search window; a "
+             "larger value refuses more loops as ambiguous."),
   };
 }
 
@@ -176,7 +185,7 @@ std::vector<Parameter> mappingParametersOf(SlamConfig& config) {
                  group("Matching", matchingParametersOf(config.mapper)),
                  group("Matching: search", searchParametersOf(matcher)),
                  group("Evaluation of a match", evaluationParametersOf(config.mapper.evaluation)),
-                 group("Pose graph", graphParametersOf(config.mapper.window)),
+                 group("Pose graph", graphParametersOf(config.mapper.window, config.loops)),
                  group("Matcher progressive", candidateParametersOf(matcher.progressive)),
                  group("Matcher progressive", refinementParametersOf(matcher.progressive)),
                  group("Matcher icp", icpParametersOf(matcher.icp))});

@@ -17,6 +17,8 @@ const char* const kIntroduction =
     "# map_recording.\n"
     "# Keep only the lines that you change; a missing parameter keeps its default.\n"
     "# This file is the output of `map_recording --list-parameters`.\n";
+const char* const kGivenIntroduction =
+    "# All parameters of kestrel_slam with the values that were given.\n";
 const char* const kFilterIntroduction =
     "# Parameters of the pose filter with their defaults, for pose_filter_node.\n"
     "# Keep only the lines that you change; a missing parameter keeps its default.\n"
@@ -96,6 +98,10 @@ void loadParameters(const std::string& path, SlamConfig& config) {
 std::string defaultParametersYaml() {
   SlamConfig config;
   return yamlOf(parametersOf(config), kIntroduction);
+}
+
+std::string parametersYaml(SlamConfig config) {
+  return yamlOf(parametersOf(config), kGivenIntroduction);
 }
 
 std::string defaultFilterParametersYaml() {

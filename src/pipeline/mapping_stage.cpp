@@ -22,16 +22,11 @@ PlanarRay moved(const Pose2& a_T_b, const PlanarRay& ray) {
 
 }  // namespace
 
-MappingStage::MappingStage(const MapperConfig& config) : mapper_(config) {
-  if (config.window.enabled) graph_.emplace(config, LoopConfig());
-}
-
 MapperResult MappingStage::process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                                    const std::optional<double>& time) {
   scan.time = time ? *time : time_base_.repair(scan.source, scan.stamp);
   if (!steps_.empty() && scan.time <= steps_.back().time) return processLate(scan);
   const MapperResult result = mapper_.process(scan, odom_T_base);
-  if (graph_) graph_->add(scan, result);
   remember(scan, odom_T_base, result.pose);
   return result;
 }
@@ -49,7 +44,6 @@ MapperResult MappingStage::processLate(const PlanarScan& scan) {
   current.integrated_acceleration = last.integrated_acceleration;
   current.predicted = last.predicted;
   MapperResult result = mapper_.process(current, last.odom_T_base);
-  if (graph_) graph_->add(current, result);
   last.pose = result.pose;
   result.pose = result.pose * last_T_scan;
   return result;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "kestrel_slam/graph/submap_graph.h"
+
 namespace kestrel {
 namespace {
 
@@ -19,7 +21,9 @@ Pipeline::Pipeline(const PipelineConfig& config)
       projection_(projectionConfigOf(config)),
       filter_(config.filter),
       mapping_(config.slam.mapper),
-      queue_(config.queue_size) {}
+      queue_(config.queue_size) {
+  startGraph();
+}
 
 void Pipeline::advance(double arrival) {
   now_ = std::max(now_, arrival);
@@ -30,6 +34,13 @@ void Pipeline::deliverPoses() {
   for (; !poses_.empty() && poses_.front().arrival <= now_; poses_.pop_front()) {
     fuse(poses_.front().pose, filter_);
   }
+}
+
+Pipeline::~Pipeline() = default;
+
+void Pipeline::startGraph() {
+  if (!config_.slam.mapper.window.enabled) return;
+  graph_ = std::make_unique<SubmapGraph>(config_.slam.mapper, config_.slam.loops);
 }
 
 void Pipeline::addImu(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu,
@@ -120,6 +131,7 @@ void Pipeline::map(const PipelineScan& scan, bool level) {
     return;
   }
   const MapperResult result = mapping_.process(projection.scan, scan.odom_T_base, scan.time);
+  if (graph_) graph_->add(projection.scan, result);
   const MatchedPose pose = matchedPoseOf(result, stamp);
   // As mapper.launch, which has no projector: a level laser is not corrected for its motion.
   if (!config_.level) projection_.addVelocity(stamp, pose.velocity);
@@ -169,6 +181,7 @@ void Pipeline::reset(const Pose2& map_T_base) {
   queue_.clear();
   poses_.clear();
   mapping_.reset(map_T_base);
+  startGraph();
 }
 
 }  // namespace kestrel

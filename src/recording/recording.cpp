@@ -8,6 +8,7 @@
 #include "kestrel_slam/recording/carmen_log.h"
 #include "kestrel_slam/recording/file_kind.h"
 #include "kestrel_slam/recording/range_table.h"
+#include "kestrel_slam/recording/recording_info.h"
 #include "kestrel_slam/recording/reference.h"
 #ifdef KESTREL_WITH_ROS
 #include "kestrel_slam/recording/bag/bag_recording.h"
@@ -15,6 +16,9 @@
 
 namespace kestrel {
 namespace {
+
+const std::string kBag = "rosbag", kCarmenLog = "CARMEN log", kBreezyLog = "BreezySLAM log",
+                  kRangeTable = "table of ranges";
 
 std::unique_ptr<Recording> openBags(const std::vector<std::string>& paths,
                                     [[maybe_unused]] const RecordingOptions& options) {
@@ -42,12 +46,21 @@ void requireContent(const std::string& path) {
 
 }  // namespace
 
+std::string recordingFormat(const std::string& path) {
+  if (isBag(path)) return kBag;
+  if (looksLikeCarmenLog(path)) return kCarmenLog;
+  if (looksLikeBreezyLog(path)) return kBreezyLog;
+  if (looksLikeRangeTable(path)) return kRangeTable;
+  return "";
+}
+
 std::unique_ptr<Recording> openRecording(const std::string& path, const RecordingOptions& options) {
   requireContent(path);
-  if (isBag(path)) return openBags({path}, options);
-  if (looksLikeCarmenLog(path)) return std::make_unique<CarmenLog>(path);
-  if (looksLikeBreezyLog(path)) return std::make_unique<BreezyLog>(path);
-  if (looksLikeRangeTable(path)) return std::make_unique<RangeTable>(path, options);
+  const std::string format = recordingFormat(path);
+  if (format == kBag) return openBags({path}, options);
+  if (format == kCarmenLog) return std::make_unique<CarmenLog>(path);
+  if (format == kBreezyLog) return std::make_unique<BreezyLog>(path);
+  if (format == kRangeTable) return std::make_unique<RangeTable>(path, options);
   throw std::runtime_error(
       path +
       ": unknown format; use a rosbag, a CARMEN log, a BreezySLAM log or a table of "

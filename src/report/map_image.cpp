@@ -13,8 +13,6 @@
 namespace kestrel {
 namespace {
 
-constexpr unsigned char kFreeGray = 254, kUnknownGray = 205, kOccupiedGray = 0;
-
 using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 
 void check(cairo_status_t status) {
@@ -25,15 +23,14 @@ void check(cairo_status_t status) {
 }
 
 /// The value of a block: occupied before free before unknown. The block must overlap the map.
-unsigned char grayOf(const MapSnapshot& map, int first_column, int first_row, int size) {
+std::int8_t valueOf(const MapSnapshot& map, int first_column, int first_row, int size) {
   std::int8_t value = MapSnapshot::kUnknown;
   for (int row = first_row; row < std::min(first_row + size, map.height); ++row) {
     for (int column = first_column; column < std::min(first_column + size, map.width); ++column) {
       value = std::max(value, map.at(column, row));
     }
   }
-  if (value == MapSnapshot::kUnknown) return kUnknownGray;
-  return value == MapSnapshot::kFree ? kFreeGray : kOccupiedGray;
+  return value;
 }
 
 cairo_status_t append(void* target, const unsigned char* data, unsigned int length) {
@@ -57,7 +54,12 @@ std::pair<int, int> coreOf(const std::vector<std::size_t>& counts, std::size_t t
 
 }  // namespace
 
-MapImage renderMap(const MapSnapshot& map, int max_side_pixels) {
+unsigned char grayOf(std::int8_t cell, const MapGrays& grays) {
+  if (cell == MapSnapshot::kUnknown) return grays.unknown;
+  return cell == MapSnapshot::kFree ? grays.free : grays.occupied;
+}
+
+MapImage renderMap(const MapSnapshot& map, int max_side_pixels, const MapGrays& grays) {
   MapImage image;
   if (map.empty()) return image;
   const int side = std::max(map.width, map.height);
@@ -75,7 +77,8 @@ MapImage renderMap(const MapSnapshot& map, int max_side_pixels) {
   for (int y = 0; y < image.height; ++y) {
     const int row = (image.height - 1 - y) * block;
     for (int x = 0; x < image.width; ++x) {
-      pixels[static_cast<std::ptrdiff_t>(y) * stride + x] = grayOf(map, x * block, row, block);
+      pixels[static_cast<std::ptrdiff_t>(y) * stride + x] =
+          grayOf(valueOf(map, x * block, row, block), grays);
     }
   }
   cairo_surface_mark_dirty(surface.get());

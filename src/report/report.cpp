@@ -96,10 +96,18 @@ Json headlinesOf(const OfflineRun& run, const RunInfo& info) {
   return headlines;
 }
 
+std::string loopsOf(const GraphResult& graph) {
+  std::string result;
+  for (const auto& [what, count] : graph.counts())
+    result += (result.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+  return result.empty() ? "none" : result;
+}
+
 Json rowsOf(const OfflineRun& run, const RunInfo& info) {
   Json rows = Json::array();
   addMatchRows(rows, run);
   addRow(rows, "Map", mapText(run.map));
+  if (run.graph) addRow(rows, "Loops", loopsOf(*run.graph));
   addRow(rows, "Odometry", info.odometry ? "used" : "not used (laser only)");
   if (info.timing) {
     const Distribution ms = scanTimes(run);
@@ -207,6 +215,27 @@ Json pathOf(const OfflineRun& run, const std::vector<double>& times) {
   return {{"t", t}, {"x", x}, {"y", y}, {"yaw", yaw}, {"state", state}, {"reason", reason}};
 }
 
+/// Where loops were accepted and refused: lines [x0, y0, x1, y1] (m) between the two keyframes,
+/// with the reason ("" if accepted); and the path before the correction.
+Json graphOf(const OfflineRun& run) {
+  Json loops = Json::array(), x = Json::array(), y = Json::array();
+  if (!run.graph) return {{"loops", loops}, {"x", x}, {"y", y}};
+  const auto& vertices = run.graph->graph.vertices;
+  for (const Loop& loop : run.graph->loops) {
+    const Pose2 &a = vertices[loop.anchor].pose, &b = vertices[loop.query].pose;
+    loops.push_back({{"at", Json::array({rounded(a.x, kMillimeter), rounded(a.y, kMillimeter),
+                                         rounded(b.x, kMillimeter), rounded(b.y, kMillimeter)})},
+                     {"state", toString(loop.state)},
+                     {"reason", loop.reason}});
+  }
+  const std::size_t stride = run.graph->before.size() / kMaxPoints + 1;
+  for (std::size_t i = 0; i < run.graph->before.size(); i += stride) {
+    x.push_back(rounded(run.graph->before[i].pose.x, kMillimeter));
+    y.push_back(rounded(run.graph->before[i].pose.y, kMillimeter));
+  }
+  return {{"loops", loops}, {"x", x}, {"y", y}};
+}
+
 /// The box around the walls: [x0, y0, x1, y1], m; null without walls.
 Json wallsOf(const MapSnapshot& map) {
   const std::optional<Eigen::AlignedBox2d> box = wallBox(map);
@@ -249,6 +278,7 @@ std::string reportHtml(const OfflineRun& run, const RunInfo& info) {
                      {"charts", chartsOf(run, info, times)},
                      {"reasons", reasonsOf(run, times)},
                      {"path", pathOf(run, times)},
+                     {"graph", graphOf(run)},
                      {"map", imageOf(run.map)}};
   return std::string("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n") +
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n" +

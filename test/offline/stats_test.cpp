@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "kestrel_slam/map/atomic_file.h"
+#include "kestrel_slam/offline/provenance.h"
 #include "kestrel_slam/offline/version.h"
 #include "temporary_folder.h"
 
@@ -85,6 +86,31 @@ TEST(StatsTest, CountsAndShares) {
   EXPECT_EQ(stats["odometry"], "none");
   EXPECT_EQ(stats["version"], kVersion);
   EXPECT_EQ(stats["warnings"].dump(), R"(["something happened"])");
+}
+
+TEST(StatsTest, TheHashOfTheParametersChangesWithParametersAndOptions) {
+  const auto hashOf = [](const RunInfo& info) {
+    return statsOf(smallRun(), info)["parameters_hash"];
+  };
+  const RunInfo plain = infoOf(true);
+  RunInfo other_parameter = plain, other_option = plain, other_file = plain;
+  other_parameter.config.mapper.grid.resolution_m = 0.1;
+  other_option.options = {{"--odometry", "use"}};
+  other_file.hash = "1";
+  EXPECT_NE(hashOf(plain), hashOf(other_parameter));
+  EXPECT_NE(hashOf(plain), hashOf(other_option));
+  EXPECT_EQ(hashOf(plain), hashOf(other_file));
+  EXPECT_EQ(statsOf(smallRun(), other_file)["recording"]["hash"], "1");
+  EXPECT_EQ(statsOf(smallRun(), plain)["commit"], builtCommit());
+}
+
+TEST(ProvenanceTest, HashesAreThoseOfXxh128sum) {
+  // printf abc | xxh128sum
+  EXPECT_EQ(hashOfText("abc"), "06b05ab6733a618578af5f94892f3950");
+  const TemporaryFolder folder;
+  const std::string a = folder.write("a", "ab"), b = folder.write("b", "c");
+  EXPECT_EQ(hashOfFiles({b, a}), hashOfText("abc")) << "in the order of the names";
+  EXPECT_CONTAINS(messageOf([&] { hashOfFiles({folder.file("none")}); }), "cannot read ");
 }
 
 TEST(StatsTest, ContainsEveryParameterWithItsType) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "kestrel_slam/map/map_folder.h"
 #include "kestrel_slam/offline/offline_run.h"
 #include "kestrel_slam/offline/stats.h"
 #include "kestrel_slam/parameters/parameters.h"
@@ -24,12 +25,14 @@ struct MappingArguments {
   std::vector<std::string> recordings;  ///< one file, or the bags of a recording that was split
   std::string config;                   ///< YAML file with parameters; may be empty
   std::string odometry = "none";
+  std::string loops;  ///< none or use; "": as the parameter says
   std::string imu = "use";
   std::string filter = "use";
   std::vector<std::string> settings;  ///< name=value; these override the file
   RecordingOptions topics;
   std::vector<double> laser_pose;  ///< x, y (m), yaw (degrees) of the laser; may be empty
   RunOptions run;                  ///< without the choice of sensors, see `odometry` and `imu`
+  const CLI::App* app = nullptr;   ///< where the options were declared
   bool no_timing = false;
   bool quiet = false;
 
@@ -81,8 +84,10 @@ OfflineRun mapWithProgress(Recording& recording, const SlamConfig& config,
 /// Prints the warnings of a run to standard error; each line begins with `prefix`.
 void printWarnings(const std::string& prefix, const OfflineRun& run);
 
-/// Writes map.pgm, map.yaml, trajectory.tum, covariances.txt, scans.csv, stats.json and
-/// report.html. Throws std::runtime_error.
-void writeOutputs(const std::filesystem::path& folder, const OfflineRun& run, const RunInfo& info);
+/// Writes map.pgm, map.yaml, trajectory.tum, covariances.txt, scans.csv, stats.json, thumbnail.png,
+/// report.html, with a pose graph also loops.csv and graph.g2o, and `others`. Throws
+/// std::runtime_error.
+void writeOutputs(const std::filesystem::path& folder, const OfflineRun& run, const RunInfo& info,
+                  const std::vector<NamedContent>& others = {});
 
 }  // namespace kestrel

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -10,14 +11,28 @@
 
 namespace kestrel {
 
-/// The poses base_T_vertex of an optimized graph, with their covariances (in the tangent space of
-/// base_T_vertex): the marginals of the joint normal distribution of all edges at the optimum.
-///
-/// `edge_weights` are those of OptimizerResult; empty: all are 1. The covariance is that of a fixed
-/// `base`, whichever vertices the optimizer held, unless the graph has fixed vertices. There is no
-/// value for a vertex that no edges connect to `base`, unless fixed vertices tell where both are,
-/// and none at all if the graph has an error. The cost is one sparse factorization, and three
-/// solutions with it for each vertex.
+/// The joint normal distribution of the poses of an optimized graph. One sparse factorization when
+/// it is made, and a few solutions with it for each question.
+class GraphMarginals {
+ public:
+  /// `edge_weights` are those of OptimizerResult; empty: all are 1.
+  GraphMarginals(const PoseGraph& graph, const std::vector<double>& edge_weights);
+  ~GraphMarginals();
+  GraphMarginals(GraphMarginals&&) noexcept;
+  GraphMarginals& operator=(GraphMarginals&&) noexcept;
+
+  /// The pose from_T_to with its covariance (in the tangent space of from_T_to). It does not depend
+  /// on the vertices that the optimizer held, unless the graph has fixed vertices. Nothing if no
+  /// edges connect the two, unless fixed vertices tell where both are; or if the graph has an
+  /// error.
+  std::optional<GaussianPose2> between(std::size_t from, std::size_t to) const;
+
+ private:
+  struct Joint;
+  std::unique_ptr<Joint> joint_;
+};
+
+/// GraphMarginals::between(base, vertex) for several vertices.
 std::vector<std::optional<GaussianPose2>> marginals(const PoseGraph& graph,
                                                     const std::vector<double>& edge_weights,
                                                     std::size_t base,

@@ -20,6 +20,9 @@ struct OptimizerOptions {
   int max_iterations = 100;
   /// The optimization has converged when a step lowers the cost by a smaller share.
   double min_decrease = 1e-8;
+  /// The error of a yaw is 2 sin(angle / 2) instead of the angle, as in [Rosen 2019]. It has no
+  /// step at half a turn.
+  bool chordal = false;
 };
 
 struct OptimizerResult {

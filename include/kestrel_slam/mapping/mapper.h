@@ -8,7 +8,6 @@
 
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/map/map_snapshot.h"
-#include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/mapping/mapper_config.h"
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 #include "kestrel_slam/matching/match_result.h"
@@ -38,12 +37,13 @@ struct MapperResult {
   const char* reason = "";  ///< of the state, see reasonOf()
   bool blank = false;       ///< too few hits for a match
   bool carried = false;     ///< there is no match: `pose` is the prediction, not a measurement
+  bool followed = false;    ///< the scan was matched with the scans before it, not with the map
+  bool new_part = false;    ///< the map goes on here, at a place that is not known well
   double evaluation = 0.0;  ///< f of [MAV SLAM 2013, eq. 4]: small if the scan fits
   bool inserted = false;    ///< the scan was inserted into the map
   /// Of an inserted scan:
   bool new_view = false;     ///< see OccupancyGrid::insert
   std::uint32_t submap = 0;  ///< number of the submap that it belongs to
-  std::shared_ptr<const Submap> finished_window;
   /// Covariance of the motion since the scan that was inserted before it, in the base frame of that
   /// scan, m² and rad².
   Eigen::Matrix3d keyframe_covariance = Eigen::Matrix3d::Zero();

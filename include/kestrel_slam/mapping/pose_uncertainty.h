@@ -25,6 +25,9 @@ struct UncertainPose {
 /// come from the same chain of scans, so that the common error cancels.
 Eigen::Matrix3d relativeCovariance(const UncertainPose& a, const UncertainPose& b);
 
+/// The same errors at a pose to which the vehicle was moved together with its map.
+UncertainPose placedAt(const Pose2& pose, const UncertainPose& uncertain);
+
 /// Error of the position and of the speed along an unobservable direction, relative to the map
 /// around the vehicle.
 struct AlongError {

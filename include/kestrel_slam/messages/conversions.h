@@ -44,6 +44,9 @@ geometry_msgs::PoseWithCovariance toMessage(const Pose2& pose, const Eigen::Matr
 /// The caller must set the header.
 nav_msgs::OccupancyGrid toMessage(MapSnapshot map);
 
+/// A map of any node: values from 50 on are occupied. Empty if its size contradicts its data.
+MapSnapshot fromMessage(const nav_msgs::OccupancyGrid& message);
+
 /// A height as a range message. Its level frame marks it as a vertical height, not a distance along
 /// a tilted axis.
 sensor_msgs::Range toRangeMessage(const ros::Time& stamp, const std::string& level_frame,

@@ -12,6 +12,7 @@
 
 #include "kestrel_slam/map/map_snapshot.h"
 #include "kestrel_slam/mapping/mapper.h"
+#include "kestrel_slam/offline/graph_result.h"
 #include "kestrel_slam/offline/perturbation.h"
 #include "kestrel_slam/pipeline/pipeline.h"
 #include "kestrel_slam/recording/recording.h"
@@ -56,6 +57,7 @@ struct OfflineRun {
   double peak_memory_mb = 0.0;        ///< measured, of the whole process
   std::size_t map_memory_bytes = 0;
   MapSnapshot map;
+  std::optional<GraphResult> graph;    ///< if loops were searched for
   std::optional<FilterStatus> filter;  ///< status at the end; absent if the pose filter did not run
 
   std::size_t droppedCount() const;

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kestrel_slam/offline/offline_run.h"
@@ -14,6 +15,9 @@ namespace kestrel {
 struct RunInfo {
   std::string recording;    ///< the file's name, without its folder
   std::string description;  ///< one line about the file
+  std::string hash;         ///< of the content of the files
+  /// Name and value of the options that change the result, beside the parameters.
+  std::vector<std::pair<std::string, std::string>> options;
   SlamConfig config;
   bool odometry = false;
   bool timing = true;  ///< false: omit measured times, so that two runs give identical files

@@ -21,7 +21,9 @@ void takeParameters(const std::string& yaml, const std::string& source,
 
 /// All parameters of projector and mapper with their defaults as a commented YAML file.
 std::string defaultParametersYaml();
-/// The same of the pose filter.
+/// The same with the values of `config`.
+std::string parametersYaml(SlamConfig config);
+/// The defaults of the pose filter.
 std::string defaultFilterParametersYaml();
 
 }  // namespace kestrel

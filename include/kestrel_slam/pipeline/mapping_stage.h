@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "kestrel_slam/graph/submap_graph.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/sensor/time_base.h"
 
@@ -15,7 +14,7 @@ namespace kestrel {
 /// Not thread-safe.
 class MappingStage {
  public:
-  explicit MappingStage(const MapperConfig& config);
+  explicit MappingStage(const MapperConfig& config) : mapper_(config) {}
 
   /// Matches a planar scan. If the caller has already repaired the time base, the argument `time`
   /// (s) is used. Otherwise the time of the scan is computed from its stamp; each source has its
@@ -37,7 +36,6 @@ class MappingStage {
   }
 
   const Mapper& mapper() const { return mapper_; }
-  SubmapGraph* graph() { return graph_ ? &*graph_ : nullptr; }
 
  private:
   /// What the mapper got with a scan, and its pose.
@@ -55,7 +53,6 @@ class MappingStage {
 
   TimeBase time_base_;
   Mapper mapper_;
-  std::optional<SubmapGraph> graph_;
   std::deque<Step> steps_;  ///< of the last second, ascending times
 };
 

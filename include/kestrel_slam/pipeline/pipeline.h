@@ -6,6 +6,7 @@
 #include <deque>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -20,6 +21,8 @@
 #include "kestrel_slam/pipeline/waiting_queue.h"
 
 namespace kestrel {
+
+class SubmapGraph;
 
 /// Which data the pose filter exchanges with the projector and the mapper.
 struct CouplingOptions {
@@ -77,6 +80,7 @@ class Pipeline {
  public:
   /// Throws std::invalid_argument if a value of the configuration is out of range.
   explicit Pipeline(const PipelineConfig& config);
+  ~Pipeline();
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
@@ -96,7 +100,8 @@ class Pipeline {
   void reset(const Pose2& map_T_base = Pose2());
 
   const Mapper& mapper() const { return mapping_.mapper(); }
-  SubmapGraph* graph() { return mapping_.graph(); }
+  /// Null if scans are matched against one map that grows.
+  SubmapGraph* graph() { return graph_.get(); }
   const PoseFilter& filter() const { return filter_; }
   const ProjectionStage& projection() const { return projection_; }
 
@@ -119,6 +124,7 @@ class Pipeline {
     MatchedPose pose;
   };
 
+  void startGraph();
   void advance(double arrival);
   void deliverPoses();
   void updateFilter(const CheckedImu& reading);
@@ -134,6 +140,7 @@ class Pipeline {
   ProjectionStage projection_;
   PoseFilter filter_;
   MappingStage mapping_;
+  std::unique_ptr<SubmapGraph> graph_;
   WaitingQueue<WaitingScan> queue_;
   std::deque<WaitingPose> poses_;  ///< delayed poses that the filter will receive later
   double now_ = -std::numeric_limits<double>::infinity();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "kestrel_slam/graph/loop.h"
 #include "kestrel_slam/mapping/mapper_config.h"
 #include "kestrel_slam/sensor/attitude_tracker.h"
 #include "kestrel_slam/sensor/beam_filter.h"
@@ -12,6 +13,7 @@ struct SlamConfig {
   ProjectorConfig projector;
   AttitudeConfig attitude;
   MapperConfig mapper;
+  LoopConfig loops;
 };
 
 }  // namespace kestrel

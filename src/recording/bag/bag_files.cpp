@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 
@@ -84,6 +85,18 @@ void BagFiles::requireNotStopped() const {
   if (stop_ && stop_()) {
     throw std::runtime_error("stopped while the recording was being opened; nothing was written");
   }
+}
+
+double BagFiles::begin() const {
+  double begin = std::numeric_limits<double>::infinity();
+  for (const auto& file : files_) begin = std::min(begin, file->begin);
+  return begin;
+}
+
+double BagFiles::end() const {
+  double end = 0.0;
+  for (const auto& file : files_) end = std::max(end, file->end);
+  return end;
 }
 
 BagTopics BagFiles::topics() const {

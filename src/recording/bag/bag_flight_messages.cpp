@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bag_flight_messages.h"
+#include "kestrel_slam/recording/bag/bag_flight_messages.h"
 
 #include <sensor_msgs/point_cloud2_iterator.h>
 

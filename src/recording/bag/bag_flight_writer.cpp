@@ -9,7 +9,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "bag_flight_messages.h"
+#include "kestrel_slam/recording/bag/bag_flight_messages.h"
 
 namespace kestrel {
 namespace {

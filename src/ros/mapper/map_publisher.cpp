@@ -14,6 +14,7 @@
 #include "kestrel_slam/map/map_io.h"
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/ros/common/wall_throttle.h"
+#include "kestrel_slam/ros/mapper/graph_markers.h"
 
 namespace kestrel {
 namespace {
@@ -62,6 +63,11 @@ void MapPublisher::advertise() {
   update_publisher_ = nh_.advertise<map_msgs::OccupancyGridUpdate>("map_updates", kQueueSize);
   metadata_publisher_ = nh_.advertise<nav_msgs::MapMetaData>("map_metadata", kQueueSize, true);
   trajectory_publisher_ = nh_.advertise<nav_msgs::Path>("trajectory", kQueueSize, true);
+  if (mapper_.graph() != nullptr) {
+    using visualization_msgs::MarkerArray;
+    graph_publisher_ = nh_.advertise<MarkerArray>("graph_markers", kQueueSize, true);
+    loop_publisher_ = nh_.advertise<MarkerArray>("loop_closures", kQueueSize, true);
+  }
   if (with_map_service_) {
     map_server_ = nh_.advertiseService("dynamic_map", &MapPublisher::dynamicMap, this);
   }
@@ -76,6 +82,7 @@ void MapPublisher::tick() {
     publishMap();
     publishUpdate();
     publishTrajectory();
+    publishGraph();
   } catch (const std::exception& error) {
     KESTREL_ERROR_THROTTLE(kComplainEvery, "The map was not published: %s", error.what());
   }
@@ -159,6 +166,17 @@ void MapPublisher::publishTrajectory() {
   next_trajectory_ = now + ros::WallDuration(kTrajectoryPeriod);
   published_trajectory_ = version;
   trajectory_publisher_.publish(trajectory_.path(map_frame_));
+}
+
+void MapPublisher::publishGraph() {
+  const GraphWorker* graph = mapper_.graph();
+  const ros::WallTime now = ros::WallTime::now();
+  if (graph == nullptr || now < next_graph_ || graph->version() == published_graph_) return;
+  next_graph_ = now + ros::WallDuration(kTrajectoryPeriod);
+  published_graph_ = graph->version();
+  const GraphView view = graph->view();
+  graph_publisher_.publish(graphMarkers(view, map_frame_, stamp_));
+  loop_publisher_.publish(loopMarkers(view, map_frame_, stamp_));
 }
 
 /// The map of `replica_`.

@@ -51,7 +51,7 @@ Pose2 placeFrom(const geometry_msgs::Pose& message) {
 
 MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
     : config_(loadParameters(private_nh)),
-      mapper_(config_.slam.mapper),
+      mapper_(config_.slam.mapper, config_.slam.loops),
       queue_(static_cast<std::size_t>(config_.scan_subscriber_queue_size)),
       projection_(levelProjection(config_)),
       pose_publisher_(nh, config_) {
@@ -68,6 +68,8 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
   restart_server_ =
       nh.advertiseService("restart_mapping_with_new_pose", &MapperNode::restartMapping, this);
   map_publisher_ = std::make_unique<MapPublisher>(nh, config_, mapper_, trajectory_);
+  trajectory_services_ = std::make_unique<TrajectoryServices>(map_publisher_->nodeHandle(),
+                                                              config_.map_frame, trajectory_);
   input_ = std::make_unique<ScanInput>(nh, config_, statistics_,
                                        [this](ReadyScan scan) { enqueue(std::move(scan)); });
   diagnostics_ = std::make_unique<Diagnostics>(

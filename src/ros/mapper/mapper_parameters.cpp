@@ -6,6 +6,7 @@
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/parameters/parameter_table.h"
 #include "kestrel_slam/ros/common/private_parameters.h"
+#include "kestrel_slam/ros/mapper/foreign_parameters.h"
 
 namespace kestrel {
 namespace {
@@ -28,6 +29,7 @@ UnneededParameters unneededParameters() {
       {"pub_debug_output", kNoDebug},
       {"output_timing", "the time per scan is in /diagnostics"},
   };
+  unneeded.merge(foreignParameters());
   SlamConfig slam;
   addUnneeded(attitudeParametersOf(slam), "only scan_projector_node uses the attitude", unneeded);
   return unneeded;

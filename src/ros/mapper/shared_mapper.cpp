@@ -7,6 +7,25 @@ namespace kestrel {
 
 using Lock = std::lock_guard<FairMutex>;
 
+namespace {
+
+/// A result of the local frame in map.
+MapperResult inMap(MapperResult result, const Pose2& map_T_local) {
+  result.pose = map_T_local * result.pose;
+  result.match.pose = map_T_local * result.match.pose;
+  result.match.degenerate_direction = map_T_local.rotation() * result.match.degenerate_direction;
+  result.match.covariance = rotated(result.match.covariance, map_T_local.yaw);
+  result.covariance = rotated(result.covariance, map_T_local.yaw);
+  result.uncertain = placedAt(result.pose, result.uncertain);
+  return result;
+}
+
+}  // namespace
+
+SharedMapper::SharedMapper(const MapperConfig& config, const LoopConfig& loops)
+    : mapping_(config),
+      graph_(config.window.enabled ? std::make_unique<GraphWorker>(config, loops) : nullptr) {}
+
 MapperResult SharedMapper::process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                                    const ros::Time& stamp) {
   const Lock lock(mutex_);
@@ -14,13 +33,16 @@ MapperResult SharedMapper::process(PlanarScan& scan, const std::optional<Pose2>&
   stamp_ = stamp;
   memory_bytes_ = mapping_.mapper().memoryBytes();
   full_ = result.map_full;
-  if (result.inserted) ++version_;
-  return result;
+  if (result.inserted && !graph_) ++version_;
+  if (!graph_) return result;
+  graph_->add(scan, result);
+  return inMap(std::move(result), graph_->mapTLocal());
 }
 
 void SharedMapper::reset(const Pose2& map_T_base) {
   const Lock lock(mutex_);
   mapping_.reset(map_T_base);
+  if (graph_) graph_->reset();
   memory_bytes_ = mapping_.mapper().memoryBytes();
   full_ = false;
   ++map_number_;
@@ -29,7 +51,7 @@ void SharedMapper::reset(const Pose2& map_T_base) {
 
 void SharedMapper::setPose(const Pose2& map_T_base) {
   const Lock lock(mutex_);
-  mapping_.setPose(map_T_base);
+  mapping_.setPose(mapTLocal().inverse() * map_T_base);
 }
 
 void SharedMapper::restartMotion() {
@@ -39,7 +61,7 @@ void SharedMapper::restartMotion() {
 
 Pose2 SharedMapper::pose() const {
   const Lock lock(mutex_);
-  return mapping_.mapper().pose();
+  return mapTLocal() * mapping_.mapper().pose();
 }
 
 MapChanges SharedMapper::takeChanges() {
@@ -47,9 +69,13 @@ MapChanges SharedMapper::takeChanges() {
   MapChanges result;
   result.tiles.reserve(kTiles);
   const Lock lock(mutex_);
-  result.complete = !mapping_.takeChangedTiles(kTiles, result.tiles);
-  result.map_number = map_number_;
-  result.version = version_;
+  result.version = version();
+  if (graph_) {
+    result.complete = !graph_->takeChangedTiles(kTiles, result.tiles, result.map_number);
+  } else {
+    result.complete = !mapping_.takeChangedTiles(kTiles, result.tiles);
+    result.map_number = map_number_;
+  }
   result.stamp = stamp_;
   return result;
 }

@@ -29,7 +29,7 @@ std::vector<std::string> nodeTags(const std::string& text) {
 
 /// On the same master, mapper.launch after mav.launch must not keep input = planar_scan.
 TEST(LaunchFiles, NothingRemainsOfAnEarlierStart) {
-  for (const char* name : {"mapper.launch", "mav.launch", "replay.launch"}) {
+  for (const char* name : {"mapper.launch", "mav.launch", "replay.launch", "demo.launch"}) {
     const std::vector<std::string> tags = nodeTags(launchFile(name));
     EXPECT_FALSE(tags.empty()) << name;
     for (const std::string& tag : tags) {

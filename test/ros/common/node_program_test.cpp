@@ -46,6 +46,13 @@ TEST(NodeProgram, ParametersEqualTheDocument) {
   }
 }
 
+TEST(NodeProgram, ParametersOfOtherProgramsEqualTheDocument) {
+  for (const std::string program : {"geotiff_node", "map_to_image_node", "simulated_flight"}) {
+    EXPECT_TRUE(documented(program) == run(program, "--parameters-markdown").output)
+        << program << ": run scripts/update_api_doc";
+  }
+}
+
 TEST(NodeProgram, HelpNeedsNoMaster) {
   for (const std::string& program : kPrograms) {
     const Outcome outcome = run(program, "--help");

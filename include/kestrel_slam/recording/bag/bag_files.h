@@ -27,6 +27,8 @@ class BagFiles {
   ~BagFiles();
 
   BagTopics topics() const;
+  double begin() const;  ///< record time of the first message, s
+  double end() const;    ///< and of the last one
 
   /// Calls `visit` for every message on the topics, in the order of their record times. Returns the
   /// number of messages that could not be read, or for which `visit` threw an exception.

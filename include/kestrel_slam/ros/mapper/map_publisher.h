@@ -46,6 +46,7 @@ class MapPublisher {
   void refresh();
   void warnOfFullMap();
   void publishTrajectory();
+  void publishGraph();
   bool dynamicMap(nav_msgs::GetMap::Request& request, nav_msgs::GetMap::Response& response);
   bool saveMap(kestrel_slam::SaveMap::Request& request, kestrel_slam::SaveMap::Response& response);
   nav_msgs::OccupancyGrid message();
@@ -60,6 +61,7 @@ class MapPublisher {
   SharedMapper& mapper_;
   TrajectoryLog& trajectory_;
 
+  ros::Publisher graph_publisher_, loop_publisher_;
   ros::Publisher map_publisher_, update_publisher_, metadata_publisher_, trajectory_publisher_;
   ros::ServiceServer map_server_, save_server_;
   ros::WallTimer timer_;
@@ -74,7 +76,8 @@ class MapPublisher {
   std::uint64_t published_version_ = 0;  ///< 0: none yet
   std::uint64_t published_trajectory_ = 0;
   CellRectangle published_known_;  ///< cells of the last published map
-  ros::WallTime next_map_, next_update_, next_trajectory_;
+  std::uint64_t published_graph_ = 0;
+  ros::WallTime next_map_, next_update_, next_trajectory_, next_graph_;
   nav_msgs::MapMetaData last_info_;
   std::unique_ptr<ros::AsyncSpinner> spinner_;
 };

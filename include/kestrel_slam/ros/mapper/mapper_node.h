@@ -24,6 +24,7 @@
 #include "kestrel_slam/ros/mapper/scan_input.h"
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
 #include "kestrel_slam/ros/mapper/trajectory_log.h"
+#include "kestrel_slam/ros/mapper/trajectory_services.h"
 
 namespace kestrel {
 
@@ -77,6 +78,7 @@ class MapperNode {
   ros::ServiceServer reset_server_, pause_server_, restart_server_;
   std::unique_ptr<ScanInput> input_;
   std::unique_ptr<MapPublisher> map_publisher_;
+  std::unique_ptr<TrajectoryServices> trajectory_services_;
   std::unique_ptr<Diagnostics> diagnostics_;
 };
 

@@ -6,11 +6,13 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "kestrel_slam/pipeline/mapping_stage.h"
 #include "kestrel_slam/ros/common/fair_mutex.h"
+#include "kestrel_slam/ros/mapper/graph_worker.h"
 
 namespace kestrel {
 
@@ -23,11 +25,12 @@ struct MapChanges {
   ros::Time stamp;               ///< of the last scan that the mapper saw
 };
 
-/// The mapper with a lock. Besides the matching, no caller holds the lock for more than some tens
-/// of microseconds.
+/// The mapper with a lock, and its pose graph if it has one. All poses are in map: what the mapper
+/// does in its local frame is corrected here. Besides the matching, no caller holds the lock for
+/// more than some tens of microseconds.
 class SharedMapper {
  public:
-  explicit SharedMapper(const MapperConfig& config) : mapping_(config) {}
+  explicit SharedMapper(const MapperConfig& config, const LoopConfig& loops = LoopConfig());
 
   MapperResult process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                        const ros::Time& stamp);
@@ -47,17 +50,23 @@ class SharedMapper {
   MapChanges takeChanges();
 
   /// Changes when the map changes. Never blocks.
-  std::uint64_t version() const { return version_; }
+  std::uint64_t version() const { return version_ + (graph_ ? graph_->version() : 0); }
 
   /// The memory limit kept a part of the map out. Never blocks.
   bool isFull() const { return full_; }
 
   /// Memory of the map after the last scan. Never blocks.
-  std::size_t memoryBytes() const { return memory_bytes_; }
+  std::size_t memoryBytes() const { return memory_bytes_ + (graph_ ? graph_->memoryBytes() : 0); }
+
+  /// Null if scans are matched against one map that grows.
+  const GraphWorker* graph() const { return graph_.get(); }
 
  private:
+  Pose2 mapTLocal() const { return graph_ ? graph_->mapTLocal() : Pose2(); }
+
   mutable FairMutex mutex_;
   MappingStage mapping_;
+  std::unique_ptr<GraphWorker> graph_;
   ros::Time stamp_;
   std::uint64_t map_number_ = 1;
   std::atomic<bool> full_{false};

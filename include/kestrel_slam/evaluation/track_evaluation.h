@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "kestrel_slam/evaluation/track_file.h"
+#include "kestrel_slam/evaluation/tracking_metrics.h"
+#include "kestrel_slam/recording/trajectory.h"
+#include "kestrel_slam/recording/true_objects.h"
+
+namespace kestrel {
+
+struct TrackEvaluationOptions {
+  double max_distance_m = 0.75;  ///< of a match; also the cutoff of OSPA and GOSPA
+  Pose2 base_T_sensor;           ///< frame of the true positions
+  /// True positions belong to the scan whose stamp is at most this far, s. Between two true
+  /// positions of an object that are at most `max_gap_s` apart its position is interpolated.
+  double stamp_tolerance_s = 0.07;
+  double max_gap_s = 0.0;
+  /// An object moves if it was this far from here within the last seconds.
+  double moved_m = 0.5, moved_within_s = 5.0;
+};
+
+/// Tracks that are shown, compared with true objects, scan by scan from the first to the last true
+/// position.
+struct TrackEvaluation {
+  ClearMot all;  ///< over all true objects
+  ClearMot
+      moving;  ///< only those that move count; tracks of the others are neither right nor wrong
+  double ospa = 0.0, gospa = 0.0;  ///< means over the scans, m
+  double position_rmse = 0.0;      ///< of the matches, m
+  double speed_rmse = 0.0;         ///< of the velocity vector, of matches with a true velocity, m/s
+  std::size_t speeds = 0;
+  double identity_share = 0.0;  ///< mean share of its time that an object had one identity
+};
+
+/// Throws std::runtime_error if no scan has a true position.
+TrackEvaluation evaluateTracks(const Trajectory& trajectory, const std::vector<TrackRow>& tracks,
+                               const std::vector<TrueObject>& truth,
+                               const TrackEvaluationOptions& options);
+
+}  // namespace kestrel

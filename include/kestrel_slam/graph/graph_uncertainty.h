@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "kestrel_slam/graph/pose_graph.h"
+
+namespace kestrel {
+
+/// How uncertain one vertex is relative to another one.
+struct RelativeUncertainty {
+  double position_m2 = 1e9;  ///< variance of the position, without the part of the yaw
+  double yaw_rad2 = 1e9;     ///< variance of the yaw
+
+  /// Standard deviation of the position of a point at a distance, m.
+  double sigmaAt(double distance_m) const;
+};
+
+/// Uncertainty of all vertices relative to `from`, along the most certain path of edges. It is
+/// larger than the marginal covariance, which uses all paths, and costs much less.
+std::vector<RelativeUncertainty> uncertaintiesFrom(const PoseGraph& graph, std::size_t from);
+
+}  // namespace kestrel

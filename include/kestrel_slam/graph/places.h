@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <vector>
+
+#include "kestrel_slam/map/keyframe.h"
+#include "kestrel_slam/map/submap.h"
+#include "kestrel_slam/mapping/mapper_config.h"
+
+namespace kestrel {
+
+/// A keyframe and where it was inserted.
+struct LocalKeyframe {
+  KeyframePtr keyframe;
+  std::uint32_t submap = 0;
+  Pose2 local_T_base;  ///< in the local frame of the mapper
+};
+
+/// A finished submap in the local frame.
+struct Place {
+  std::uint32_t submap = 0;
+  std::size_t first = 0, last = 0;  ///< its keyframes [first, last)
+};
+
+/// The finished submaps. Their grids are caches: only those that were used last are in memory, and
+/// the others are built again from the keyframes when they are needed.
+class Places {
+ public:
+  explicit Places(const MapperConfig& config) : config_(config) {}
+
+  /// Adds the submap of the keyframes [first, last).
+  void add(std::uint32_t submap, std::size_t first, std::size_t last);
+
+  const std::vector<Place>& all() const { return places_; }
+
+  /// The grid of a place. Valid until other grids are asked for.
+  const Submap& mapOf(std::size_t place, const std::vector<LocalKeyframe>& keyframes);
+
+  std::size_t memoryBytes() const;
+
+ private:
+  struct Cached {
+    std::size_t place;
+    std::unique_ptr<Submap> map;
+  };
+
+  MapperConfig config_;
+  std::vector<Place> places_;
+  std::list<Cached> cache_;  ///< last used first
+  std::size_t cached_bytes_ = 0;
+};
+
+}  // namespace kestrel

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "kestrel_slam/graph/composed_map.h"
+#include "kestrel_slam/graph/loop.h"
+#include "kestrel_slam/mapping/mapper.h"
+#include "kestrel_slam/ros/common/fair_mutex.h"
+
+namespace kestrel {
+
+class SubmapGraph;
+
+/// Keyframes and loops as they are now, for publishing.
+struct GraphView {
+  std::vector<Pose2> keyframes;  ///< map_T_base
+  std::vector<Loop> loops;
+};
+
+/// The pose graph in a thread of its own: the matching thread only hands over the inserted scans
+/// and never waits. The thread also composes the map.
+class GraphWorker {
+ public:
+  GraphWorker(const MapperConfig& mapper, const LoopConfig& loops);
+  ~GraphWorker();
+  GraphWorker(const GraphWorker&) = delete;
+  GraphWorker& operator=(const GraphWorker&) = delete;
+
+  /// Takes the scan if the mapper inserted it. `result.pose` is in the local frame.
+  void add(const PlanarScan& scan, const MapperResult& result);
+
+  /// Deletes the graph and the map.
+  void reset();
+
+  /// The newest correction of the local frame.
+  Pose2 mapTLocal() const;
+
+  /// See OccupancyGrid::takeChangedTiles. For one reader. `map_number`: another one means that the
+  /// map was composed again, and that the older tiles are not valid.
+  bool takeChangedTiles(std::size_t max_tiles, std::vector<TileImage>& images,
+                        std::uint64_t& map_number);
+
+  GraphView view() const;
+
+  /// Changes when the map changes. Never blocks.
+  std::uint64_t version() const { return version_; }
+  std::size_t memoryBytes() const { return memory_bytes_; }
+
+ private:
+  struct Work {
+    PlanarScan scan;
+    MapperResult result;
+  };
+
+  void run();
+  void handle(const Work& work);
+  void start();
+
+  MapperConfig mapper_;
+  LoopConfig loops_;
+
+  mutable std::mutex queue_mutex_;  ///< for the queue, and what is asked for often
+  std::condition_variable arrived_;
+  std::deque<Work> queue_;
+  bool closed_ = false, reset_ = false;
+  Pose2 map_T_local_;
+  GraphView view_;
+
+  FairMutex map_mutex_;
+  std::unique_ptr<ComposedMap> map_;
+  std::uint64_t map_number_ = 1;
+
+  std::unique_ptr<SubmapGraph> graph_;  ///< only the thread uses it
+  std::atomic<std::uint64_t> version_{0};
+  std::atomic<std::size_t> memory_bytes_{0};
+  std::thread thread_;
+};
+
+}  // namespace kestrel

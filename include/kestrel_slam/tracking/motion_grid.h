@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "kestrel_slam/tracking/cell_map.h"
+
+namespace kestrel {
+
+/// Parameters of the static and the dynamic grid [Siew 2018, sec. III].
+struct MotionGridConfig {
+  double resolution_m = 0.1;
+  // Inverse measurement values of tables 1 and 2: the probability that a cell is occupied, given
+  // one measurement. They are for scans at 10 Hz; at other rates their log odds are scaled by the
+  // time between two scans, so that people who stop become a part of the map after the same time.
+  double low = 0.4;      ///< a beam passed the cell: smaller frees cells faster
+  double medium = 0.53;  ///< something moves here: larger takes what has stopped into the static
+                         ///< grid sooner, and with it slow objects
+  double high = 0.9;     ///< something stands here: larger resists beams that miss thin objects
+  // Bounds, so that a cell can change again.
+  double min_probability = 0.1;
+  double max_probability = 0.97;
+  // A cell is free below the first and occupied above the second probability; between them it
+  // counts as unobserved.
+  double free_below = 0.35;
+  double occupied_above = 0.65;
+  /// A return this near to something static belongs to it: noise of the laser and of the pose, m.
+  double tolerance_m = 0.1;
+  double tolerance_rad = 0.005;  ///< the same, for each meter of range: error of the yaw
+  double keep_radius_m = 60.0;   ///< the grids forget what is farther from the sensor
+  double memory_limit_mb = 256.0;
+};
+
+/// One beam in the frame of the grids, m.
+template <int D>
+struct GridRay {
+  Eigen::Matrix<float, D, 1> origin, end;
+  bool hit = true;
+  /// Without a return: clear only up to the first static cell, because glass gives no return.
+  bool stops_at_walls = false;
+};
+
+/// What a return belongs to.
+enum class Motion : std::uint8_t {
+  kNone,  ///< no return
+  kStatic,
+  kStopped,  ///< in a cell that became static while something that moved stood there
+  kMoving
+};
+
+/// What the grids know of a cell, from its log odds [Siew 2018, sec. III].
+enum class CellState { kFree, kUnobserved, kOccupied };
+
+/// Static and dynamic occupancy grid with conditioned inverse measurement models [Siew 2018, eq.
+/// 4-7, tables 1 and 2], and the extraction of moving points.
+///
+/// Every cell is updated once for each scan: a return overrides beams that pass.
+template <int D>
+class MotionGrid {
+ public:
+  using Vector = Eigen::Matrix<float, D, 1>;
+  using Index = GridIndex<D>;
+
+  explicit MotionGrid(const MotionGridConfig& config = MotionGridConfig());
+
+  /// A cell that holds something that moves, with the rays that end there.
+  struct MovingCell {
+    Index index;
+    std::vector<std::size_t> rays;
+  };
+  struct Result {
+    std::vector<Motion> motion;      ///< of each ray
+    std::vector<MovingCell> moving;  ///< occupied cells of the new dynamic map
+    bool full = false;               ///< cells are missing because of the memory limit
+  };
+
+  /// Classifies the returns by the static grid before this scan and by the imposed dynamic map, and
+  /// updates both grids. `seconds`: since the last scan; 0 for the first. Rays that are not finite
+  /// are ignored. Valid until the next call.
+  const Result& insert(const std::vector<GridRay<D>>& rays, double seconds);
+
+  /// The imposed dynamic map: the moving cells of the last scan are displaced by `displacement`
+  /// (m, of a cell's center) and by every vector up to `reach` (m). What is seen for the first time
+  /// in these cells by the next scan is taken as moving.
+  void impose(const std::function<Vector(const Vector&)>& displacement, double reach);
+
+  /// What is farther than the configured radius from `position` is forgotten.
+  void forgetFar(const Vector& position);
+
+  CellState staticState(const Index& index) const;
+  /// Occupancy probabilities [Siew 2018, eq. 7]; 0.5 if nothing is known.
+  double staticProbability(const Index& index) const;
+  double dynamicProbability(const Index& index) const;
+  /// True if the cell is in the imposed map for the next scan.
+  bool isImposed(const Index& index) const;
+  /// True if something static is within `distance` (m) of the point.
+  bool isNearStatic(const Vector& point, double distance) const;
+
+  Index indexOf(const Vector& point) const;
+  Vector centerOf(const Index& index) const;
+  double resolution() const { return config_.resolution_m; }
+  std::size_t memoryBytes() const { return cells_.memoryBytes(); }
+
+ private:
+  struct CellData {
+    float static_odds = 0.0F, dynamic_odds = 0.0F;  ///< log odds; the prior of 0.5 is 0
+    std::uint32_t scan = 0;                         ///< that updated it last
+    std::uint32_t imposed = 0;   ///< number of the scan for which it is in the imposed map
+    std::uint32_t moved_in = 0;  ///< last scan with something moving in it
+    std::uint32_t slot = 0;      ///< in Result::moving of that scan
+    bool was_moving = false;     ///< it was free, and then filled by something that moved
+  };
+
+  bool isUsable(const GridRay<D>& ray) const;
+  CellState stateOf(const CellData& cell) const;
+  Motion classify(const GridRay<D>& ray) const;
+  void updateHit(const GridRay<D>& ray, std::size_t number);
+  void updateMiss(const GridRay<D>& ray);
+  bool passCell(const Index& index, bool stops_at_walls);
+  void add(CellData& cell, float static_change, float dynamic_change) const;
+
+  MotionGridConfig config_;
+  float low_, medium_, high_;          ///< log odds at 10 Hz
+  float min_, max_, free_, occupied_;  ///< log odds
+  float scale_ = 1.0F;                 ///< of the log odds, for the current scan
+  CellMap<D, CellData> cells_;
+  Result result_;
+  std::uint32_t scan_ = 0;
+};
+
+/// Calls `visit(index)` for every cell from the one of `from` to the one before that of `to`, in
+/// order, until it returns false [Amanatides 1987]. Coordinates in cells.
+template <int D, typename Visit>
+void traverse(const Eigen::Matrix<float, D, 1>& from, const Eigen::Matrix<float, D, 1>& to,
+              Visit visit) {
+  GridIndex<D> index, last, step;
+  Eigen::Matrix<double, D, 1> next, per_cell;
+  int remaining = 0;
+  for (int i = 0; i < D; ++i) {
+    index(i) = floorToInt(from(i));
+    last(i) = floorToInt(to(i));
+    const double difference = static_cast<double>(to(i)) - static_cast<double>(from(i));
+    step(i) = difference > 0.0 ? 1 : -1;
+    per_cell(i) =
+        difference != 0.0 ? 1.0 / std::abs(difference) : std::numeric_limits<double>::infinity();
+    const double border = index(i) + (step(i) > 0 ? 1.0 : 0.0);
+    next(i) = difference != 0.0 ? (border - static_cast<double>(from(i))) / difference
+                                : std::numeric_limits<double>::infinity();
+    remaining += std::abs(last(i) - index(i));
+  }
+  for (; remaining > 0; --remaining) {
+    if (!visit(index)) return;
+    int axis = -1;
+    for (int i = 0; i < D; ++i) {
+      if (index(i) != last(i) && (axis < 0 || next(i) < next(axis))) axis = i;
+    }
+    index(axis) += step(axis);
+    next(axis) += per_cell(axis);
+  }
+}
+
+}  // namespace kestrel

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/commands/mapping_command.h"
+#include "kestrel_slam/commands/run_tool.h"
+#include "kestrel_slam/evaluation/track_evaluation.h"
+#include "kestrel_slam/map/atomic_file.h"
+
+namespace kestrel {
+namespace {
+
+struct Options {
+  std::string folder, truth, topic, sensor_topic, json;
+  std::vector<double> sensor_pose;
+  TrackEvaluationOptions evaluation;
+};
+
+constexpr double kPercent = 100.0;
+/// Longest gap over which a path of a motion capture system is interpolated, s.
+constexpr double kCaptureGap = 0.2;
+
+void printRow(const char* name, const ClearMot& m) {
+  std::printf("%-18s %7zu %7.1f %7.3f %7zu %7zu %7zu %9zu\n", name, m.truths, kPercent * m.mota(),
+              m.motp(), m.misses, m.false_tracks, m.switches, m.fragments);
+}
+
+void print(const TrackEvaluation& e) {
+  std::printf("%-18s %7s %7s %7s %7s %7s %7s %9s\n", "", "objects", "MOTA, %", "MOTP, m", "misses",
+              "false", "switch", "fragments");
+  printRow("all objects", e.all);
+  printRow("moving objects", e.moving);
+  std::printf("%zu scans, OSPA %.3f m, GOSPA %.3f m, one identity %.1f %% of the time\n",
+              e.all.frames, e.ospa, e.gospa, kPercent * e.identity_share);
+  std::printf("position rmse %.3f m", e.position_rmse);
+  if (e.speeds > 0) std::printf(", velocity rmse %.3f m/s (%zu values)", e.speed_rmse, e.speeds);
+  std::printf("\n");
+}
+
+nlohmann::ordered_json jsonOf(const ClearMot& m) {
+  return {{"objects", m.truths},     {"mota", m.mota()},        {"motp_m", m.motp()},
+          {"misses", m.misses},      {"false", m.false_tracks}, {"switches", m.switches},
+          {"fragments", m.fragments}};
+}
+
+void run(Options& options) {
+  const std::filesystem::path folder = options.folder;
+  if (!options.sensor_topic.empty()) options.evaluation.max_gap_s = kCaptureGap;
+  if (options.sensor_pose.size() == 3) {
+    const Eigen::Isometry3d pose = *laserPoseOf(options.sensor_pose);
+    options.evaluation.base_T_sensor = {pose.translation().x(), pose.translation().y(),
+                                        std::atan2(pose(1, 0), pose(0, 0))};
+  }
+  const TrackEvaluation result = evaluateTracks(
+      readTum((folder / "trajectory.tum").string()), readTracks((folder / "tracks.csv").string()),
+      readTrueObjects(options.truth, options.topic, options.sensor_topic), options.evaluation);
+  print(result);
+  if (options.json.empty()) return;
+  const nlohmann::ordered_json json = {{"all", jsonOf(result.all)},
+                                       {"moving", jsonOf(result.moving)},
+                                       {"scans", result.all.frames},
+                                       {"ospa_m", result.ospa},
+                                       {"gospa_m", result.gospa},
+                                       {"identity_share", result.identity_share},
+                                       {"position_rmse_m", result.position_rmse},
+                                       {"velocity_rmse_m_s", result.speed_rmse}};
+  writeFileAtomically(options.json, json.dump(2) + "\n");
+}
+
+}  // namespace
+}  // namespace kestrel
+
+int main(int argc, char** argv) {
+  using namespace kestrel;
+  Options options;
+  CLI::App app("Compares the tracks of track_recording with true positions.");
+  app.add_option("FOLDER", options.folder, "output folder of track_recording")->required();
+  app.add_option("TRUTH", options.truth,
+                 "rosbag with leg_tracker/Person messages or motion capture, or a text file with "
+                 "lines stamp,id,x,y in the frame of the sensor")
+      ->required();
+  app.add_option("--topic", options.topic,
+                 "bags: topic of the people or of the poses of an object");
+  app.add_option("--sensor-topic", options.sensor_topic,
+                 "bags with motion capture: topic of the poses of the sensor");
+  app.add_option(
+         "--sensor-pose", options.sensor_pose,
+         "x,y,yaw in m and degrees: pose of the sensor of the true positions in the base frame")
+      ->delimiter(',')
+      ->expected(3);
+  app.add_option("--distance", options.evaluation.max_distance_m, "largest distance of a match, m")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--json", options.json, "write the figures to this file");
+  return runTool("evaluate_tracks", app, argc, argv, [&] { run(options); });
+}

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/commands/run_tool.h"
+#include "kestrel_slam/experiments/phd_scenario.h"
+
+namespace kestrel {
+namespace {
+
+struct Options {
+  std::size_t runs = 100;
+};
+
+/// Scans within which a new target must be found to count.
+constexpr int kFoundWithin = 3;
+
+std::size_t foundInTime(const PhdScenarioSummary& summary, std::size_t target) {
+  return static_cast<std::size_t>(std::count_if(
+      summary.single.begin(), summary.single.end(), [target](const PhdScenarioRun& run) {
+        return run.found_after[target] >= 0 && run.found_after[target] <= kFoundWithin;
+      }));
+}
+
+PhdScenarioSummary printRow(const char* name, const PhdScenario& scenario, std::size_t runs) {
+  const PhdScenarioSummary s = summarizeScenario(scenario, runs);
+  std::printf("| %s | %zu | %.2f | %.2f | %.2f | %.1f to %.1f | %.2f | %+.2f |\n", name, s.runs,
+              s.ospa, s.localization, s.cardinality, s.best, s.worst, s.sigma, s.count_bias);
+  std::fflush(stdout);
+  return s;
+}
+
+void run(const Options& options) {
+  std::puts(
+      "| PHD filter | runs | OSPA, m | localization | cardinality | single runs | sigma | bias of "
+      "the number |\n|---|---|---|---|---|---|---|---|");
+  PhdScenario scenario = standardScenario();
+  printRow("standard births, heavy components", scenario, options.runs);
+  scenario.labeled = true;
+  printRow("standard births, labeled targets", scenario, options.runs);
+  scenario.adaptive_birth = true;
+  printRow("adaptive births, labeled targets", scenario, options.runs);
+  scenario = spawningScenario();
+  const PhdScenarioSummary heavy = printRow("spawning, heavy components", scenario, options.runs);
+  scenario.labeled = true;
+  const PhdScenarioSummary labeled = printRow("spawning, labeled targets", scenario, options.runs);
+  std::printf("\nspawned target found within %d scans: %zu and %zu of %zu runs\n", kFoundWithin,
+              foundInTime(heavy, 2), foundInTime(labeled, 2), options.runs);
+}
+
+}  // namespace
+}  // namespace kestrel
+
+int main(int argc, char** argv) {
+  using namespace kestrel;
+  Options options;
+  CLI::App app("Measures the tracking of moving objects: prints the rows of doc/results.md.");
+  app.add_option("--runs", options.runs, "Monte Carlo runs of each scenario of the PHD filter")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  return runTool("measure_tracking", app, argc, argv, [&] { run(options); });
+}

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/graph/composed_map.h"
+
+#include <cmath>
+
+#include "kestrel_slam/graph/submap_graph.h"
+
+namespace kestrel {
+namespace {
+
+/// A smaller turn of a keyframe moves what it sees by less than a cell.
+constexpr double kVisibleRad = 0.005;
+
+}  // namespace
+
+bool ComposedMap::isOutdated(const SubmapGraph& graph) const {
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    const Pose2 moved = poses_[i].between(graph.poseOf(i));
+    if (moved.distance() > 0.5 * config_.resolution_m || std::abs(moved.yaw) > kVisibleRad)
+      return true;
+  }
+  return false;
+}
+
+void ComposedMap::add(const SubmapGraph& graph) {
+  for (std::size_t i = poses_.size(); i < graph.keyframes().size(); ++i) {
+    const Keyframe& keyframe = *graph.keyframes()[i].keyframe;
+    grid_.insert(keyframe.planarScan(), graph.poseOf(i), keyframe.new_view);
+    poses_.push_back(graph.poseOf(i));
+  }
+}
+
+}  // namespace kestrel

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/offline/graph_result.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "kestrel_slam/graph/composed_map.h"
+#include "kestrel_slam/graph/submap_graph.h"
+
+namespace kestrel {
+
+std::map<std::string, std::size_t> GraphResult::counts() const {
+  std::map<std::string, std::size_t> result;
+  for (const Loop& loop : loops) {
+    const std::string reason = loop.reason;
+    ++result[toString(loop.state) + (reason.empty() ? "" : ": " + reason)];
+  }
+  return result;
+}
+
+Trajectory corrected(const Trajectory& trajectory, const std::vector<std::size_t>& keyframes,
+                     const SubmapGraph& graph) {
+  Trajectory result = trajectory;
+  if (graph.keyframes().empty()) return result;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const std::size_t keyframe = std::max<std::size_t>(keyframes[i], 1) - 1;
+    result[i].pose = graph.mapTLocal(keyframe) * result[i].pose;
+  }
+  return result;
+}
+
+MapSnapshot mapOf(const SubmapGraph& graph, const OccupancyGridConfig& config) {
+  ComposedMap map(config);
+  map.add(graph);
+  return map.grid().snapshot();
+}
+
+GraphResult resultOf(const SubmapGraph& graph, const Trajectory& before) {
+  GraphResult result;
+  result.graph = graph.graph();
+  for (const LocalKeyframe& keyframe : graph.keyframes())
+    result.stamps.push_back(keyframe.keyframe->stamp);
+  result.loops = graph.loops();
+  result.submaps = graph.submapCount();
+  result.memory_bytes = graph.memoryBytes();
+  result.before = before;
+  return result;
+}
+
+std::string loopsText(const GraphResult& result) {
+  std::string text =
+      "query,anchor,state,reason,fit,known,constraint,margin,agreement,radius,correction\n";
+  for (const Loop& loop : result.loops) {
+    char line[256];
+    std::snprintf(line, sizeof line, "%.6f,%.6f,%s,%s,%.3f,%.3f,%.4f,%.3f,%.2f,%.2f,%.3f\n",
+                  result.stamps[loop.query], result.stamps[loop.anchor], toString(loop.state),
+                  loop.reason, loop.fit, loop.known, loop.constraint, loop.margin, loop.agreement,
+                  loop.radius_m, loop.correction_m);
+    text += line;
+  }
+  return text;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/tracking/motion_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kestrel {
+namespace {
+
+constexpr double kBytesPerMegabyte = 1e6;
+constexpr double kNominalPeriod = 0.1;  ///< s, for which the inverse measurement values hold
+// After a gap, a scan does not count more than this many scans at the nominal rate.
+constexpr double kMaxScale = 5.0;
+constexpr float kMaxCoordinate = 1e6F;  ///< cells; what is beyond comes from a wrong pose
+
+/// [Siew 2018, eq. 4].
+float logOdds(double probability) {
+  return static_cast<float>(std::log(probability / (1.0 - probability)));
+}
+
+/// [Siew 2018, eq. 7].
+double probabilityOf(float log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
+
+/// Calls `visit(offset)` for all offsets up to `radius` in each direction, until it returns true.
+template <int D, typename Visit>
+bool anyAround(int radius, Visit visit) {
+  GridIndex<D> offset = GridIndex<D>::Constant(-radius);
+  for (;;) {
+    if (visit(offset)) return true;
+    int axis = 0;
+    while (axis < D && ++offset(axis) > radius) offset(axis++) = -radius;
+    if (axis == D) return false;
+  }
+}
+
+}  // namespace
+
+template <int D>
+MotionGrid<D>::MotionGrid(const MotionGridConfig& config)
+    : config_(config),
+      low_(logOdds(config.low)),
+      medium_(logOdds(config.medium)),
+      high_(logOdds(config.high)),
+      min_(logOdds(config.min_probability)),
+      max_(logOdds(config.max_probability)),
+      free_(logOdds(config.free_below)),
+      occupied_(logOdds(config.occupied_above)),
+      cells_(static_cast<std::size_t>(config.memory_limit_mb * kBytesPerMegabyte)) {}
+
+template <int D>
+const typename MotionGrid<D>::Result& MotionGrid<D>::insert(const std::vector<GridRay<D>>& rays,
+                                                            double seconds) {
+  scale_ = static_cast<float>(std::clamp(seconds / kNominalPeriod, 0.0, kMaxScale));
+  if (scan_ == 0) scale_ = 1.0F;
+  result_.full = false;
+  result_.moving.clear();
+  result_.motion.assign(rays.size(), Motion::kNone);
+  // All returns are classified by the grids of the last scan before the first cell changes.
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (rays[i].hit && isUsable(rays[i])) result_.motion[i] = classify(rays[i]);
+  }
+  ++scan_;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (result_.motion[i] != Motion::kNone) updateHit(rays[i], i);
+  }
+  for (const GridRay<D>& ray : rays) {
+    if (isUsable(ray)) updateMiss(ray);
+  }
+  return result_;
+}
+
+template <int D>
+bool MotionGrid<D>::isUsable(const GridRay<D>& ray) const {
+  const float limit = kMaxCoordinate * static_cast<float>(config_.resolution_m);
+  return ray.origin.cwiseAbs().maxCoeff() < limit && ray.end.cwiseAbs().maxCoeff() < limit;
+}
+
+/// The rows of table 1 and 2 with an occupied measurement.
+template <int D>
+Motion MotionGrid<D>::classify(const GridRay<D>& ray) const {
+  const Index index = indexOf(ray.end);
+  const CellData* cell = cells_.find(index);
+  const CellState state = cell != nullptr ? stateOf(*cell) : CellState::kUnobserved;
+  if (state == CellState::kOccupied) return cell->was_moving ? Motion::kStopped : Motion::kStatic;
+  if (state == CellState::kUnobserved && !isImposed(index)) {
+    return cell != nullptr && cell->was_moving ? Motion::kStopped : Motion::kStatic;
+  }
+  const double tolerance =
+      config_.tolerance_m +
+      config_.tolerance_rad * static_cast<double>((ray.end - ray.origin).norm());
+  return isNearStatic(ray.end, tolerance) ? Motion::kStatic : Motion::kMoving;
+}
+
+template <int D>
+bool MotionGrid<D>::isNearStatic(const Vector& point, double distance) const {
+  const Index center = indexOf(point);
+  const int radius = static_cast<int>(std::ceil(distance / config_.resolution_m));
+  const float reach = static_cast<float>(distance / config_.resolution_m);
+  const Vector in_cells = point / static_cast<float>(config_.resolution_m);
+  return anyAround<D>(radius, [&](const Index& offset) {
+    const Index index = center + offset;
+    const CellData* cell = cells_.find(index);
+    if (cell == nullptr || cell->was_moving || stateOf(*cell) != CellState::kOccupied) return false;
+    // Distance from the point to the cell.
+    const Vector low = index.template cast<float>() - in_cells;
+    const Vector gap = low.cwiseMax((-low).array().matrix() - Vector::Ones()).cwiseMax(0.0F);
+    return gap.norm() <= reach;
+  });
+}
+
+template <int D>
+void MotionGrid<D>::updateHit(const GridRay<D>& ray, std::size_t number) {
+  const Motion motion = result_.motion[number];
+  const Index index = indexOf(ray.end);
+  CellData* cell = cells_.obtain(index);
+  if (cell == nullptr) {
+    result_.full = true;
+    return;
+  }
+  const bool is_moving = motion == Motion::kMoving;
+  if (is_moving) {
+    if (cell->moved_in != scan_) {
+      cell->moved_in = scan_;
+      cell->slot = static_cast<std::uint32_t>(result_.moving.size());
+      result_.moving.push_back({index, {}});
+    }
+    result_.moving[cell->slot].rays.push_back(number);
+  }
+  if (cell->scan == scan_) return;
+  cell->scan = scan_;
+  cell->was_moving = is_moving || (cell->was_moving && motion == Motion::kStopped);
+  const bool by_medium = is_moving || motion == Motion::kStopped;
+  add(*cell, by_medium ? medium_ : high_, is_moving ? high_ : low_);
+}
+
+/// The rows of table 1 and 2 with a free measurement.
+template <int D>
+void MotionGrid<D>::updateMiss(const GridRay<D>& ray) {
+  const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
+  traverse<D>(ray.origin * inverse, ray.end * inverse,
+              [&](const Index& index) { return passCell(index, ray.stops_at_walls); });
+}
+
+template <int D>
+bool MotionGrid<D>::passCell(const Index& index, bool stops_at_walls) {
+  CellData* cell = cells_.obtain(index);
+  if (cell == nullptr) {
+    result_.full = true;
+    return false;
+  }
+  if (stops_at_walls && cell->static_odds > 0.0F) return false;
+  if (cell->scan == scan_) return true;
+  cell->scan = scan_;
+  add(*cell, low_, low_);
+  if (cell->static_odds < free_) cell->was_moving = false;
+  return true;
+}
+
+/// [Siew 2018, eq. 6] with the prior 0.5, within the bounds.
+template <int D>
+void MotionGrid<D>::add(CellData& cell, float static_change, float dynamic_change) const {
+  cell.static_odds = std::clamp(cell.static_odds + scale_ * static_change, min_, max_);
+  cell.dynamic_odds = std::clamp(cell.dynamic_odds + scale_ * dynamic_change, min_, max_);
+}
+
+template <int D>
+void MotionGrid<D>::impose(const std::function<Vector(const Vector&)>& displacement, double reach) {
+  const int radius = static_cast<int>(std::ceil(reach / config_.resolution_m));
+  const double limit = reach / config_.resolution_m + 0.5;
+  for (const MovingCell& moving : result_.moving) {
+    const Vector center = centerOf(moving.index);
+    const Index moved = indexOf(center + displacement(center));
+    anyAround<D>(radius, [&](const Index& offset) {
+      if (offset.template cast<double>().norm() > limit) return false;
+      if (CellData* cell = cells_.obtain(moved + offset)) cell->imposed = scan_ + 1;
+      return false;
+    });
+  }
+}
+
+template <int D>
+void MotionGrid<D>::forgetFar(const Vector& position) {
+  cells_.keepAround(indexOf(position),
+                    static_cast<int>(config_.keep_radius_m / config_.resolution_m));
+}
+
+template <int D>
+CellState MotionGrid<D>::stateOf(const CellData& cell) const {
+  if (cell.static_odds < free_) return CellState::kFree;
+  return cell.static_odds > occupied_ ? CellState::kOccupied : CellState::kUnobserved;
+}
+
+template <int D>
+CellState MotionGrid<D>::staticState(const Index& index) const {
+  const CellData* cell = cells_.find(index);
+  return cell != nullptr ? stateOf(*cell) : CellState::kUnobserved;
+}
+
+template <int D>
+double MotionGrid<D>::staticProbability(const Index& index) const {
+  const CellData* cell = cells_.find(index);
+  return cell != nullptr ? probabilityOf(cell->static_odds) : 0.5;
+}
+
+template <int D>
+double MotionGrid<D>::dynamicProbability(const Index& index) const {
+  const CellData* cell = cells_.find(index);
+  return cell != nullptr ? probabilityOf(cell->dynamic_odds) : 0.5;
+}
+
+template <int D>
+bool MotionGrid<D>::isImposed(const Index& index) const {
+  const CellData* cell = cells_.find(index);
+  return cell != nullptr && cell->imposed == scan_ + 1;
+}
+
+template <int D>
+GridIndex<D> MotionGrid<D>::indexOf(const Vector& point) const {
+  const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
+  Index index;
+  for (int i = 0; i < D; ++i) index(i) = floorToInt(point(i) * inverse);
+  return index;
+}
+
+template <int D>
+Eigen::Matrix<float, D, 1> MotionGrid<D>::centerOf(const Index& index) const {
+  return (index.template cast<float>() + Vector::Constant(0.5F)) *
+         static_cast<float>(config_.resolution_m);
+}
+
+template class MotionGrid<2>;
+template class MotionGrid<3>;
+
+}  // namespace kestrel

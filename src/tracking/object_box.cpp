@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/tracking/object_box.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kestrel_slam/geometry/angles.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kAngleStep = kPi / 180.0;  ///< of the search over the yaw
+constexpr double kNear = 0.01;  ///< m; a point nearer to a side does not count more [Zhang 2017]
+
+struct Extent {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+
+  void add(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  /// Distance to the nearer end.
+  double distance(double value) const { return std::min(value - low, high - value); }
+};
+
+struct Axes {
+  Eigen::Vector2d along, across;
+  explicit Axes(double yaw)
+      : along(std::cos(yaw), std::sin(yaw)), across(-std::sin(yaw), std::cos(yaw)) {}
+};
+
+struct Extents {
+  Extent along, across;
+};
+
+Extents extentsOf(const std::vector<Eigen::Vector2d>& points, const Axes& axes) {
+  Extents result;
+  for (const Eigen::Vector2d& point : points) {
+    result.along.add(axes.along.dot(point));
+    result.across.add(axes.across.dot(point));
+  }
+  return result;
+}
+
+/// Large if the points lie close to the sides of the rectangle.
+double closeness(const std::vector<Eigen::Vector2d>& points, double yaw) {
+  const Axes axes(yaw);
+  const Extents extents = extentsOf(points, axes);
+  double sum = 0.0;
+  for (const Eigen::Vector2d& point : points) {
+    const double distance = std::min(extents.along.distance(axes.along.dot(point)),
+                                     extents.across.distance(axes.across.dot(point)));
+    sum += 1.0 / std::max(distance, kNear);
+  }
+  return sum;
+}
+
+}  // namespace
+
+OrientedBox boxAlong(const std::vector<Eigen::Vector2d>& points, double yaw) {
+  if (points.empty()) return {};
+  const Axes axes(yaw);
+  const Extents extents = extentsOf(points, axes);
+  OrientedBox box;
+  box.center = 0.5 * (extents.along.low + extents.along.high) * axes.along +
+               0.5 * (extents.across.low + extents.across.high) * axes.across;
+  box.size = {extents.along.high - extents.along.low, extents.across.high - extents.across.low};
+  if (box.size.x() < box.size.y()) {
+    std::swap(box.size.x(), box.size.y());
+    yaw += kPi / 2.0;
+  }
+  box.yaw = kPi / 2.0 - std::fmod(2.5 * kPi - yaw, kPi);
+  if (box.yaw <= -kPi / 2.0) box.yaw += kPi;
+  return box;
+}
+
+OrientedBox fitBox(const std::vector<Eigen::Vector2d>& points) {
+  double best_yaw = 0.0, best = -1.0;
+  constexpr int kSteps = 90;
+  for (int i = 0; i < kSteps; ++i) {
+    const double value = closeness(points, i * kAngleStep);
+    if (value > best) {
+      best = value;
+      best_yaw = i * kAngleStep;
+    }
+  }
+  return boxAlong(points, best_yaw);
+}
+
+std::optional<LShape> lShapeOf(const OrientedBox& box, const Eigen::Vector2d& sensor) {
+  const Axes axes(box.yaw);
+  const Eigen::Vector2d offset = sensor - box.center;
+  const Eigen::Vector2d local(axes.along.dot(offset), axes.across.dot(offset));
+  const Eigen::Vector2d half = 0.5 * box.size;
+  if (std::abs(local.x()) <= half.x() || std::abs(local.y()) <= half.y()) return std::nullopt;
+  const double x = std::copysign(half.x(), local.x()), y = std::copysign(half.y(), local.y());
+  const auto at = [&](double along, double across) {
+    return Eigen::Vector2d(box.center + along * axes.along + across * axes.across);
+  };
+  return LShape{at(x, y), at(-x, y), at(x, -y)};
+}
+
+}  // namespace kestrel

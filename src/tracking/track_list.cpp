@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "track_list.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace kestrel {
+namespace {
+
+constexpr double kPersonWidth = 0.4;  ///< m
+/// Points farther than this from the box of a track belong to something else, m.
+constexpr double kMargin = 0.25;
+constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
+
+}  // namespace
+
+void TrackList::predict(double seconds) {
+  seconds_ = seconds;
+  for (Entry& entry : entries_) {
+    entry.track.position += seconds * entry.track.velocity;
+    entry.track.age_s += seconds;
+  }
+}
+
+void TrackList::update(PhdFilter<5, 2>& filter, const std::vector<ObjectCluster>& objects,
+                       const Visibility& visibility) {
+  std::vector<bool> seen(entries_.size(), false);
+  for (const LabeledTarget<5>& target : filter.targets()) {
+    auto entry = std::find_if(entries_.begin(), entries_.end(),
+                              [&](const Entry& e) { return e.label == target.label; });
+    if (target.observation < 0) continue;
+    const ObjectCluster& object = objects[static_cast<std::size_t>(target.observation)];
+    if (entry == entries_.end()) {
+      Entry created;
+      created.label = target.label;
+      created.track.id = next_id_++;
+      created.first = target.mean.head<2>();
+      entry = entries_.insert(entries_.end(), created);
+      seen.push_back(false);
+    }
+    seen[static_cast<std::size_t>(entry - entries_.begin())] = true;
+    see(*entry, target, &object);
+  }
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (!seen[i]) miss(entries_[i], filter, visibility);
+  }
+  for (const Entry& entry : entries_) {
+    if (isOver(entry)) filter.forget(entry.label);
+  }
+  entries_.erase(std::remove_if(entries_.begin(), entries_.end(),
+                                [this](const Entry& entry) { return isOver(entry); }),
+                 entries_.end());
+}
+
+void TrackList::see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster* object) {
+  Track& track = entry.track;
+  setState(target.mean, target.covariance, track);
+  track.standing = target.modes.size() > 1 ? target.modes[1] : 0.0;
+  track.unseen_s = entry.hidden_s = 0.0;
+  entry.seen_s += seconds_;
+  track.box = object->box;
+  entry.length = std::max(entry.length, object->box.size.x());
+  track.size = sizeClassOf(entry.length);
+  if (track.state != TrackState::kTentative || entry.seen_s >= config_.confirm_s) {
+    track.state = TrackState::kConfirmed;
+  }
+  const double moved = (track.position - entry.first).norm();
+  if (moved > std::max(config_.moved_m, 0.5 * entry.length)) track.moved = true;
+}
+
+void TrackList::miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility) {
+  Track& track = entry.track;
+  track.unseen_s += seconds_;
+  const double width = std::max(entry.length, kPersonWidth);
+  if (visibility.visibleShare(track.position, width) < kHiddenShare) entry.hidden_s += seconds_;
+  if (track.state != TrackState::kTentative) track.state = TrackState::kCoasting;
+  if (const auto component = filter.find(entry.label)) {
+    setState(component->mean, component->covariance, track);
+  } else {
+    track.unseen_s = std::numeric_limits<double>::infinity();
+  }
+}
+
+void TrackList::setState(const Eigen::Matrix<double, 5, 1>& mean,
+                         const Eigen::Matrix<double, 5, 5>& covariance, Track& track) {
+  track.position = mean.head<2>();
+  track.velocity = mean.segment<2>(2);
+  track.turn_rate = mean(4);
+  track.covariance = covariance.topLeftCorner<4, 4>();
+}
+
+bool TrackList::isOver(const Entry& entry) const {
+  return entry.track.unseen_s - entry.hidden_s > config_.coast_s ||
+         entry.track.unseen_s > config_.hidden_s;
+}
+
+std::vector<Track> TrackList::tracks() const {
+  std::vector<Track> result;
+  for (const Entry& entry : entries_) result.push_back(entry.track);
+  return result;
+}
+
+const TrackList::Entry* TrackList::at(const Eigen::Vector2d& point) const {
+  const Entry* nearest = nullptr;
+  double best = std::numeric_limits<double>::infinity();
+  for (const Entry& entry : entries_) {
+    const double distance = (entry.track.position - point).norm();
+    if (distance > 0.5 * std::max(entry.length, kPersonWidth) + kMargin || distance >= best)
+      continue;
+    best = distance;
+    nearest = &entry;
+  }
+  return nearest;
+}
+
+bool TrackList::covers(const Eigen::Vector2d& point) const { return at(point) != nullptr; }
+
+Eigen::Vector2d TrackList::velocityAt(const Eigen::Vector2d& point) const {
+  const Entry* entry = at(point);
+  return entry != nullptr ? entry->track.velocity : Eigen::Vector2d::Zero().eval();
+}
+
+double TrackList::widthAt(const Eigen::Vector2d& point) const {
+  const Entry* entry = at(point);
+  return entry != nullptr ? std::max(entry->length, kPersonWidth) : kPersonWidth;
+}
+
+}  // namespace kestrel

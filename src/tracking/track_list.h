@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "kestrel_slam/tracking/phd_filter.h"
+#include "kestrel_slam/tracking/tracker.h"
+#include "object_clusters.h"
+#include "visibility.h"
+
+namespace kestrel {
+
+/// The tracks that belong to the labels of the PHD filter.
+class TrackList {
+ public:
+  explicit TrackList(const TrackerConfig& config) : config_(config) {}
+
+  /// Moves all tracks on with their velocities.
+  void predict(double seconds);
+  /// Takes over the targets of the last update, and makes the filter forget deleted tracks.
+  void update(PhdFilter<5, 2>& filter, const std::vector<ObjectCluster>& objects,
+              const Visibility& visibility);
+
+  /// All tracks by rising id.
+  std::vector<Track> tracks() const;
+
+  /// True if the point belongs to the predicted place of a track.
+  bool covers(const Eigen::Vector2d& point) const;
+  /// Velocity of the track at the point; zero if there is none.
+  Eigen::Vector2d velocityAt(const Eigen::Vector2d& point) const;
+  /// Width of the track at the point; that of a person if there is none, m.
+  double widthAt(const Eigen::Vector2d& point) const;
+
+  long nextId() const { return next_id_; }
+  void continueFrom(long id) { next_id_ = id; }
+
+ private:
+  struct Entry {
+    Track track;
+    TargetLabel label = 0;
+    Eigen::Vector2d first = Eigen::Vector2d::Zero();  ///< where it was seen first
+    double first_sigma = 0.0;
+    double length = 0.0;  ///< largest length that was seen, m
+    double seen_s = 0.0;  ///< time with observations
+    double hidden_s = 0.0;
+  };
+
+  const Entry* at(const Eigen::Vector2d& point) const;
+  void see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster* object);
+  void miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility);
+  static void setState(const Eigen::Matrix<double, 5, 1>& mean,
+                       const Eigen::Matrix<double, 5, 5>& covariance, Track& track);
+  bool isOver(const Entry& entry) const;
+
+  TrackerConfig config_;
+  std::vector<Entry> entries_;
+  double seconds_ = 0.0;  ///< of the last prediction
+  long next_id_ = 1;
+};
+
+}  // namespace kestrel

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/tracking/tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "kestrel_slam/geometry/angles.h"
+#include "object_clusters.h"
+#include "track_list.h"
+#include "visibility.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kMaxGap = 5.0;          ///< s; after a longer gap, the tracks start anew
+constexpr double kForgetEvery_m = 10.0;  ///< the grids forget what is far after this distance
+constexpr double kMaxPosition = 1e6;     ///< m; poses beyond this are wrong
+constexpr int kModes = 3;                ///< motion models: constant velocity, standing, turn
+constexpr double kStandingJitter =
+    0.1;  ///< m/sqrt(s): the visible part of a person who stands changes
+
+std::vector<GridRay<2>> raysOf(const PlanarScan& scan, const Pose2& odom_T_base) {
+  const auto c = static_cast<float>(std::cos(odom_T_base.yaw));
+  const auto s = static_cast<float>(std::sin(odom_T_base.yaw));
+  const Eigen::Vector2f t = odom_T_base.translation().cast<float>();
+  const auto toOdom = [&](const Eigen::Vector2f& p) {
+    return Eigen::Vector2f(t.x() + c * p.x() - s * p.y(), t.y() + s * p.x() + c * p.y());
+  };
+  std::vector<GridRay<2>> rays;
+  rays.reserve(scan.rays.size());
+  for (const PlanarRay& ray : scan.rays) {
+    rays.push_back({toOdom(ray.origin), toOdom(ray.end), ray.hit, ray.no_return || ray.presumed});
+  }
+  return rays;
+}
+
+PhdModel<5, 2> modelOf(const TrackerConfig& config) {
+  PhdModel<5, 2> model;
+  model.motions = {constantVelocity<5, 2>(config.acceleration_sigma, 0.3),
+                   standing<5, 2>(kStandingJitter, config.start_speed_sigma),
+                   constantTurn<2>(config.acceleration_sigma, config.turn_acceleration_sigma)};
+  model.clutter = [density = config.clutter_per_m2](const auto&) { return density; };
+  model.expect = expectPosition<5, 2>;
+  return model;
+}
+
+}  // namespace
+
+struct Tracker::State {
+  explicit State(const TrackerConfig& c)
+      : config(c), grid(c.grid), filter(modelOf(c), c.phd), tracks(c) {}
+
+  TrackerConfig config;
+  MotionGrid<2> grid;
+  PhdFilter<5, 2> filter;
+  TrackList tracks;
+  Result result;
+  std::optional<double> time;
+  Eigen::Vector2d forgotten_at = Eigen::Vector2d::Zero();
+  std::vector<ObjectCluster> objects;  ///< of the last scan
+
+  bool accepts(const PlanarScan& scan, const Pose2& pose) const {
+    return pose.isFinite() && std::hypot(pose.x, pose.y) < kMaxPosition &&
+           std::isfinite(scan.time) && (!time || scan.time > *time) && !scan.rays.empty();
+  }
+
+  void impose(double seconds) {
+    grid.impose(
+        [&](const Eigen::Vector2f& cell) -> Eigen::Vector2f {
+          return (seconds * tracks.velocityAt(cell.cast<double>())).cast<float>();
+        },
+        config.max_speed* seconds);
+  }
+
+  void forgetFar(const Eigen::Vector2d& position) {
+    if ((position - forgotten_at).norm() < kForgetEvery_m) return;
+    forgotten_at = position;
+    grid.forgetFar(position.cast<float>());
+  }
+
+  /// Points of what moves, and of what has stopped where a track is.
+  std::vector<Eigen::Vector2d> movingPoints(const std::vector<GridRay<2>>& rays) {
+    std::vector<Eigen::Vector2d> points;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const Eigen::Vector2d end = rays[i].end.cast<double>();
+      const Motion motion = result.motion[i];
+      const bool wanted =
+          motion == Motion::kMoving || (motion == Motion::kStopped && tracks.covers(end));
+      if (!wanted) continue;
+      if (points.size() == config.max_points) {
+        result.saturated = true;
+        break;
+      }
+      points.push_back(end);
+    }
+    return points;
+  }
+
+  /// The nearest objects, at most as many as the filter may get.
+  void limitObjects(const Visibility& visibility) {
+    if (objects.size() <= config.max_observations) return;
+    result.saturated = true;
+    std::stable_sort(objects.begin(), objects.end(), [&](const auto& a, const auto& b) {
+      return visibility.rangeOf(a.observation.value) < visibility.rangeOf(b.observation.value);
+    });
+    objects.resize(config.max_observations);
+  }
+
+  /// New targets at the observations of the last scan that no target explains.
+  std::vector<PhdComponent<5>> births() const {
+    std::vector<PhdComponent<5>> result_births;
+    const std::vector<double>& explained = filter.explained();
+    for (std::size_t i = 0; i < explained.size() && i < objects.size(); ++i) {
+      PhdComponent<5> birth;
+      birth.weight = config.birth_weight * (1.0 - explained[i]);
+      birth.mean.setZero();
+      birth.mean.head<2>() = objects[i].observation.value;
+      birth.covariance.setZero();
+      birth.covariance.topLeftCorner<2, 2>() = objects[i].observation.noise;
+      const double speed = config.birth_speed_sigma;
+      birth.covariance.diagonal().segment<2>(2).setConstant(speed * speed);
+      birth.covariance(4, 4) = 0.1;
+      result_births.push_back(birth);
+    }
+    return result_births;
+  }
+
+  void setModel(double seconds, const Visibility& visibility) {
+    PhdModel<5, 2>& model = filter.model();
+    const double change = 0.5 * (1.0 - std::exp(-config.mode_change_per_s * seconds));
+    model.mode_transition = Eigen::MatrixXd::Constant(kModes, kModes, change);
+    model.mode_transition.diagonal().setConstant(1.0 - (kModes - 1) * change);
+    model.survival = [p = std::exp(-seconds / config.lifetime_s)](const auto&) { return p; };
+    model.detection = [&](const Eigen::Matrix<double, 5, 1>& state) {
+      const double width = tracks.widthAt(state.head<2>());
+      return config.detection * visibility.visibleShare(state.head<2>(), width);
+    };
+  }
+
+  void process(const PlanarScan& scan, const Pose2& pose) {
+    const double seconds = time ? scan.time - *time : 0.0;
+    time = scan.time;
+    const std::vector<GridRay<2>> rays = raysOf(scan, pose);
+    const Visibility visibility(rays);
+    tracks.predict(seconds);
+    impose(seconds);
+    const auto& inserted = grid.insert(rays, seconds);
+    result.motion = inserted.motion;
+    result.saturated = inserted.full;
+    forgetFar(pose.translation());
+    const std::vector<PhdComponent<5>> new_targets = births();
+    objects = findObjects(movingPoints(rays), visibility, config);
+    limitObjects(visibility);
+    std::vector<Observation<2>> observations;
+    for (const ObjectCluster& object : objects) observations.push_back(object.observation);
+    setModel(seconds, visibility);
+    // Births are targets of the last scan: they move until this one like all others.
+    filter.add(new_targets);
+    filter.predict(seconds, {});
+    filter.update(observations);
+    tracks.update(filter, objects, visibility);
+    result.tracks = tracks.tracks();
+    result.used = true;
+  }
+};
+
+Tracker::Tracker(const TrackerConfig& config) : state_(std::make_unique<State>(config)) {}
+Tracker::~Tracker() = default;
+Tracker::Tracker(Tracker&&) noexcept = default;
+Tracker& Tracker::operator=(Tracker&&) noexcept = default;
+
+const Tracker::Result& Tracker::process(const PlanarScan& scan, const Pose2& odom_T_base) {
+  state_->result.used = false;
+  if (!state_->accepts(scan, odom_T_base)) return state_->result;
+  if (state_->time && scan.time - *state_->time > kMaxGap) reset();
+  state_->process(scan, odom_T_base);
+  return state_->result;
+}
+
+const MotionGrid<2>& Tracker::grid() const { return state_->grid; }
+
+void Tracker::reset() {
+  const long next_id = state_->tracks.nextId();
+  state_ = std::make_unique<State>(state_->config);
+  state_->tracks.continueFrom(next_id);
+}
+
+const char* toString(SizeClass size) {
+  switch (size) {
+    case SizeClass::kSmall:
+      return "small";
+    case SizeClass::kPerson:
+      return "person";
+    case SizeClass::kMedium:
+      return "medium";
+    default:
+      return "vehicle";
+  }
+}
+
+SizeClass sizeClassOf(double size) {
+  constexpr double kSmall = 0.25, kPerson = 1.2, kMedium = 2.5;  // m
+  if (size < kSmall) return SizeClass::kSmall;
+  if (size < kPerson) return SizeClass::kPerson;
+  return size < kMedium ? SizeClass::kMedium : SizeClass::kVehicle;
+}
+
+const char* toString(TrackState state) {
+  switch (state) {
+    case TrackState::kTentative:
+      return "tentative";
+    case TrackState::kConfirmed:
+      return "confirmed";
+    default:
+      return "coasting";
+  }
+}
+
+}  // namespace kestrel

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "visibility.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kestrel_slam/geometry/angles.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kNearestRange = 0.1;  // m; nearer objects surround the sensor
+
+double medianOf(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+int Visibility::binOf(double bearing) {
+  const int bin = static_cast<int>(std::floor((bearing + kPi) / (2.0 * kPi) * kBins));
+  return ((bin % kBins) + kBins) % kBins;
+}
+
+Visibility::Visibility(const std::vector<GridRay<2>>& rays) : reach_(kBins, -1.0F) {
+  if (!rays.empty()) sensor_ = rays[rays.size() / 2].origin.cast<double>();
+  std::vector<double> steps;
+  double last = 0.0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Eigen::Vector2f along = rays[i].end - rays[i].origin;
+    const double bearing =
+        std::atan2(static_cast<double>(along.y()), static_cast<double>(along.x()));
+    if (!std::isfinite(bearing)) continue;
+    if (i > 0) steps.push_back(std::abs(normalizeAngle(bearing - last)));
+    last = bearing;
+    float& reach = reach_[static_cast<std::size_t>(binOf(bearing))];
+    reach = std::max(reach, along.norm());
+  }
+  beam_step_ = medianOf(std::move(steps));
+}
+
+double Visibility::visibleShare(const Eigen::Vector2d& center, double width) const {
+  const Eigen::Vector2d offset = center - sensor_;
+  const double range = std::max(offset.norm(), kNearestRange);
+  const double half = std::atan2(0.5 * width, range);
+  const int first = static_cast<int>(std::floor(-half / (2.0 * kPi) * kBins));
+  const int count = 1 - 2 * first;
+  const double bearing = std::atan2(offset.y(), offset.x());
+  int measured = 0, visible = 0;
+  for (int i = 0; i < count; ++i) {
+    const float reach =
+        reach_[static_cast<std::size_t>(binOf(bearing + (first + i) * 2.0 * kPi / kBins))];
+    if (reach < 0.0F) continue;
+    ++measured;
+    // A beam that ends within the object hits the object itself.
+    if (static_cast<double>(reach) >= range - width) ++visible;
+  }
+  // Bins without a beam lie between two beams, or outside of the field of view.
+  const double bins_per_beam = std::max(1.0, beam_step_ * kBins / (2.0 * kPi));
+  const double expected = static_cast<double>(count) / bins_per_beam;
+  return visible > 0 ? visible / std::max(expected, static_cast<double>(measured)) : 0.0;
+}
+
+}  // namespace kestrel

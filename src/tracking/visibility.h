@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "kestrel_slam/tracking/motion_grid.h"
+
+namespace kestrel {
+
+/// How far the beams of a scan go in each direction: tells whether the sensor can see a place.
+class Visibility {
+ public:
+  explicit Visibility(const std::vector<GridRay<2>>& rays);
+
+  /// Share of an object of `width` (m) around `center` that beams reach: 0 outside of the field of
+  /// view and behind something, 1 if nothing is in between.
+  double visibleShare(const Eigen::Vector2d& center, double width) const;
+  /// Angle between two neighboring beams, rad; 0 without beams.
+  double beamStep() const { return beam_step_; }
+  double rangeOf(const Eigen::Vector2d& point) const { return (point - sensor_).norm(); }
+
+ private:
+  static constexpr int kBins = 1440;  ///< of a quarter of a degree
+  static int binOf(double bearing);
+
+  Eigen::Vector2d sensor_ = Eigen::Vector2d::Zero();
+  std::vector<float> reach_;  ///< farthest beam of each bin, m; negative: no beam
+  double beam_step_ = 0.0;
+};
+
+}  // namespace kestrel

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "kestrel_slam/map/atomic_file.h"
+#include "run_command.h"
+#include "temporary_folder.h"
+
+namespace kestrel {
+namespace {
+
+const std::string kTool = KESTREL_TOOL_DIR "/map_recording";
+const std::string kBatch = KESTREL_SOURCE_DIR "/scripts/map_batch";
+
+/// What bash offers at the end of `line`.
+std::string completionsOf(const std::string& tool, const std::string& words, int index) {
+  const TemporaryFolder folder;
+  const std::string file =
+      folder.write("completion", runCommand(tool + " --bash-completion").output);
+  const std::string name = std::filesystem::path(tool).filename().string();
+  return runCommand("bash -c 'compopt() { :; }; source " + file + "; COMP_WORDS=(" + words +
+                    "); COMP_CWORD=" + std::to_string(index) + "; _kestrel_slam_" + name + " " +
+                    tool + "; echo ${COMPREPLY[*]}'")
+      .output;
+}
+
+TEST(ToolPagesTest, BashCompletesOptionsValuesAndParameters) {
+  EXPECT_EQ(completionsOf(kTool, "map_recording --skip", 1), "--skip-scans\n");
+  EXPECT_EQ(completionsOf(kTool, "map_recording --odometry \"\"", 2), "none use\n");
+  EXPECT_EQ(completionsOf(kTool, "map_recording --set map_resol", 2), "map_resolution=\n");
+  EXPECT_EQ(completionsOf(kBatch, "map_batch --max-r", 1), "--max-relations\n");
+}
+
+TEST(ToolPagesTest, ManPagesListEveryOption) {
+  for (const std::string& tool : {kTool, kBatch}) {
+    const std::string page = runCommand(tool + " --man-page").output;
+    EXPECT_EQ(page.rfind(".TH MAP_", 0), 0U) << page;
+    EXPECT_CONTAINS(page, ".SH OPTIONS");
+    EXPECT_CONTAINS(page, "\\-\\-output");
+    EXPECT_CONTAINS(page, "\\-\\-scan\\-topic");
+  }
+}
+
+}  // namespace
+}  // namespace kestrel

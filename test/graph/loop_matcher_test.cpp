@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/graph/loop_matcher.h"
+
+#include <gtest/gtest.h>
+
+#include "loop_world.h"
+
+namespace kestrel {
+namespace {
+
+/// Keyframes at true poses, the first `mapped` of them inserted into a map.
+struct Scene {
+  Scene(const std::vector<room::Segment>& walls, const std::vector<Pose2>& poses,
+        std::size_t mapped) {
+    for (const Pose2& pose : poses) {
+      auto keyframe = std::make_shared<Keyframe>();
+      keyframe->scan = CompactScan(room::scanFrom(pose, walls, 180).rays);
+      keyframes.push_back({keyframe, 0, pose});
+    }
+    for (std::size_t i = 0; i < mapped; ++i)
+      map.insert(keyframes[i].keyframe->planarScan(), poses[i]);
+    place = {0, 0, mapped};
+    query = {mapped, poses.size()};
+  }
+
+  Submap map{OccupancyGridConfig()};
+  std::vector<LocalKeyframe> keyframes;
+  Place place;
+  LoopQuery query;
+};
+
+std::vector<Pose2> thereAndBack() {
+  std::vector<Pose2> poses;
+  for (double x = -2.0; x <= 1.0; x += 0.25) poses.emplace_back(x, -1.0, 0.0);
+  for (double x = 0.5; x >= -1.0; x -= 0.25) poses.emplace_back(x, -0.7, kPi);
+  return poses;
+}
+
+TEST(LoopMatcher, FindsAPlaceFarFromWhereItIsExpected) {
+  const Scene scene(room::walls(), thereAndBack(), 13);
+  const LoopMatcher matcher{MatcherConfig(), LoopConfig()};
+  const Pose2 truth = scene.keyframes[scene.query.middle()].local_T_base;
+  const Pose2 expected = Pose2(1.1, -0.8, truth.yaw + 0.2);
+  const Loop loop = matcher.search(scene.map, scene.place, scene.keyframes, scene.query,
+                                   Pose2(truth.x + 1.1, truth.y - 0.8, expected.yaw), 2.0, 0.4);
+  EXPECT_EQ(loop.state, LoopState::kPending) << loop.reason;
+  const Pose2 anchor = scene.keyframes[loop.anchor].local_T_base;
+  EXPECT_LT((anchor * loop.anchor_T_query.mean).between(truth).distance(), 0.05);
+  EXPECT_GT(loop.margin, 0.08);
+  EXPECT_GT(loop.agreement, 0.9);
+}
+
+TEST(LoopMatcher, APlaceOutsideOfTheRadiusIsRefused) {
+  const Scene scene(room::walls(), thereAndBack(), 13);
+  const LoopMatcher matcher{MatcherConfig(), LoopConfig()};
+  const Pose2 truth = scene.keyframes[scene.query.middle()].local_T_base;
+  const Loop loop = matcher.search(scene.map, scene.place, scene.keyframes, scene.query,
+                                   Pose2(truth.x + 3.0, truth.y, truth.yaw), 1.5, 0.4);
+  EXPECT_EQ(loop.state, LoopState::kRefused);
+  EXPECT_STREQ(loop.reason, "it is too far away");
+}
+
+/// A square room looks the same after a quarter turn.
+TEST(LoopMatcher, AnAmbiguousPlaceIsRefused) {
+  const std::vector<room::Segment> walls = {
+      {-3, -3, 3, -3}, {3, -3, 3, 3}, {3, 3, -3, 3}, {-3, 3, -3, -3}};
+  std::vector<Pose2> poses(20, Pose2(0.0, 0.0, 0.0));
+  for (std::size_t i = 0; i < poses.size(); ++i) poses[i].x = 0.01 * static_cast<double>(i);
+  const Scene scene(walls, poses, 10);
+  const LoopMatcher matcher{MatcherConfig(), LoopConfig()};
+  const Loop loop =
+      matcher.search(scene.map, scene.place, scene.keyframes, scene.query, poses.back(), 1.5, kPi);
+  EXPECT_EQ(loop.state, LoopState::kRefused);
+  EXPECT_STREQ(loop.reason, "it fits in several places");
+}
+
+/// A corridor: the position along it is not observable.
+TEST(LoopMatcher, ACorridorIsRefused) {
+  std::vector<Pose2> poses;
+  for (int i = 0; i < 20; ++i) poses.emplace_back(0.25 * i, 0.0, 0.0);
+  const Scene scene(room::corridor(), poses, 10);
+  const LoopMatcher matcher{MatcherConfig(), LoopConfig()};
+  const Loop loop =
+      matcher.search(scene.map, scene.place, scene.keyframes, scene.query, poses[12], 1.5, 0.4);
+  EXPECT_EQ(loop.state, LoopState::kRefused);
+  EXPECT_STREQ(loop.reason, "a direction is unobservable");
+}
+
+TEST(LoopMatcher, AScanInAnotherRoomDoesNotFit) {
+  Scene scene(room::walls(), thereAndBack(), 13);
+  auto other = std::make_shared<Keyframe>();
+  other->scan = CompactScan(
+      room::scanFrom(Pose2(), {{-1, -2, 2, -1.5}, {2, -1.5, 1, 2}, {1, 2, -1, -2}}, 180).rays);
+  scene.keyframes.back().keyframe = other;
+  const LoopMatcher matcher{MatcherConfig(), LoopConfig()};
+  const std::size_t last = scene.keyframes.size() - 1;
+  const Loop loop = matcher.matchExpected(scene.map, scene.place, scene.keyframes, last,
+                                          scene.keyframes[last].local_T_base, 0.3);
+  EXPECT_EQ(loop.state, LoopState::kRefused);
+}
+
+TEST(LoopMatcher, AScanWithoutHitsIsRefused) {
+  Scene scene(room::walls(), thereAndBack(), 13);
+  auto blank = std::make_shared<Keyframe>();
+  scene.keyframes.back().keyframe = blank;
+  const LoopMatcher matcher{MatcherConfig(), LoopConfig()};
+  const std::size_t last = scene.keyframes.size() - 1;
+  const Loop loop =
+      matcher.matchExpected(scene.map, scene.place, scene.keyframes, last, Pose2(), 0.3);
+  EXPECT_EQ(loop.state, LoopState::kRefused);
+  EXPECT_STREQ(loop.reason, "too few hits");
+  EXPECT_EQ(loop.query, last);
+}
+
+}  // namespace
+}  // namespace kestrel

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/graph/submap_graph.h"
+
+#include <gtest/gtest.h>
+
+#include "loop_world.h"
+
+namespace kestrel {
+namespace {
+
+using loop_world::acceptedLoops;
+using loop_world::Drive;
+
+constexpr double kDrift = 0.0003;  // rad for each keyframe: 2 m after one lap
+
+TEST(SubmapGraph, ALoopIsClosed) {
+  SubmapGraph graph{MapperConfig(), LoopConfig()};
+  Drive drive(loop_world::ring(), kDrift);
+  double before = 0.0;
+  for (const Pose2& pose : loop_world::laps(0.9)) drive.add(pose, graph);
+  before = drive.lastError(graph);
+  EXPECT_GT(before, 0.5);
+  EXPECT_EQ(acceptedLoops(graph), 0U) << "no place was visited twice";
+  SubmapGraph closed{MapperConfig(), LoopConfig()};
+  Drive whole(loop_world::ring(), kDrift);
+  for (const Pose2& pose : loop_world::laps(1.4)) whole.add(pose, closed);
+  closed.finish();
+  EXPECT_GE(acceptedLoops(closed), 3U);
+  EXPECT_LT(whole.worstLoop(closed), 0.15);
+  EXPECT_LT(whole.lastError(closed), 0.1);
+}
+
+TEST(SubmapGraph, TheSameInputGivesTheSamePoses) {
+  std::vector<Pose2> poses[2];
+  for (std::vector<Pose2>& result : poses) {
+    SubmapGraph graph{MapperConfig(), LoopConfig()};
+    Drive drive(loop_world::ring(), kDrift);
+    for (const Pose2& pose : loop_world::laps(1.2)) drive.add(pose, graph);
+    graph.finish();
+    for (std::size_t i = 0; i < graph.keyframes().size(); ++i) result.push_back(graph.poseOf(i));
+  }
+  EXPECT_EQ(poses[0], poses[1]);
+}
+
+/// A corridor with rooms that all look the same: without drift that tells them apart, a match is
+/// ambiguous, and with a wrong one all rooms would be drawn over each other.
+TEST(SubmapGraph, IdenticalRoomsAreNotMerged) {
+  std::vector<room::Segment> walls = {{-3, -1, 60, -1}};
+  for (double x = 0.0; x < 60.0; x += 3.0) {
+    walls.insert(walls.end(), {{x, 1, x + 2, 1}, {x, 1, x, 4}, {x, 4, x + 3, 4}});
+    loop_world::addBox(walls, x + 1.9, 2.5, 0.5, 0.6);
+  }
+  SubmapGraph graph{MapperConfig(), LoopConfig()};
+  Drive drive(walls, 0.0001);
+  for (double x = 1.0; x < 55.0; x += 0.25) drive.add(Pose2(x, 0.0, 0.0), graph);
+  graph.finish();
+  EXPECT_LT(drive.worstLoop(graph), 0.3);
+  EXPECT_EQ(acceptedLoops(graph), 0U) << "no place was visited twice";
+}
+
+TEST(SubmapGraph, ScansThatWereNotInsertedAreIgnored) {
+  SubmapGraph graph{MapperConfig(), LoopConfig()};
+  graph.add(room::scanFrom(Pose2()), MapperResult());
+  graph.finish();
+  EXPECT_TRUE(graph.keyframes().empty());
+  EXPECT_EQ(graph.mapTLocal(), Pose2());
+}
+
+}  // namespace
+}  // namespace kestrel

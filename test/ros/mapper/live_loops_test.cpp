@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <std_srvs/Trigger.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <cmath>
+
+#include "graph/loop_world.h"
+#include "mapper_client.h"
+
+namespace kestrel {
+namespace {
+
+/// A scan of a level laser in the ring of corridors.
+sensor_msgs::LaserScan messageAt(const Pose2& pose, const ros::Time& stamp) {
+  constexpr int kBeams = 360;
+  constexpr float kMaxRange = 30.0F;
+  static const std::vector<room::Segment> walls = loop_world::ring();
+  sensor_msgs::LaserScan scan;
+  scan.header.stamp = stamp;
+  scan.header.frame_id = "base_link";
+  scan.angle_min = static_cast<float>(-kPi);
+  scan.angle_increment = static_cast<float>(2.0 * kPi / kBeams);
+  scan.angle_max = scan.angle_min + static_cast<float>(kBeams - 1) * scan.angle_increment;
+  scan.range_max = kMaxRange;
+  for (int i = 0; i < kBeams; ++i) {
+    const double angle = -kPi + 2.0 * kPi * i / kBeams;
+    scan.ranges.push_back(static_cast<float>(room::cast(walls, pose, angle)));
+  }
+  return scan;
+}
+
+std::size_t linesOf(const visualization_msgs::MarkerArray& markers, const std::string& ns) {
+  for (const auto& marker : markers.markers) {
+    if (marker.ns == ns) return marker.points.size() / 2;
+  }
+  return 0;
+}
+
+TEST(LiveLoops, ALoopIsClosedAndShown) {
+  MapperClient client;
+  visualization_msgs::MarkerArray graph, loops;
+  const auto graph_subscriber = client.nh.subscribe<visualization_msgs::MarkerArray>(
+      "graph_markers", 1, [&](const visualization_msgs::MarkerArrayConstPtr& m) { graph = *m; });
+  const auto loop_subscriber = client.nh.subscribe<visualization_msgs::MarkerArray>(
+      "loop_closures", 1, [&](const visualization_msgs::MarkerArrayConstPtr& m) { loops = *m; });
+  ASSERT_TRUE(client.connect());
+  const ros::Time start = ros::Time::now();
+  const std::vector<Pose2> poses = loop_world::laps(1.3);
+  std::optional<Pose2> estimated;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const ros::Time stamp = start + ros::Duration(0.1 * static_cast<double>(i));
+    estimated = client.match(messageAt(poses[i], stamp));
+    ASSERT_TRUE(estimated) << "no pose for scan " << i;
+  }
+  EXPECT_TRUE(client.waitFor([&] { return linesOf(graph, "accepted") > 3; }, 20.0))
+      << linesOf(graph, "accepted") << " loops are shown as accepted";
+  EXPECT_FALSE(loops.markers.empty());
+  const Pose2 truth = poses.front().between(poses.back());
+  EXPECT_LT(truth.between(*estimated).distance(), 0.15);
+  std_srvs::Trigger reset;
+  ASSERT_TRUE(ros::service::call("reset_map", reset));
+  const ros::Time later = start + ros::Duration(1000.0);
+  estimated = client.match(messageAt(poses[0], later));
+  ASSERT_TRUE(estimated);
+  EXPECT_LT(estimated->distance(), 0.01) << "the correction belongs to the deleted map";
+  EXPECT_TRUE(client.waitFor([&] { return linesOf(graph, "accepted") == 0; }, 10.0));
+}
+
+}  // namespace
+}  // namespace kestrel
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "live_loops_test");
+  return RUN_ALL_TESTS();
+}

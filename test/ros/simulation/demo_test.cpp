@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <geometry_msgs/PoseStamped.h>
+#include <gtest/gtest.h>
+#include <nav_msgs/OccupancyGrid.h>
+#include <nav_msgs/Odometry.h>
+#include <ros/ros.h>
+
+#include <cmath>
+#include <map>
+
+namespace {
+
+/// demo.launch without rviz: the map grows, and the pose follows the truth.
+TEST(Demo, TheSimulatedQuadrotorIsMapped) {
+  ros::NodeHandle nh;
+  geometry_msgs::PoseStamped pose;
+  nav_msgs::OccupancyGrid map;
+  std::map<ros::Time, nav_msgs::Odometry> truth;
+  std::size_t poses = 0;
+  const auto a = nh.subscribe<geometry_msgs::PoseStamped>(
+      "slam_out_pose", 100, [&](const geometry_msgs::PoseStamped::ConstPtr& message) {
+        pose = *message;
+        ++poses;
+      });
+  const auto b = nh.subscribe<nav_msgs::OccupancyGrid>(
+      "map", 1, [&](const nav_msgs::OccupancyGrid::ConstPtr& message) { map = *message; });
+  const auto c = nh.subscribe<nav_msgs::Odometry>("ground_truth", 1000,
+                                                  [&](const nav_msgs::Odometry::ConstPtr& message) {
+                                                    truth[message->header.stamp] = *message;
+                                                  });
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(60.0);
+  while (ros::WallTime::now() < end && (poses < 300 || map.data.empty())) {
+    ros::spinOnce();
+    ros::WallDuration(0.01).sleep();
+  }
+  ASSERT_GE(poses, 300U);
+  ASSERT_FALSE(map.data.empty());
+  ASSERT_FALSE(truth.empty());
+  // The map begins at the first pose, so only the traveled distances are compared.
+  const auto& first = truth.begin()->second.pose.pose.position;
+  const auto last = truth.lower_bound(pose.header.stamp);
+  ASSERT_NE(last, truth.end());
+  const auto& position = last->second.pose.pose.position;
+  EXPECT_NEAR(std::hypot(pose.pose.position.x, pose.pose.position.y),
+              std::hypot(position.x - first.x, position.y - first.y), 0.1);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "demo_test");
+  return RUN_ALL_TESTS();
+}

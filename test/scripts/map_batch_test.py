@@ -1,0 +1,287 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""map_batch with stand-ins for the programs, which crash, hang and eat memory by the name of the
+recording. test/commands/map_batch_test.cpp maps real recordings."""
+
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+BATCH = str(ROOT / "scripts" / "map_batch")
+
+# Writes the files of a mapped recording; the first word of the recording is its error in mm.
+MAP_RECORDING = r"""#!/usr/bin/python3
+import json, os, signal, sys, time
+if "--list-parameters" in sys.argv:
+    sys.exit("map_recording: unknown parameter 'nonsense'" if "nonsense=1" in sys.argv else 0)
+output, file = sys.argv[sys.argv.index("--output") + 1], sys.argv[-1]
+name = os.path.basename(file)
+with open(os.environ["CALLS"], "a") as calls:
+    calls.write(name + "\n")
+if name.startswith("crash"):
+    os.kill(os.getpid(), signal.SIGSEGV)
+if name.startswith("hang"):
+    time.sleep(600)
+if name.startswith("memory"):
+    try:
+        bytearray(1 << 31)
+    except MemoryError:
+        sys.exit("map_recording: std::bad_alloc")
+if name.startswith("broken"):
+    sys.exit("map_recording: " + file + ": is not a valid bag")
+time.sleep(float(os.environ.get("SLOW", "0")))
+error = float(open(file).readline()) / 1000.0
+os.makedirs(output)
+for part in ("map.pgm", "report.html", "trajectory.tum", "scans.csv"):
+    open(output + "/" + part, "w").write(str(error))
+json.dump({"version": "1", "commit": "c0ffee", "parameters_hash": "p",
+           "recording": {"hash": name}, "distance_m": 2.0, "duration_s": 3.0,
+           "scans": {"processed": 10, "dropped": {"late": 1}}, "warnings": [],
+           "match": {"share_lost": 0.5 if name.startswith("lost") else 0.0,
+                     "share_degraded": 0.0}, "map": {"known_area_m2": 1.0}},
+          open(output + "/stats.json", "w"))
+"""
+EVALUATE = r"""#!/usr/bin/python3
+import json, sys
+error = float(open(sys.argv[1]).read())
+statistics = {"translation_m": {"mean": error, "rmse": error}}
+answer = {}
+if "--relations" in sys.argv:
+    answer["relations"] = {"all": statistics, "over_60_s": statistics}
+if "--reference" in sys.argv:
+    answer["reference"] = {"ate": statistics}
+json.dump(answer, open(sys.argv[sys.argv.index("--json") + 1], "w"))
+"""
+# Every file that begins with a number is a recording. Bags have their times in the second line.
+RECORDING_INFO = r"""#!/usr/bin/python3
+import json, sys
+for path in sys.argv[3:]:
+    lines = open(path, errors="replace").read().split("\n")
+    number = lines[0].replace(".", "").isdigit()
+    bag = path.endswith(".bag") and number
+    begin, end = map(float, lines[1].split()) if bag and len(lines) > 1 and lines[1] else (0, 0)
+    topics = {"/ground_truth": {"type": "nav_msgs/Odometry", "messages": 9}} if "topic" in path else {}
+    print(json.dumps({"path": path, "format": "rosbag" if bag else "CARMEN log" if number else "",
+                      "begin_s": begin, "end_s": end, "topics": topics, "problem": ""}))
+"""
+
+
+class Batch(unittest.TestCase):
+    def setUp(self):
+        self._folder = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self._folder.name)
+        self.logs, self.out = self.folder / "logs", self.folder / "out"
+        self.logs.mkdir()
+        tools = self.folder / "tools"
+        tools.mkdir()
+        for name, text in (("map_recording", MAP_RECORDING), ("evaluate_trajectory", EVALUATE),
+                           ("recording_info", RECORDING_INFO)):
+            (tools / name).write_text(text)
+            (tools / name).chmod(0o755)
+        self.calls = self.folder / "calls"
+        self.environment = {**os.environ, "KESTREL_TOOLS": str(tools), "CALLS": str(self.calls)}
+
+    def tearDown(self):
+        self._folder.cleanup()
+
+    def log(self, name, error_mm=10, text="", relations=True):
+        path = self.logs / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(f"{error_mm}\n{text}")
+        if relations:
+            path.with_name(name.split("/")[-1].split(".")[0] + ".relations").write_text("")
+
+    def batch(self, *options, code=0, **environment):
+        run = subprocess.run([BATCH, str(self.logs), "--output", str(self.out), "--no-timing",
+                              *options], capture_output=True, text=True, check=False,
+                             env={**self.environment, **environment})
+        self.assertEqual(run.returncode, code, run.stdout + run.stderr)
+        return run.stdout + run.stderr
+
+    def summary(self, out=None):
+        return json.loads(((out or self.out) / "summary.json").read_text())
+
+    def row(self, name):
+        return next(row for row in self.summary()["recordings"] if row["name"] == name)
+
+    def names(self):
+        return [row["name"] for row in self.summary()["recordings"]]
+
+    def called(self):
+        return sorted(self.calls.read_text().split()) if self.calls.exists() else []
+
+
+class OneRecordingCannotEndTheBatch(Batch):
+    def test_every_kind_of_failure_is_a_line(self):
+        for name in ("crash", "hang", "memory", "broken", "good"):
+            self.log(name + ".clf")
+        text = self.batch("--timeout", "2", "--memory", "600", "-j", "3", code=1)
+        self.assertEqual({name: self.row(name)["status"] for name in self.names()},
+                         {"broken": "failed", "crash": "crashed", "good": "ok", "hang": "timeout",
+                          "memory": "memory"})
+        self.assertIn("ended by SIGSEGV", self.row("crash")["message"])
+        self.assertIn("is not a valid bag", self.row("broken")["message"])
+        self.assertIn("--memory", self.row("memory")["message"])
+        self.assertIn("1 of 5 recordings mapped", text)
+        self.assertEqual(len((self.out / "summary.csv").read_text().splitlines()), 6)
+        page = (self.out / "index.html").read_text()
+        self.assertIn('href="maps/good/report.html"', page)
+        self.assertIn('href="maps/crash/log.txt"', page)
+        self.assertEqual([path.name for path in (self.out / "maps").glob(".*")], [])
+
+    def test_allowed_failures(self):
+        self.log("broken.clf")
+        self.log("good.clf")
+        self.batch("--max-failed", "1")
+        self.batch("--resume", "--max-failed", "0", code=3)
+
+    def test_wrong_options_are_said_before_the_first_recording(self):
+        self.log("good.clf")
+        text = self.batch("--set", "nonsense=1", code=1)
+        self.assertIn("unknown parameter 'nonsense'", text)
+        self.assertFalse(self.out.exists())
+
+
+class Resume(Batch):
+    def test_results_are_kept_and_missing_ones_are_mapped(self):
+        self.log("a.clf")
+        self.batch()
+        self.log("b.clf")
+        self.assertIn("--resume", self.batch(code=1))
+        self.batch("--resume")
+        self.assertEqual(self.called(), ["a.clf", "b.clf"])
+        self.batch("--resume", "--set", "x=1")
+        self.assertEqual(self.called(), ["a.clf", "a.clf", "b.clf", "b.clf"], "other parameters")
+        self.log("a.clf", error_mm=11)
+        self.batch("--resume", "--set", "x=1")
+        self.assertEqual(len(self.called()), 5, "another input")
+
+    def test_killed_twice_it_gives_the_same_table(self):
+        for number in range(12):
+            self.log(f"{number:02d}.clf", number)
+        self.batch()
+        expected = self.summary()
+        table = (self.out / "summary.csv").read_bytes()
+        self.out.rename(self.folder / "whole")
+        self.calls.unlink()
+        command = [BATCH, str(self.logs), "--output", str(self.out), "--no-timing", "-j", "2",
+                   "--resume"]
+        for _ in range(2):
+            with subprocess.Popen(command, env={**self.environment, "SLOW": "0.3"},
+                                  stderr=subprocess.DEVNULL) as process:
+                time.sleep(1.2)
+                process.send_signal(signal.SIGKILL)
+        done = len(list((self.out / "maps").glob("[0-9]*")))
+        self.assertTrue(1 <= done < 12, done)
+        self.batch("--resume")
+        self.assertEqual(self.summary(), expected)
+        self.assertEqual((self.out / "summary.csv").read_bytes(), table)
+        self.assertLess(len(self.called()), 12 + 2 * 2 + 1, "only what was cut off is repeated")
+
+    def test_an_interrupt_ends_the_programs(self):
+        self.log("hang.clf")
+        with subprocess.Popen([BATCH, str(self.logs), "--output", str(self.out)],
+                              env=self.environment, stderr=subprocess.PIPE, text=True) as process:
+            while not self.called():
+                time.sleep(0.05)
+            process.send_signal(signal.SIGINT)
+            self.assertIn("--resume goes on", process.communicate(timeout=10)[1])
+        self.assertEqual(process.returncode, 130)
+        commands = [path.read_text(errors="replace") for path in
+                    pathlib.Path("/proc").glob("[0-9]*/cmdline") if path.exists()]
+        self.assertFalse([command for command in commands if str(self.logs) in command])
+
+
+class Limits(Batch):
+    def test_a_missed_limit_gives_exit_code_3(self):
+        self.log("a.clf", 10)
+        self.log("b.clf", 30)
+        self.batch("--max-relations", "0.031")
+        text = self.batch("--resume", "--max-relations", "0.02", code=3)
+        self.assertIn("b: relations_m is 0.03, limit 0.02", text)
+        self.assertIn("cannot be checked", self.batch("--resume", "--max-ate", "1", code=3))
+        self.log("lost.clf")
+        self.batch("--resume", "--max-lost", "0.5")
+        self.batch("--resume", "--max-lost", "0.4", code=3)
+
+
+class Comparison(Batch):
+    def test_worse_results_come_first(self):
+        for name, error in (("same", 10), ("worse", 10), ("better", 10), ("fails", 10)):
+            self.log(name + ".clf", error)
+        self.batch()
+        old = self.folder / "old"
+        self.out.rename(old)
+        self.log("worse.clf", 20)
+        self.log("better.clf", 5)
+        self.log("fails.clf", 5)
+        (self.logs / "fails.clf").rename(self.logs / "brokenfails.clf")
+        self.batch("--compare", str(old), code=1)
+        comparison = self.summary()["comparison"]
+        self.assertEqual([(change["name"], change["verdict"]) for change in comparison["changes"]],
+                         [("worse", "worse"), ("same", "same"), ("better", "better")])
+        self.assertEqual(comparison["changes"][0]["relations_m"], [0.01, 0.02])
+        self.assertEqual((comparison["new"], comparison["gone"]), (["brokenfails"], ["fails"]))
+        page = (self.out / "index.html").read_text()
+        self.assertLess(page.index("0.0100 → 0.0200"), page.index("<h2>Recordings"))
+
+
+class Finding(Batch):
+    def test_split_bags_are_one_recording(self):
+        self.log("run_0.bag", text="100 160")
+        self.log("run_1.bag", text="160.1 200")
+        self.log("run_2.bag", text="900 960")  # another flight: there is a pause
+        self.log("r_2020-01-01-10-00-00_0.bag", text="100 160")
+        self.log("r_2020-01-01-10-01-00_1.bag", text="160.1 200")
+        self.log("many_9.bag", text="90 100")
+        self.log("many_10.bag", text="100 110")
+        self.batch()
+        self.assertEqual(self.names(), ["many", "r", "run", "run_2"])
+
+    def test_names_in_folders_are_unique(self):
+        self.log("x/flight.clf")
+        self.log("y/flight.clf")
+        self.log("same.clf")
+        self.log("same.bag", text="1 2")
+        (self.logs / "notes.md").write_text("no recording")
+        (self.logs / "damaged.bag").write_text("no bag")
+        self.batch(code=1)
+        self.assertEqual(self.names(), ["damaged", "same.bag", "same.clf", "x__flight",
+                                        "y__flight"])
+        self.assertEqual(self.row("damaged")["status"], "failed")
+
+    def test_a_list_names_files_folders_and_parts(self):
+        self.log("x/flight.clf")
+        self.log("a.bag", text="1 2")
+        self.log("b.bag", text="500 501")
+        folder = self.logs
+        self.logs = self.folder / "list"
+        self.logs.write_text("# a comment\nlogs/x\nlogs/a.bag logs/b.bag\n")
+        self.batch()
+        self.assertEqual(len(self.names()), 2)
+        self.logs.write_text("logs/missing.bag\n")
+        self.out = self.folder / "other"
+        self.assertIn(f"list:1: {folder}/missing.bag does not exist", self.batch(code=1))
+
+    def test_ground_truth_by_rule(self):
+        self.log("a.clf", relations=False)
+        self.log("topic.bag", text="1 2", relations=False)
+        (self.logs / "a.reference.tum").write_text("")
+        self.batch()
+        self.assertEqual(self.row("a")["ate_m"], 0.01)
+        self.assertEqual(self.row("topic")["ate_m"], 0.01)
+        (self.folder / "truth").mkdir()
+        (self.folder / "truth" / "a.txt").write_text("")
+        self.batch("--resume", "--truth", "reference:../truth/{name}.txt")
+        self.assertEqual((self.row("a")["ate_m"], self.row("topic")["ate_m"]), (0.01, None))
+        self.assertIn("a rule is relations:PATTERN", self.batch("--resume", "--truth", "x", code=1))
+
+
+if __name__ == "__main__":
+    unittest.main()
