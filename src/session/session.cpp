@@ -17,15 +17,15 @@ std::unordered_map<std::uint64_t, Pose2> submapPoses(const Session& session) {
 
 }  // namespace
 
-const char* toString(LoopState state) {
+const char* toString(SavedLoopState state) {
   switch (state) {
-    case LoopState::kPending:
+    case SavedLoopState::kPending:
       return "pending";
-    case LoopState::kAccepted:
+    case SavedLoopState::kAccepted:
       return "accepted";
-    case LoopState::kRefused:
+    case SavedLoopState::kRefused:
       return "refused";
-    case LoopState::kUndone:
+    case SavedLoopState::kUndone:
       return "undone";
   }
   return "unknown";

@@ -37,14 +37,15 @@ struct VertexRecord {
   PoseVertex vertex;
 };
 
-enum class LoopState { kPending, kAccepted, kRefused, kUndone };
-const char* toString(LoopState state);
+/// The numbers are those of the file, and do not change with those of LoopState.
+enum class SavedLoopState { kPending, kAccepted, kRefused, kUndone };
+const char* toString(SavedLoopState state);
 
 /// A loop that was tried. If it is accepted, the graph has an edge for it, too.
 struct LoopRecord {
   std::size_t from = 0, to = 0;  ///< indices of vertices
   GaussianPose2 measured;        ///< from_T_to
-  LoopState state = LoopState::kPending;
+  SavedLoopState state = SavedLoopState::kPending;
   std::string reason;                 ///< why it has this state; may be empty
   std::vector<NamedNumber> measures;  ///< fit, margin and so on
 };
