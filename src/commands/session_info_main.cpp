@@ -82,11 +82,11 @@ void printSubmaps(const Session& session) {
 }
 
 void printGraph(const Session& session) {
-  std::map<SavedLoopState, std::size_t> states;
+  std::map<LoopState, std::size_t> states;
   std::map<std::string, std::size_t> refused;
   for (const LoopRecord& loop : session.loops) {
     ++states[loop.state];
-    if (loop.state == SavedLoopState::kRefused) ++refused[loop.reason];
+    if (loop.state == LoopState::kRefused) ++refused[loop.reason];
   }
   std::printf("graph        %zu vertices, %zu edges\n", session.vertices.size(),
               session.edges.size());

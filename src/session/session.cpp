@@ -17,15 +17,15 @@ std::unordered_map<std::uint64_t, Pose2> submapPoses(const Session& session) {
 
 }  // namespace
 
-const char* toString(SavedLoopState state) {
+const char* toString(LoopState state) {
   switch (state) {
-    case SavedLoopState::kPending:
+    case LoopState::kPending:
       return "pending";
-    case SavedLoopState::kAccepted:
+    case LoopState::kAccepted:
       return "accepted";
-    case SavedLoopState::kRefused:
+    case LoopState::kRefused:
       return "refused";
-    case SavedLoopState::kUndone:
+    case LoopState::kUndone:
       return "undone";
   }
   return "unknown";

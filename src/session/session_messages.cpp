@@ -147,7 +147,7 @@ LoopRecord fromMessage(const session_format::Loop& message) {
   loop.from = message.from();
   loop.to = message.to();
   loop.measured = {poseOf(message.measured()), matrixOf(message.covariance())};
-  loop.state = enumOf(message.state(), SavedLoopState::kUndone);
+  loop.state = enumOf(message.state(), LoopState::kUndone);
   loop.reason = message.reason();
   loop.measures = numbersOf(message.measures());
   return loop;

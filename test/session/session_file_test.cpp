@@ -64,7 +64,7 @@ TEST(SessionFile, GivesBackSubmapsAndGraph) {
   EXPECT_EQ(loaded.edges[0].measured, session.edges[0].measured);
   ASSERT_EQ(loaded.loops.size(), 1U);
   EXPECT_EQ(loaded.loops[0].from, 1U);
-  EXPECT_EQ(loaded.loops[0].state, SavedLoopState::kRefused);
+  EXPECT_EQ(loaded.loops[0].state, LoopState::kRefused);
   EXPECT_EQ(loaded.loops[0].reason, "two explanations");
   EXPECT_EQ(loaded.loops[0].measured.covariance, session.loops[0].measured.covariance);
   EXPECT_EQ(loaded.loops[0].measures[0].value, 0.8);

@@ -55,7 +55,7 @@ inline Session sampleSession(std::size_t submaps = 2, int beams = 90) {
       session.loops.push_back({s,
                                0,
                                {Pose2(-0.2, 0.01, 0.001), sampleMatrix(1e-4)},
-                               s % 2 == 0 ? SavedLoopState::kAccepted : SavedLoopState::kRefused,
+                               s % 2 == 0 ? LoopState::kAccepted : LoopState::kRefused,
                                s % 2 == 0 ? "" : "two explanations",
                                {{"fit", 0.8}, {"margin", 0.05}}});
     }

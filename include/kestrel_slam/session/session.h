@@ -37,15 +37,14 @@ struct VertexRecord {
   PoseVertex vertex;
 };
 
-/// The numbers are those of the file, and do not change with those of LoopState.
-enum class SavedLoopState { kPending, kAccepted, kRefused, kUndone };
-const char* toString(SavedLoopState state);
+enum class LoopState { kPending, kAccepted, kRefused, kUndone };
+const char* toString(LoopState state);
 
 /// A loop that was tried. If it is accepted, the graph has an edge for it, too.
 struct LoopRecord {
   std::size_t from = 0, to = 0;  ///< indices of vertices
   GaussianPose2 measured;        ///< from_T_to
-  SavedLoopState state = SavedLoopState::kPending;
+  LoopState state = LoopState::kPending;
   std::string reason;                 ///< why it has this state; may be empty
   std::vector<NamedNumber> measures;  ///< fit, margin and so on
 };
