@@ -282,13 +282,12 @@ void writeOutputs(const fs::path& folder, const OfflineRun& run, const RunInfo& 
   }
   const std::string stats =
       statsOf(run, info).dump(kJsonIndent, ' ', false, nlohmann::json::error_handler_t::replace);
-  std::vector<NamedContent> files = {
-      {"trajectory.tum", tumText(run.trajectory)},
-      {"covariances.txt", covariancesText(covariances)},
-      {"scans.csv", scansText(rows)},
-      {"stats.json", stats + "\n"},
-      {"thumbnail.png", renderMap(run.map, kThumbnailPixels).png},
-      {"report.html", reportHtml(run, info)}};
+  std::vector<NamedContent> files = {{"trajectory.tum", tumText(run.trajectory)},
+                                     {"covariances.txt", covariancesText(covariances)},
+                                     {"scans.csv", scansText(rows)},
+                                     {"stats.json", stats + "\n"},
+                                     {"thumbnail.png", renderMap(run.map, kThumbnailPixels).png},
+                                     {"report.html", reportHtml(run, info)}};
   if (run.graph) {
     files.push_back({"loops.csv", loopsText(*run.graph)});
     files.push_back({"graph.g2o", g2oText({run.graph->graph, {}})});

@@ -177,6 +177,7 @@ nlohmann::ordered_json statsOf(const OfflineRun& run, const RunInfo& info) {
       {"distance_m", rounded(run.distance_m, kFine)},
       {"duration_s", rounded(run.duration_s, kFine)},
       {"map", mapOf(run)},
+      {"graph", graphOf(run)},
       {"options", options},
       {"parameters", parameters},
       {"warnings", run.warnings}};
