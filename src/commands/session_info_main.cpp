@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "kestrel_slam/commands/run_tool.h"
-#include "kestrel_slam/map/atomic_file.h"
+#include "kestrel_slam/graph/g2o_file.h"
 #include "kestrel_slam/map/map_io.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
 #include "kestrel_slam/recording/trajectory.h"
@@ -147,7 +147,7 @@ void exportMap(const std::string& folder, const Session& session) {
 }
 
 void exportAll(const Options& options, const Session& session) {
-  if (!options.g2o.empty()) writeFileAtomically(options.g2o, g2oText(session));
+  if (!options.g2o.empty()) writeG2o(options.g2o, {graphOf(session), {}});
   if (!options.tum.empty()) writeTum(options.tum, trajectoryOf(session));
   if (!options.pgm.empty()) exportMap(options.pgm, session);
 }

@@ -1,24 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/session/session.h"
 
-#include <cstdarg>
-#include <cstdio>
 #include <unordered_map>
 
 namespace kestrel {
 namespace {
-
-/// Enough digits to read the same number again.
-constexpr int kDigits = 17;
-
-void appendNumbers(std::string& text, std::initializer_list<double> numbers) {
-  char number[40];
-  for (const double value : numbers) {
-    std::snprintf(number, sizeof number, " %.*g", kDigits, value);
-    text += number;
-  }
-  text += '\n';
-}
 
 /// For every keyframe in a submap, its pose in map by the first submap that contains it.
 std::unordered_map<std::uint64_t, Pose2> submapPoses(const Session& session) {
@@ -54,23 +40,6 @@ PoseGraph graphOf(const Session& session) {
   for (const VertexRecord& vertex : session.vertices) graph.vertices.push_back(vertex.vertex);
   graph.edges = session.edges;
   return graph;
-}
-
-std::string g2oText(const Session& session) {
-  std::string text;
-  for (std::size_t i = 0; i < session.vertices.size(); ++i) {
-    const Pose2& pose = session.vertices[i].vertex.pose;
-    text += "VERTEX_SE2 " + std::to_string(i);
-    appendNumbers(text, {pose.x, pose.y, pose.yaw});
-    if (session.vertices[i].vertex.fixed) text += "FIX " + std::to_string(i) + '\n';
-  }
-  for (const PoseEdge& edge : session.edges) {
-    const Eigen::Matrix3d& m = edge.information;
-    text += "EDGE_SE2 " + std::to_string(edge.from) + ' ' + std::to_string(edge.to);
-    appendNumbers(text, {edge.measured.x, edge.measured.y, edge.measured.yaw, m(0, 0), m(0, 1),
-                         m(0, 2), m(1, 1), m(1, 2), m(2, 2)});
-  }
-  return text;
 }
 
 MapSnapshot mapOf(const Session& session, const OccupancyGridConfig& config) {

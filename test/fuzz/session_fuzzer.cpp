@@ -27,7 +27,7 @@ void decode(const std::string& file) {
     const std::string again = encodeSession(session);
     FUZZ_CHECK(encodeSession(decodeSession(again)) == again);
     keyframePoses(session);
-    g2oText(session);
+    graphOf(session);
   });
   expectResultOrReason([&] {
     const RepairedSession repaired = repairSession(file);

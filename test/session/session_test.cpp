@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "session/session_samples.h"
-#include "temporary_folder.h"
 
 namespace kestrel {
 namespace {
@@ -41,14 +40,6 @@ TEST(Session, TheMapOfTheKeyframesIsTheRoom) {
   const MapSnapshot map = mapOf(sampleSession(3, 720), OccupancyGridConfig());
   EXPECT_NEAR(map.width * map.resolution_m, 8.0, 0.3);
   EXPECT_NEAR(map.height * map.resolution_m, 6.0, 0.3);
-}
-
-TEST(Session, WritesGraphsForG2o) {
-  Session session = sampleSession();
-  const std::string text = g2oText(session);
-  EXPECT_CONTAINS(text, "VERTEX_SE2 0 0 0.10000000000000001 0.050000000000000003\nFIX 0\n");
-  EXPECT_CONTAINS(text,
-                  "\nEDGE_SE2 0 1 0.20000000000000001 0 0 20000 1000 -3000 15000 2000 10000\n");
 }
 
 TEST(Session, RemovesWhatRefersToNothing) {

@@ -72,11 +72,8 @@ void removeDangling(Session& session);
 /// none, the pose that it has in the first submap that contains it.
 std::vector<Pose2> keyframePoses(const Session& session);
 
-/// The graph with the indices of `vertices`.
+/// The graph with the indices of `vertices`, without loops that were not accepted.
 PoseGraph graphOf(const Session& session);
-
-/// The graph in the format of g2o, VERTEX_SE2 and EDGE_SE2, without loops that were not accepted.
-std::string g2oText(const Session& session);
 
 /// The map of all keyframes at their poses, up to the memory limit of `config`.
 MapSnapshot mapOf(const Session& session, const OccupancyGridConfig& config);
