@@ -11,6 +11,7 @@ constexpr double kBytesPerMegabyte = 1e6;
 constexpr double kNominalPeriod = 0.1;  ///< s, for which the inverse measurement values hold
 // After a gap, a scan does not count more than this many scans at the nominal rate.
 constexpr double kMaxScale = 5.0;
+constexpr float kMaxSpacing = 1.0F;     ///< m; of two returns of one surface
 constexpr float kMaxCoordinate = 1e6F;  ///< cells; what is beyond comes from a wrong pose
 
 /// [Siew 2018, eq. 4].
@@ -63,6 +64,7 @@ const typename MotionGrid<D>::Result& MotionGrid<D>::insert(const std::vector<Gr
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (result_.motion[i] != Motion::kNone) updateHit(rays[i], i);
   }
+  protectSurface(rays);
   for (const GridRay<D>& ray : rays) {
     if (isUsable(ray)) updateMiss(ray);
   }
@@ -75,37 +77,39 @@ bool MotionGrid<D>::isUsable(const GridRay<D>& ray) const {
   return ray.origin.cwiseAbs().maxCoeff() < limit && ray.end.cwiseAbs().maxCoeff() < limit;
 }
 
-/// The rows of table 1 and 2 with an occupied measurement.
+/// The rows of table 1 and 2 with an occupied measurement. A return near something static belongs
+/// to it, because of the noise of laser and pose.
 template <int D>
 Motion MotionGrid<D>::classify(const GridRay<D>& ray) const {
-  const Index index = indexOf(ray.end);
-  const CellData* cell = cells_.find(index);
-  const CellState state = cell != nullptr ? stateOf(*cell) : CellState::kUnobserved;
-  if (state == CellState::kOccupied) return cell->was_moving ? Motion::kStopped : Motion::kStatic;
-  if (state == CellState::kUnobserved && !isImposed(index)) {
-    return cell != nullptr && cell->was_moving ? Motion::kStopped : Motion::kStatic;
-  }
-  const double tolerance =
-      config_.tolerance_m +
-      config_.tolerance_rad * static_cast<double>((ray.end - ray.origin).norm());
-  return isNearStatic(ray.end, tolerance) ? Motion::kStatic : Motion::kMoving;
+  const CellState state = staticState(indexOf(ray.end));
+  const double range = static_cast<double>((ray.end - ray.origin).norm());
+  const Surroundings near =
+      surroundingsOf(ray.end, config_.tolerance_m + config_.tolerance_rad * range);
+  if (near.is_static) return Motion::kStatic;
+  if (near.has_stopped) return Motion::kStopped;
+  return state == CellState::kFree || isImposed(indexOf(ray.end)) ? Motion::kMoving
+                                                                  : Motion::kStatic;
 }
 
 template <int D>
-bool MotionGrid<D>::isNearStatic(const Vector& point, double distance) const {
+typename MotionGrid<D>::Surroundings MotionGrid<D>::surroundingsOf(const Vector& point,
+                                                                   double distance) const {
   const Index center = indexOf(point);
-  const int radius = static_cast<int>(std::ceil(distance / config_.resolution_m));
-  const float reach = static_cast<float>(distance / config_.resolution_m);
+  const auto reach = static_cast<float>(distance / config_.resolution_m);
   const Vector in_cells = point / static_cast<float>(config_.resolution_m);
-  return anyAround<D>(radius, [&](const Index& offset) {
+  Surroundings result;
+  anyAround<D>(static_cast<int>(std::ceil(reach)), [&](const Index& offset) {
     const Index index = center + offset;
     const CellData* cell = cells_.find(index);
-    if (cell == nullptr || cell->was_moving || stateOf(*cell) != CellState::kOccupied) return false;
+    if (cell == nullptr || stateOf(*cell) != CellState::kOccupied) return false;
     // Distance from the point to the cell.
     const Vector low = index.template cast<float>() - in_cells;
-    const Vector gap = low.cwiseMax((-low).array().matrix() - Vector::Ones()).cwiseMax(0.0F);
-    return gap.norm() <= reach;
+    const Vector gap = low.cwiseMax(-low - Vector::Ones()).cwiseMax(0.0F);
+    if (gap.norm() > reach) return false;
+    (cell->was_moving ? result.has_stopped : result.is_static) = true;
+    return result.is_static;
   });
+  return result;
 }
 
 template <int D>
@@ -128,9 +132,38 @@ void MotionGrid<D>::updateHit(const GridRay<D>& ray, std::size_t number) {
   }
   if (cell->scan == scan_) return;
   cell->scan = scan_;
+  cell->passed = false;
   cell->was_moving = is_moving || (cell->was_moving && motion == Motion::kStopped);
   const bool by_medium = is_moving || motion == Motion::kStopped;
   add(*cell, by_medium ? medium_ : high_, is_moving ? high_ : low_);
+}
+
+/// The surface is wider than the returns: noise moves it into the neighboring cells, and at a
+/// grazing angle it goes on between the returns of two neighboring beams, in cells that the farther
+/// beam passes. These cells are not measured as free by this scan.
+template <int D>
+void MotionGrid<D>::protectSurface(const std::vector<GridRay<D>>& rays) {
+  const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (result_.motion[i] == Motion::kNone) continue;
+    const Index index = indexOf(rays[i].end);
+    for (int axis = 0; axis < D; ++axis) {
+      protectCell(index + Index::Unit(axis));
+      protectCell(index - Index::Unit(axis));
+    }
+    const bool has_neighbor = D == 2 && i > 0 && result_.motion[i - 1] != Motion::kNone;
+    if (!has_neighbor || (rays[i].end - rays[i - 1].end).norm() > kMaxSpacing) continue;
+    traverse<D>(rays[i - 1].end * inverse, rays[i].end * inverse, [this](const Index& between) {
+      protectCell(between);
+      return true;
+    });
+  }
+}
+
+template <int D>
+void MotionGrid<D>::protectCell(const Index& index) {
+  CellData* cell = cells_.obtain(index);
+  if (cell != nullptr) cell->scan = scan_;
 }
 
 /// The rows of table 1 and 2 with a free measurement.
@@ -151,6 +184,7 @@ bool MotionGrid<D>::passCell(const Index& index, bool stops_at_walls) {
   if (stops_at_walls && cell->static_odds > 0.0F) return false;
   if (cell->scan == scan_) return true;
   cell->scan = scan_;
+  cell->passed = true;
   add(*cell, low_, low_);
   if (cell->static_odds < free_) cell->was_moving = false;
   return true;
@@ -194,6 +228,12 @@ template <int D>
 CellState MotionGrid<D>::staticState(const Index& index) const {
   const CellData* cell = cells_.find(index);
   return cell != nullptr ? stateOf(*cell) : CellState::kUnobserved;
+}
+
+template <int D>
+bool MotionGrid<D>::isVacated(const Index& index) const {
+  const CellData* cell = cells_.find(index);
+  return cell != nullptr && cell->passed;
 }
 
 template <int D>

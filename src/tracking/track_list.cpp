@@ -23,7 +23,7 @@ void TrackList::predict(double seconds) {
 }
 
 void TrackList::update(PhdFilter<5, 2>& filter, const std::vector<ObjectCluster>& objects,
-                       const Visibility& visibility) {
+                       const Visibility& visibility, const MotionGrid<2>& grid) {
   std::vector<bool> seen(entries_.size(), false);
   for (const LabeledTarget<5>& target : filter.targets()) {
     auto entry = std::find_if(entries_.begin(), entries_.end(),
@@ -35,11 +35,14 @@ void TrackList::update(PhdFilter<5, 2>& filter, const std::vector<ObjectCluster>
       created.label = target.label;
       created.track.id = next_id_++;
       created.first = target.mean.head<2>();
+      for (const Eigen::Vector2d& point : object.points) {
+        created.first_cells.push_back(grid.indexOf(point.cast<float>()));
+      }
       entry = entries_.insert(entries_.end(), created);
       seen.push_back(false);
     }
     seen[static_cast<std::size_t>(entry - entries_.begin())] = true;
-    see(*entry, target, &object);
+    see(*entry, target, object, grid);
   }
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     if (!seen[i]) miss(entries_[i], filter, visibility);
@@ -52,20 +55,30 @@ void TrackList::update(PhdFilter<5, 2>& filter, const std::vector<ObjectCluster>
                  entries_.end());
 }
 
-void TrackList::see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster* object) {
+void TrackList::see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster& object,
+                    const MotionGrid<2>& grid) {
   Track& track = entry.track;
   setState(target.mean, target.covariance, track);
   track.standing = target.modes.size() > 1 ? target.modes[1] : 0.0;
   track.unseen_s = entry.hidden_s = 0.0;
   entry.seen_s += seconds_;
-  track.box = object->box;
-  entry.length = std::max(entry.length, object->box.size.x());
+  track.box = object.box;
+  entry.length = std::max(entry.length, object.box.size.x());
   track.size = sizeClassOf(entry.length);
   if (track.state != TrackState::kTentative || entry.seen_s >= config_.confirm_s) {
     track.state = TrackState::kConfirmed;
   }
-  const double moved = (track.position - entry.first).norm();
-  if (moved > std::max(config_.moved_m, 0.5 * entry.length)) track.moved = true;
+  if (!track.moved) track.moved = hasLeft(entry, grid);
+}
+
+/// It is elsewhere, and the place where it was first seen is empty. The second keeps walls away:
+/// when the sensor moves, their visible part seems to move along them.
+bool TrackList::hasLeft(const Entry& entry, const MotionGrid<2>& grid) const {
+  const double moved = (entry.track.position - entry.first).norm();
+  if (moved < std::max(config_.moved_m, 0.5 * entry.length)) return false;
+  const auto vacated = std::count_if(entry.first_cells.begin(), entry.first_cells.end(),
+                                     [&](const auto& cell) { return grid.isVacated(cell); });
+  return 2 * static_cast<std::size_t>(vacated) > entry.first_cells.size();
 }
 
 void TrackList::miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility) {
