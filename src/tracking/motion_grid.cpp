@@ -11,6 +11,8 @@ constexpr double kBytesPerMegabyte = 1e6;
 constexpr double kNominalPeriod = 0.1;  ///< s, for which the inverse measurement values hold
 // After a gap, a scan does not count more than this many scans at the nominal rate.
 constexpr double kMaxScale = 5.0;
+constexpr float kEpisodeGap = 2.0F;     ///< s; thin objects are missed for shorter times
+constexpr float kVacated = 0.25F;       ///< s without a return in a cell and its neighbors
 constexpr float kMaxSpacing = 1.0F;     ///< m; of two returns of one surface
 constexpr float kMaxCoordinate = 1e6F;  ///< cells; what is beyond comes from a wrong pose
 
@@ -61,6 +63,7 @@ const typename MotionGrid<D>::Result& MotionGrid<D>::insert(const std::vector<Gr
     if (rays[i].hit && isUsable(rays[i])) result_.motion[i] = classify(rays[i]);
   }
   ++scan_;
+  time_ += std::max(seconds, 0.0);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (result_.motion[i] != Motion::kNone) updateHit(rays[i], i);
   }
@@ -133,6 +136,9 @@ void MotionGrid<D>::updateHit(const GridRay<D>& ray, std::size_t number) {
   if (cell->scan == scan_) return;
   cell->scan = scan_;
   cell->passed = false;
+  const auto now = static_cast<float>(time_);
+  if (cell->last_hit < 0.0F || now - cell->last_hit > kEpisodeGap) cell->first_hit = now;
+  cell->last_hit = now;
   cell->was_moving = is_moving || (cell->was_moving && motion == Motion::kStopped);
   const bool by_medium = is_moving || motion == Motion::kStopped;
   add(*cell, by_medium ? medium_ : high_, is_moving ? high_ : low_);
@@ -233,7 +239,22 @@ CellState MotionGrid<D>::staticState(const Index& index) const {
 template <int D>
 bool MotionGrid<D>::isVacated(const Index& index) const {
   const CellData* cell = cells_.find(index);
-  return cell != nullptr && cell->passed;
+  if (cell == nullptr || !cell->passed) return false;
+  return !anyAround<D>(1, [&](const Index& offset) {
+    const CellData* near = cells_.find(index + offset);
+    return near != nullptr && near->last_hit >= 0.0F &&
+           static_cast<float>(time_) - near->last_hit < kVacated;
+  });
+}
+
+template <int D>
+bool MotionGrid<D>::cameAfter(const Index& index, double time) const {
+  return !anyAround<D>(1, [&](const Index& offset) {
+    const CellData* near = cells_.find(index + offset);
+    return near != nullptr && near->last_hit >= 0.0F &&
+           static_cast<float>(time_) - near->last_hit <= kEpisodeGap &&
+           near->first_hit <= static_cast<float>(time);
+  });
 }
 
 template <int D>

@@ -35,6 +35,7 @@ void TrackList::update(PhdFilter<5, 2>& filter, const std::vector<ObjectCluster>
       created.label = target.label;
       created.track.id = next_id_++;
       created.first = target.mean.head<2>();
+      created.first_time = grid.time();
       for (const Eigen::Vector2d& point : object.points) {
         created.first_cells.push_back(grid.indexOf(point.cast<float>()));
       }
@@ -68,17 +69,24 @@ void TrackList::see(Entry& entry, const LabeledTarget<5>& target, const ObjectCl
   if (track.state != TrackState::kTentative || entry.seen_s >= config_.confirm_s) {
     track.state = TrackState::kConfirmed;
   }
-  if (!track.moved) track.moved = hasLeft(entry, grid);
+  if (!track.moved) track.moved = hasMoved(entry, object, grid);
 }
 
-/// It is elsewhere, and the place where it was first seen is empty. The second keeps walls away:
-/// when the sensor moves, their visible part seems to move along them.
-bool TrackList::hasLeft(const Entry& entry, const MotionGrid<2>& grid) const {
-  const double moved = (entry.track.position - entry.first).norm();
+/// It is elsewhere, the place where it was first seen is empty, and the place where it is now was
+/// empty then. So walls do not move, though their visible part does when the sensor moves, and
+/// neither do thin objects that are seen by turns.
+bool TrackList::hasMoved(const Entry& entry, const ObjectCluster& object,
+                         const MotionGrid<2>& grid) const {
+  const double moved = (object.observation.value - entry.first).norm();
   if (moved < std::max(config_.moved_m, 0.5 * entry.length)) return false;
-  const auto vacated = std::count_if(entry.first_cells.begin(), entry.first_cells.end(),
-                                     [&](const auto& cell) { return grid.isVacated(cell); });
-  return 2 * static_cast<std::size_t>(vacated) > entry.first_cells.size();
+  const auto left = std::count_if(entry.first_cells.begin(), entry.first_cells.end(),
+                                  [&](const auto& cell) { return grid.isVacated(cell); });
+  const auto arrived =
+      std::count_if(object.points.begin(), object.points.end(), [&](const auto& p) {
+        return grid.cameAfter(grid.indexOf(p.template cast<float>()), entry.first_time);
+      });
+  return 2 * static_cast<std::size_t>(left) > entry.first_cells.size() &&
+         2 * static_cast<std::size_t>(arrived) > object.points.size();
 }
 
 void TrackList::miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility) {

@@ -19,10 +19,10 @@ struct MotionGridConfig {
   // Inverse measurement values of tables 1 and 2: the probability that a cell is occupied, given
   // one measurement. They are for scans at 10 Hz; at other rates their log odds are scaled by the
   // time between two scans, so that people who stop become a part of the map after the same time.
-  double low = 0.4;      ///< a beam passed the cell: smaller frees cells faster
+  double low = 0.4;     ///< a beam passed the cell: smaller frees cells faster
   double medium = 0.6;  ///< something moves here: larger takes what has stopped into the static
-                         ///< grid sooner, and with it slow objects
-  double high = 0.9;     ///< something stands here: larger resists beams that miss thin objects
+                        ///< grid sooner, and with it slow objects
+  double high = 0.9;    ///< something stands here: larger resists beams that miss thin objects
   // Bounds, so that a cell can change again.
   double min_probability = 0.05;
   double max_probability = 0.97;
@@ -99,8 +99,13 @@ class MotionGrid {
   double dynamicProbability(const Index& index) const;
   /// True if the cell is in the imposed map for the next scan.
   bool isImposed(const Index& index) const;
-  /// True if a beam passed the cell after the last return in it: what was there has left.
+  /// Time since the first scan, s.
+  double time() const { return time_; }
+  /// True if something was here, and beams now pass: it has left.
   bool isVacated(const Index& index) const;
+  /// True if nothing was in this cell or next to it at `time` (s) or before: what is here now has
+  /// come later. (Returns more than two seconds before the present ones do not count.)
+  bool cameAfter(const Index& index, double time) const;
 
   Index indexOf(const Vector& point) const;
   Vector centerOf(const Index& index) const;
@@ -114,6 +119,8 @@ class MotionGrid {
     std::uint32_t imposed = 0;   ///< number of the scan for which it is in the imposed map
     std::uint32_t moved_in = 0;  ///< last scan with something moving in it
     std::uint32_t slot = 0;      ///< in Result::moving of that scan
+    float first_hit = -1.0F;     ///< time of the first of the returns without long gaps, s
+    float last_hit = -1.0F;      ///< negative: none yet
     bool passed = false;         ///< the last measurement was a beam that passed
     bool was_moving = false;     ///< it was free, and then filled by something that moved
   };
@@ -141,6 +148,7 @@ class MotionGrid {
   CellMap<D, CellData> cells_;
   Result result_;
   std::uint32_t scan_ = 0;
+  double time_ = 0.0;
 };
 
 /// Calls `visit(index)` for every cell from the one of `from` to the one before that of `to`, in
