@@ -12,7 +12,6 @@ constexpr double kNominalPeriod = 0.1;  ///< s, for which the inverse measuremen
 // After a gap, a scan does not count more than this many scans at the nominal rate.
 constexpr double kMaxScale = 5.0;
 constexpr float kEpisodeGap = 2.0F;     ///< s; thin objects are missed for shorter times
-constexpr float kVacated = 0.25F;       ///< s without a return in a cell and its neighbors
 constexpr float kMaxSpacing = 1.0F;     ///< m; of two returns of one surface
 constexpr float kMaxCoordinate = 1e6F;  ///< cells; what is beyond comes from a wrong pose
 
@@ -135,7 +134,6 @@ void MotionGrid<D>::updateHit(const GridRay<D>& ray, std::size_t number) {
   }
   if (cell->scan == scan_) return;
   cell->scan = scan_;
-  cell->passed = false;
   const auto now = static_cast<float>(time_);
   if (cell->last_hit < 0.0F || now - cell->last_hit > kEpisodeGap) cell->first_hit = now;
   cell->last_hit = now;
@@ -190,7 +188,6 @@ bool MotionGrid<D>::passCell(const Index& index, bool stops_at_walls) {
   if (stops_at_walls && cell->static_odds > 0.0F) return false;
   if (cell->scan == scan_) return true;
   cell->scan = scan_;
-  cell->passed = true;
   add(*cell, low_, low_);
   if (cell->static_odds < free_) cell->was_moving = false;
   return true;
@@ -237,14 +234,14 @@ CellState MotionGrid<D>::staticState(const Index& index) const {
 }
 
 template <int D>
-bool MotionGrid<D>::isVacated(const Index& index) const {
-  const CellData* cell = cells_.find(index);
-  if (cell == nullptr || !cell->passed) return false;
-  return !anyAround<D>(1, [&](const Index& offset) {
+double MotionGrid<D>::lastReturn(const Index& index) const {
+  float last = -1.0F;
+  anyAround<D>(1, [&](const Index& offset) {
     const CellData* near = cells_.find(index + offset);
-    return near != nullptr && near->last_hit >= 0.0F &&
-           static_cast<float>(time_) - near->last_hit < kVacated;
+    if (near != nullptr) last = std::max(last, near->last_hit);
+    return false;
   });
+  return static_cast<double>(last);
 }
 
 template <int D>

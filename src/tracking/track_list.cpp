@@ -10,6 +10,9 @@ namespace {
 constexpr double kPersonWidth = 0.4;  ///< m
 /// Points farther than this from the box of a track belong to something else, m.
 constexpr double kMargin = 0.25;
+/// A place is left if it gave no return for this time, s, and for this share of the time since the
+/// object was seen there: thin objects are not hit by every scan.
+constexpr double kLeftTime = 0.2, kLeftShare = 0.25;
 constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
 
 }  // namespace
@@ -72,15 +75,19 @@ void TrackList::see(Entry& entry, const LabeledTarget<5>& target, const ObjectCl
   if (!track.moved) track.moved = hasMoved(entry, object, grid);
 }
 
-/// It is elsewhere, the place where it was first seen is empty, and the place where it is now was
-/// empty then. So walls do not move, though their visible part does when the sensor moves, and
-/// neither do thin objects that are seen by turns.
+/// It is elsewhere, the place where it was first seen gives no returns any more (it is empty, or
+/// the object hides it), and the place where it is now was empty then. So walls do not move, though
+/// their visible part does when the sensor moves, and neither do thin objects that are seen by
+/// turns.
 bool TrackList::hasMoved(const Entry& entry, const ObjectCluster& object,
                          const MotionGrid<2>& grid) const {
   const double moved = (object.observation.value - entry.first).norm();
   if (moved < std::max(config_.moved_m, 0.5 * entry.length)) return false;
-  const auto left = std::count_if(entry.first_cells.begin(), entry.first_cells.end(),
-                                  [&](const auto& cell) { return grid.isVacated(cell); });
+  const double since = grid.time() - entry.first_time;
+  const double left_before = grid.time() - std::max(kLeftTime, kLeftShare * since);
+  const auto left =
+      std::count_if(entry.first_cells.begin(), entry.first_cells.end(),
+                    [&](const auto& cell) { return grid.lastReturn(cell) < left_before; });
   const auto arrived =
       std::count_if(object.points.begin(), object.points.end(), [&](const auto& p) {
         return grid.cameAfter(grid.indexOf(p.template cast<float>()), entry.first_time);

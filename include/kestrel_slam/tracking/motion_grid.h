@@ -101,8 +101,8 @@ class MotionGrid {
   bool isImposed(const Index& index) const;
   /// Time since the first scan, s.
   double time() const { return time_; }
-  /// True if something was here, and beams now pass: it has left.
-  bool isVacated(const Index& index) const;
+  /// Time of the last return in this cell or next to it, s; negative if there was none.
+  double lastReturn(const Index& index) const;
   /// True if nothing was in this cell or next to it at `time` (s) or before: what is here now has
   /// come later. (Returns more than two seconds before the present ones do not count.)
   bool cameAfter(const Index& index, double time) const;
@@ -121,7 +121,6 @@ class MotionGrid {
     std::uint32_t slot = 0;      ///< in Result::moving of that scan
     float first_hit = -1.0F;     ///< time of the first of the returns without long gaps, s
     float last_hit = -1.0F;      ///< negative: none yet
-    bool passed = false;         ///< the last measurement was a beam that passed
     bool was_moving = false;     ///< it was free, and then filled by something that moved
   };
 
