@@ -230,6 +230,7 @@ class Runner {
     if (options_.use_odometry && !sweep.input.odom_T_base) without_odometry_.add(place);
     noteWarnings(sweep);
     if (options_.observer) options_.observer(sweep.scan, result);
+    if (options_.sweep_observer) options_.sweep_observer(sweep);
   }
 
   void addDistance(const Pose2& pose) {

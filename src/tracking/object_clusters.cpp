@@ -2,6 +2,7 @@
 #include "object_clusters.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "kestrel_slam/tracking/mean_shift.h"
 
@@ -15,13 +16,13 @@ std::size_t pointsNeeded(double range, const Visibility& visibility, const Track
   return std::max(config.min_points, static_cast<std::size_t>(0.5 * expected));
 }
 
-ObjectCluster objectOf(const std::vector<Eigen::Vector2d>& points, const TrackerConfig& config) {
+ObjectCluster objectOf(std::vector<Eigen::Vector2d> points, const TrackerConfig& config) {
   ObjectCluster object;
-  object.points = points.size();
   object.box = fitBox(points);
   object.observation.value = object.box.center;
   const double sigma = config.position_sigma + config.position_sigma_per_m * object.box.size.x();
   object.observation.noise = Eigen::Matrix2d::Identity() * sigma * sigma;
+  object.points = std::move(points);
   return object;
 }
 
@@ -37,7 +38,7 @@ std::vector<ObjectCluster> findObjects(const std::vector<Eigen::Vector2d>& point
     if (cluster.points.size() < pointsNeeded(range, visibility, config)) continue;
     std::vector<Eigen::Vector2d> own;
     for (const std::size_t i : cluster.points) own.push_back(points[i]);
-    objects.push_back(objectOf(own, config));
+    objects.push_back(objectOf(std::move(own), config));
   }
   return objects;
 }

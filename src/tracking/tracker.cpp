@@ -8,6 +8,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "object_clusters.h"
 #include "track_list.h"
+#include "vehicle_mask.h"
 #include "visibility.h"
 
 namespace kestrel {
@@ -55,6 +56,7 @@ struct Tracker::State {
   MotionGrid<2> grid;
   PhdFilter<5, 2> filter;
   TrackList tracks;
+  VehicleMask mask;
   Result result;
   std::optional<double> time;
   Eigen::Vector2d forgotten_at = Eigen::Vector2d::Zero();
@@ -80,14 +82,15 @@ struct Tracker::State {
   }
 
   /// Points of what moves, and of what has stopped where a track is.
-  std::vector<Eigen::Vector2d> movingPoints(const std::vector<GridRay<2>>& rays) {
+  std::vector<Eigen::Vector2d> movingPoints(const std::vector<GridRay<2>>& rays,
+                                            const std::vector<bool>& is_vehicle) {
     std::vector<Eigen::Vector2d> points;
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const Eigen::Vector2d end = rays[i].end.cast<double>();
       const Motion motion = result.motion[i];
       const bool wanted =
           motion == Motion::kMoving || (motion == Motion::kStopped && tracks.covers(end));
-      if (!wanted) continue;
+      if (!wanted || is_vehicle[i]) continue;
       if (points.size() == config.max_points) {
         result.saturated = true;
         break;
@@ -150,7 +153,7 @@ struct Tracker::State {
     result.saturated = inserted.full;
     forgetFar(pose.translation());
     const std::vector<PhdComponent<5>> new_targets = births();
-    objects = findObjects(movingPoints(rays), visibility, config);
+    objects = findObjects(movingPoints(rays, mask.update(scan, pose)), visibility, config);
     limitObjects(visibility);
     std::vector<Observation<2>> observations;
     for (const ObjectCluster& object : objects) observations.push_back(object.observation);
@@ -159,7 +162,7 @@ struct Tracker::State {
     filter.add(new_targets);
     filter.predict(seconds, {});
     filter.update(observations);
-    tracks.update(filter, objects, visibility);
+    tracks.update(filter, objects, visibility, grid);
     result.tracks = tracks.tracks();
     result.used = true;
   }
