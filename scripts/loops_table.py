@@ -13,7 +13,7 @@ SEEDS = 5
 
 def loops_of(stats):
     """Number of accepted loops, of other ones, and the largest correction."""
-    if not stats["graph"]:
+    if stats["graph"] == "none":
         return ["", "", ""]
     counts = stats["graph"]["loops"]
     accepted = counts.get("accepted", 0)
@@ -63,7 +63,7 @@ def reference_table(args):
             log = f"{args.data}/radish/{name}.clf.gz"
             stats = table.run(args.build, log, output, "--odometry", "use", "--loops", loops)
             errors = table.evaluate(args.build, output, "--reference",
-                                    f"{args.data}/radish/{name}.reference.tum")["ate"]
+                                    f"{args.data}/radish/{name}.reference.tum")["reference"]["ate"]
             error = errors["translation_m"]
             table.row([name, loops, f"{error['rmse']:.2f}", f"{error['max']:.2f}",
                        str(stats["scans"]["lost"]), *loops_of(stats)])

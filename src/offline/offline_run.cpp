@@ -287,11 +287,8 @@ class Runner {
     warn(full_, "came after the map was full, so that it is not complete",
          "the memory limit is " + limit.str() + " MB; raise map_memory_limit_mb or map_resolution");
     warn(without_odometry_, "had no odometry and were matched with the laser only", "");
-    if (SubmapGraph* graph = pipeline_.graph()) {
-      correct(*graph);
-    } else {
-      run_.map = pipeline_.mapper().snapshot();
-    }
+    run_.map = pipeline_.mapper().snapshot();
+    if (SubmapGraph* graph = pipeline_.graph()) correct(*graph);
     run_.map_memory_bytes = pipeline_.mapper().memoryBytes();
     run_.peak_memory_mb = peakMemoryMb();
     if (config_.use_filter && !config_.level) finishFilter();

@@ -11,7 +11,7 @@ constexpr double kBytesPerMegabyte = 1e6;
 constexpr double kNominalPeriod = 0.1;  ///< s, for which the inverse measurement values hold
 // After a gap, a scan does not count more than this many scans at the nominal rate.
 constexpr double kMaxScale = 5.0;
-constexpr float kEpisodeGap = 2.0F;     ///< s; thin objects are missed for shorter times
+constexpr float kEpisodeGap = 0.5F;     ///< s; thin objects are missed for shorter times
 constexpr float kMaxSpacing = 1.0F;     ///< m; of two returns of one surface
 constexpr float kMaxCoordinate = 1e6F;  ///< cells; what is beyond comes from a wrong pose
 

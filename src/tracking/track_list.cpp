@@ -13,6 +13,7 @@ constexpr double kMargin = 0.25;
 /// A place is left if it gave no return for this time, s, and for this share of the time since the
 /// object was seen there: thin objects are not hit by every scan.
 constexpr double kLeftTime = 0.2, kLeftShare = 0.25;
+constexpr int kStepsNeeded = 2;
 constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
 
 }  // namespace
@@ -37,11 +38,7 @@ void TrackList::update(PhdFilter<5, 2>& filter, const std::vector<ObjectCluster>
       Entry created;
       created.label = target.label;
       created.track.id = next_id_++;
-      created.first = target.mean.head<2>();
-      created.first_time = grid.time();
-      for (const Eigen::Vector2d& point : object.points) {
-        created.first_cells.push_back(grid.indexOf(point.cast<float>()));
-      }
+      startAt(created, object, grid);
       entry = entries_.insert(entries_.end(), created);
       seen.push_back(false);
     }
@@ -72,7 +69,28 @@ void TrackList::see(Entry& entry, const LabeledTarget<5>& target, const ObjectCl
   if (track.state != TrackState::kTentative || entry.seen_s >= config_.confirm_s) {
     track.state = TrackState::kConfirmed;
   }
-  if (!track.moved) track.moved = hasMoved(entry, object, grid);
+  if (!track.moved) noteMove(entry, object, grid);
+}
+
+void TrackList::startAt(Entry& entry, const ObjectCluster& object, const MotionGrid<2>& grid) {
+  entry.first = object.observation.value;
+  entry.first_time = grid.time();
+  entry.first_cells.clear();
+  for (const Eigen::Vector2d& point : object.points) {
+    entry.first_cells.push_back(grid.indexOf(point.cast<float>()));
+  }
+}
+
+/// An object moves if it has left its place twice, in about the same direction: a track may jump
+/// once between two things that stand, but rarely goes on.
+void TrackList::noteMove(Entry& entry, const ObjectCluster& object,
+                         const MotionGrid<2>& grid) const {
+  if (!hasMoved(entry, object, grid)) return;
+  const Eigen::Vector2d step = object.observation.value - entry.first;
+  entry.steps = entry.steps > 0 && step.dot(entry.last_step) > 0.0 ? entry.steps + 1 : 1;
+  entry.last_step = step;
+  entry.track.moved = entry.steps >= kStepsNeeded;
+  startAt(entry, object, grid);
 }
 
 /// It is elsewhere, the place where it was first seen gives no returns any more (it is empty, or

@@ -17,6 +17,7 @@ namespace {
 constexpr double kMaxGap = 5.0;          ///< s; after a longer gap, the tracks start anew
 constexpr double kForgetEvery_m = 10.0;  ///< the grids forget what is far after this distance
 constexpr double kMaxPosition = 1e6;     ///< m; poses beyond this are wrong
+constexpr double kSharpSigma = 0.3;      ///< m; twice the sigma of a place that counts as known
 constexpr int kModes = 3;                ///< motion models: constant velocity, standing, turn
 constexpr double kStandingJitter =
     0.1;  ///< m/sqrt(s): the visible part of a person who stands changes
@@ -135,9 +136,12 @@ struct Tracker::State {
     model.mode_transition = Eigen::MatrixXd::Constant(kModes, kModes, change);
     model.mode_transition.diagonal().setConstant(1.0 - (kModes - 1) * change);
     model.survival = [p = std::exp(-seconds / config.lifetime_s)](const auto&) { return p; };
-    model.detection = [&](const Eigen::Matrix<double, 5, 1>& state) {
-      const double width = tracks.widthAt(state.head<2>());
-      return config.detection * visibility.visibleShare(state.head<2>(), width);
+    model.detection = [&](const PhdComponent<5>& component) {
+      const Eigen::Vector2d center = component.mean.head<2>();
+      // Over the places where it may be: the share of them that is visible.
+      const double sigma = std::sqrt(component.covariance.topLeftCorner<2, 2>().trace() / 2.0);
+      const double width = tracks.widthAt(center) + std::max(0.0, 2.0 * sigma - kSharpSigma);
+      return config.detection * visibility.visibleShare(center, width);
     };
   }
 

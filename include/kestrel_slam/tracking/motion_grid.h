@@ -104,7 +104,7 @@ class MotionGrid {
   /// Time of the last return in this cell or next to it, s; negative if there was none.
   double lastReturn(const Index& index) const;
   /// True if nothing was in this cell or next to it at `time` (s) or before: what is here now has
-  /// come later. (Returns more than two seconds before the present ones do not count.)
+  /// come later. (Returns before a gap of half a second do not count.)
   bool cameAfter(const Index& index, double time) const;
 
   Index indexOf(const Vector& point) const;

@@ -47,7 +47,8 @@ MarkerArray graphMarkers(const GraphView& graph, const std::string& map_frame,
   path.color.b = 1.0F;
   for (const Pose2& pose : graph.keyframes) path.points.push_back(pointOf(pose));
   if (path.points.size() > 1) result.markers.push_back(path);
-  for (const LoopState state : {LoopState::kAccepted, LoopState::kPending, LoopState::kRefused, LoopState::kUndone}) {
+  for (const LoopState state :
+       {LoopState::kAccepted, LoopState::kPending, LoopState::kRefused, LoopState::kUndone}) {
     Marker lines = markerOf(toString(state), Marker::LINE_LIST, map_frame, stamp);
     lines.scale.x = kLoopWidth;
     setColor(state, lines);
