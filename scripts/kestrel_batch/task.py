@@ -107,14 +107,19 @@ def count_instructions(work, command, log, plan, stop):
         return {}
     report = work / "instructions.txt"
     mapping = [str(work / "counted") if part == str(work / "map") else part for part in command]
+    if "--scans" in mapping:
+        first = mapping.index("--scans")
+        del mapping[first:first + 2]
     place = mapping.index("--")
-    mapping[place:place] = ["--no-timing", "--scans", str(plan["instructions"])]
-    Process(["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null",
-             f"--log-file={report}", *mapping], log, plan, stop).wait()
+    mapping[place:place] = ["--scans", str(plan["instructions"])]
+    outcome = Process(["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null",
+                       f"--log-file={report}", *mapping], log, plan, stop).wait()
     shutil.rmtree(work / "counted", ignore_errors=True)
-    found = re.search(r"Collected : (\d+)", report.read_text()) if report.exists() else None
-    report.unlink(missing_ok=True)
-    return {"instructions_million": round(int(found.group(1)) / 1e6, 1)} if found else {}
+    if outcome["status"] != "ok":
+        return {"message": "the instructions could not be counted: " + outcome["message"]}
+    found = re.search(r"Collected : (\d+)", report.read_text())
+    report.unlink()
+    return {"instructions_million": round(int(found.group(1)) / 1e6, 1)}
 
 
 def replace_folder(source, target):

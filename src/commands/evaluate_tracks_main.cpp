@@ -17,6 +17,7 @@ namespace {
 struct Options {
   std::string folder, truth, topic, sensor_topic, json;
   std::vector<double> sensor_pose;
+  double stamp_offset = 0.0;
   TrackEvaluationOptions evaluation;
 };
 
@@ -55,9 +56,12 @@ void run(Options& options) {
     options.evaluation.base_T_sensor = {pose.translation().x(), pose.translation().y(),
                                         std::atan2(pose(1, 0), pose(0, 0))};
   }
-  const TrackEvaluation result = evaluateTracks(
-      readTum((folder / "trajectory.tum").string()), readTracks((folder / "tracks.csv").string()),
-      readTrueObjects(options.truth, options.topic, options.sensor_topic), options.evaluation);
+  std::vector<TrueObject> truth =
+      readTrueObjects(options.truth, options.topic, options.sensor_topic);
+  for (TrueObject& object : truth) object.stamp += options.stamp_offset;
+  const TrackEvaluation result =
+      evaluateTracks(readTum((folder / "odom_trajectory.tum").string()),
+                     readTracks((folder / "tracks.csv").string()), truth, options.evaluation);
   print(result);
   if (options.json.empty()) return;
   const nlohmann::ordered_json json = {{"all", jsonOf(result.all)},
@@ -92,6 +96,8 @@ int main(int argc, char** argv) {
          "x,y,yaw in m and degrees: pose of the sensor of the true positions in the base frame")
       ->delimiter(',')
       ->expected(3);
+  app.add_option("--stamp-offset", options.stamp_offset,
+                 "s, added to the stamps of the true positions, if their clock is another one");
   app.add_option("--distance", options.evaluation.max_distance_m, "largest distance of a match, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

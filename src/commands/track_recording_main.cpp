@@ -9,6 +9,7 @@
 #include "kestrel_slam/commands/mapping_command.h"
 #include "kestrel_slam/commands/run_tool.h"
 #include "kestrel_slam/evaluation/track_file.h"
+#include "kestrel_slam/tracking/continuous_pose.h"
 
 namespace kestrel {
 namespace {
@@ -49,16 +50,23 @@ void run(Arguments& arguments) {
       arguments.output.empty() ? nameOf(mapping.recording()) + "_tracks" : arguments.output;
   prepareOutput(folder);
   Tracker tracker;
+  ContinuousPose continuous;
+  Trajectory path;
   std::vector<TrackFrame> frames;
-  mapping.run.observer = [&](const PlanarScan& scan, const MapperResult& result) {
-    // Without a pose, walls seem to move.
-    if (result.state == MatchState::kLost) return;
-    const Tracker::Result& tracked = tracker.process(scan, result.pose);
-    if (tracked.used) frames.push_back({scan.stamp, tracked.tracks, tracked.saturated});
+  mapping.run.sweep_observer = [&](const MappedSweep& sweep) {
+    const bool may_jump = sweep.result.searched || sweep.result.state == MatchState::kLost;
+    const Pose2 pose =
+        continuous.add(sweep.scan.time, sweep.result.pose, may_jump, sweep.input.odom_T_base);
+    const Tracker::Result& tracked = tracker.process(sweep.scan, pose);
+    if (!tracked.used) return;
+    path.push_back({sweep.scan.stamp, pose});
+    frames.push_back({sweep.scan.stamp, tracked.tracks, tracked.saturated});
   };
   const OfflineRun run = mapWithProgress(*recording, config, mapping);
   writeOutputs(folder, run, info,
-               {{"tracks.csv", tracksCsv(frames)}, {"tracks.json", tracksJson(frames)}});
+               {{"tracks.csv", tracksCsv(frames)},
+                {"tracks.json", tracksJson(frames)},
+                {"odom_trajectory.tum", tumText(path)}});
   printWarnings("warning: ", run);
   if (!mapping.quiet) printSummary(folder, frames);
 }

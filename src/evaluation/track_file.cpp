@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kHeader =
     "stamp,id,state,moved,size,x,y,vx,vy,sigma_x,sigma_y,sigma_vx,sigma_vy,turn_rate,standing,"
-    "box_x,box_y,box_yaw,length,width,age,unseen";
+    "box_x,box_y,box_yaw,length,width,age,unseen,shown";
 constexpr int kStampDecimals = 6, kDecimals = 4;
 constexpr int kJsonIndent = 1;
 constexpr double kMillimeters = 1e3;
@@ -32,14 +32,14 @@ void write(std::ostream& out, double stamp, const Track& t) {
   for (int i = 0; i < sigmas.size(); ++i) out << ',' << sigmas(i);
   out << ',' << t.turn_rate << ',' << t.standing << ',' << t.box.center.x() << ','
       << t.box.center.y() << ',' << t.box.yaw << ',' << t.box.size.x() << ',' << t.box.size.y()
-      << ',' << t.age_s << ',' << t.unseen_s << '\n';
+      << ',' << t.age_s << ',' << t.unseen_s << ',' << t.isShown() << '\n';
 }
 
 TrackRow rowOf(const std::string& line) {
   std::istringstream stream(line);
   std::vector<std::string> fields;
   for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
-  constexpr std::size_t kFields = 22;
+  constexpr std::size_t kFields = 23;
   if (fields.size() != kFields) {
     throw std::runtime_error("expected " + std::to_string(kFields) + " fields, found " +
                              std::to_string(fields.size()));
@@ -48,7 +48,7 @@ TrackRow rowOf(const std::string& line) {
   try {
     row.stamp = std::stod(fields[0]);
     row.id = std::stol(fields[1]);
-    row.shown = fields[3] == "1" && fields[2] != toString(TrackState::kTentative);
+    row.shown = fields[22] == "1";
     row.position = {std::stod(fields[5]), std::stod(fields[6])};
     row.velocity = {std::stod(fields[7]), std::stod(fields[8])};
   } catch (const std::logic_error&) {

@@ -63,6 +63,8 @@ const char* toString(LoopState state) {
       return "pending";
     case LoopState::kRefused:
       return "refused";
+    case LoopState::kUndone:
+      return "undone";
   }
   return "unknown";
 }

@@ -60,6 +60,15 @@ std::optional<CycleCheck> checkCycle(const PoseEdge& loop, const GraphMarginals&
   return CycleCheck{error.dot(factor.solve(error)), root.diagonal().prod()};
 }
 
+/// Edges of loops.
+using Cluster = std::vector<std::size_t>;
+using Clusters = std::vector<Cluster>;
+
+constexpr std::size_t kSamples = 9;  // of a cluster
+
+/// Of a cluster with the optimized graph: kClose is more than chance explains.
+enum class Agreement { kNone, kVague, kClose };
+
 enum class Verdict { kOpen, kAccepted, kRefused };
 
 class RobustOptimization {
@@ -79,8 +88,7 @@ class RobustOptimization {
   RobustResult run() {
     choose();
     for (int round = 0; round < options_.max_rounds; ++round) {
-      optimizeAccepted();
-      if (!result_.optimizer.ok()) break;
+      if (!optimizeAccepted()) break;
       if (!refuseAccepted() && !judgeOpen() && !chooseAgain()) break;
     }
     for (const Verdict verdict : verdicts_) {
@@ -92,7 +100,50 @@ class RobustOptimization {
  private:
   void choose() {
     result_.first = result_.second = 0;
-    for (const auto& [parts, edges] : loopsByParts(graph_, chain_)) acceptConsistent(edges);
+    Clusters clusters;
+    for (const auto& [parts, edges] : loopsByParts(graph_, chain_)) {
+      for (Cluster& cluster : consistentClusters(edges)) clusters.push_back(std::move(cluster));
+    }
+    std::stable_sort(clusters.begin(), clusters.end(),
+                     [](const Cluster& a, const Cluster& b) { return a.size() > b.size(); });
+    acceptLargestFirst(std::move(clusters));
+  }
+
+  /// Accepts the clusters one after the other. Each is compared with the graph that the larger ones
+  /// have given: where the odometry alone is too vague to refute a false cluster, this graph may
+  /// not be.
+  void acceptLargestFirst(Clusters clusters) {
+    while (!clusters.empty()) {
+      accept(clusters.front());
+      clusters.erase(clusters.begin());
+      if (clusters.empty() || !optimizeAccepted()) return;
+      const GraphMarginals marginals(acceptedGraph(), result_.optimizer.edge_weights);
+      Clusters open;
+      for (const Cluster& cluster : clusters) {
+        const Agreement agreement = agreementOf(cluster, marginals);
+        if (agreement == Agreement::kClose) accept(cluster);
+        if (agreement == Agreement::kVague) open.push_back(cluster);
+      }
+      clusters = std::move(open);
+    }
+  }
+
+  void accept(const Cluster& cluster) {
+    for (const std::size_t edge : cluster) verdicts_[edge] = Verdict::kAccepted;
+  }
+
+  /// By some of the loops of a cluster, which agree with each other.
+  Agreement agreementOf(const Cluster& cluster, const GraphMarginals& marginals) const {
+    const std::size_t step = (cluster.size() + kSamples - 1) / kSamples;
+    std::size_t samples = 0, agreeing = 0, close = 0;
+    for (std::size_t i = 0; i < cluster.size(); i += step, ++samples) {
+      const auto cycle = checkCycle(graph_.edges[cluster[i]], marginals);
+      if (cycle && !(cycle->chi2 <= options_.max_chi2)) continue;
+      ++agreeing;
+      if (cycle && isUnlikely(chance_.of(cycle->spread))) ++close;
+    }
+    if (2 * agreeing <= samples) return Agreement::kNone;
+    return 2 * close > samples ? Agreement::kClose : Agreement::kVague;
   }
 
   /// Without the loops that the optimized graph contradicts. Returns whether more are accepted.
@@ -109,7 +160,8 @@ class RobustOptimization {
     ++refused_;
   }
 
-  void acceptConsistent(const std::vector<std::size_t>& edges) {
+  /// The supported loops of the largest consistent set, in clusters that support each other.
+  Clusters consistentClusters(const std::vector<std::size_t>& edges) {
     ConsistentLoops loops(options_.consistency);
     std::vector<std::size_t> numbered;
     for (const std::size_t edge : edges) {
@@ -124,27 +176,52 @@ class RobustOptimization {
     result_.second += found.second.size();
     result_.exact = result_.exact && found.exact;
     const double limit = kSimilar * static_cast<double>(found.first.size());
-    if (static_cast<double>(found.second.size()) > limit) return;
+    if (static_cast<double>(found.second.size()) > limit) return {};
     std::vector<std::size_t> set;
     for (const std::size_t loop : found.first) set.push_back(numbered[loop]);
-    for (const std::size_t edge : set) {
-      if (isSupported(edge, numbered, set)) verdicts_[edge] = Verdict::kAccepted;
+    return clustersOf(numbered, set);
+  }
+
+  Clusters clustersOf(const std::vector<std::size_t>& edges, const std::vector<std::size_t>& set) {
+    PoseGraph links;  // one vertex for each loop of the set, one edge where two are close
+    links.vertices.resize(set.size());
+    std::vector<bool> supported;
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      std::vector<std::size_t> close;
+      supported.push_back(isSupported(set[i], edges, set, close));
+      for (const std::size_t k : close) {
+        PoseEdge& link = links.edges.emplace_back();
+        link.from = i;
+        link.to = k;
+      }
     }
+    std::map<std::size_t, Cluster> clusters;
+    const std::vector<std::size_t> parts = connectedParts(links);
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      if (supported[i]) clusters[parts[i]].push_back(set[i]);
+    }
+    Clusters result;
+    for (auto& [part, cluster] : clusters) result.push_back(std::move(cluster));
+    return result;
   }
 
   /// By the odometry and by loops of the set (all of which are consistent with it), more of which
-  /// are so close than chance explains. `edges`: all loops that could have agreed.
+  /// are so close than chance explains. `edges`: all loops that could have agreed. Fills in
+  /// the indices in `set` of those that alone are close enough.
   bool isSupported(std::size_t edge, const std::vector<std::size_t>& edges,
-                   const std::vector<std::size_t>& set) const {
+                   const std::vector<std::size_t>& set, std::vector<std::size_t>& close) const {
     const auto alone = kestrel::checkCycle(graph_.edges[edge], chain_);
     const double of_odometry = alone ? std::min(1.0, chance_.of(alone->spread)) : 1.0;
-    if (isUnlikely(of_odometry)) return true;
     std::vector<std::pair<double, bool>> chances;  // of each loop, and whether it is of the set
     for (const std::size_t other : edges) {
       const auto cycle = checkCycle(graph_.edges[edge], graph_.edges[other], chain_);
       if (other == edge || !cycle) continue;
-      chances.emplace_back(chance_.of(cycle->spread),
-                           std::binary_search(set.begin(), set.end(), other));
+      const auto place = std::lower_bound(set.begin(), set.end(), other);
+      const bool agrees = place != set.end() && *place == other;
+      chances.emplace_back(chance_.of(cycle->spread), agrees);
+      if (agrees && isUnlikely(chances.back().first)) {
+        close.push_back(static_cast<std::size_t>(place - set.begin()));
+      }
     }
     std::sort(chances.begin(), chances.end());
     // Of the n closest loops m agree. By chance: a Poisson distribution with the mean n p.
@@ -170,11 +247,12 @@ class RobustOptimization {
     return accepted;
   }
 
-  void optimizeAccepted() {
+  bool optimizeAccepted() {
     PoseGraph accepted = acceptedGraph();
     placeByRotations(accepted);
     result_.optimizer = optimize(accepted, options_.optimizer);
     if (result_.optimizer.ok()) graph_.vertices = std::move(accepted.vertices);
+    return result_.optimizer.ok();
   }
 
   /// Accepted loops that do not fit into the optimized graph. Returns whether there is one.

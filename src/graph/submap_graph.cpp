@@ -197,7 +197,7 @@ void SubmapGraph::judge(const Loop& found) {
   std::size_t contradicting = 0;
   for (std::size_t i = 0; i < own; ++i) {
     const Loop& other = loops_[verified_[i]];
-    if (other.state == LoopState::kRefused) continue;
+    if (other.state != LoopState::kAccepted && other.state != LoopState::kPending) continue;
     if (pathBetween(other.query, found.query) > kSamePlaceM ||
         pathBetween(other.anchor, found.anchor) > kSamePlaceM)
       continue;
@@ -252,7 +252,7 @@ bool SubmapGraph::takeBack(const std::vector<double>& weights) {
   for (std::size_t i = 0; i < graph_.edges.size(); ++i) {
     if (loop_of_edge_[i] != kNone && weights[i] < kLeastWeight) {
       Loop& loop = loops_[loop_of_edge_[i]];
-      loop.state = LoopState::kRefused;
+      loop.state = LoopState::kUndone;
       loop.reason = "the optimized graph contradicts it";
       continue;
     }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kestrel_slam/mapping/laser_odometry.h"
 #include "kestrel_slam/mapping/local_map.h"
 #include "kestrel_slam/mapping/match_reason.h"
 #include "kestrel_slam/mapping/motion_model.h"
@@ -70,19 +69,29 @@ void correctAlong(const AlongFit& fit, double variance, double seconds, MatchRes
 
 }  // namespace
 
+const char* toString(MatchState state) {
+  switch (state) {
+    case MatchState::kOk:
+      return "ok";
+    case MatchState::kDegraded:
+      return "degraded";
+    case MatchState::kLost:
+      return "lost";
+  }
+  return "unknown";
+}
+
 struct Mapper::State {
   explicit State(const MapperConfig& c, const Pose2& map_T_base = Pose2())
       : config(c),
         map(c.grid, submapOptions(c.matcher), c.window),
         matcher(makeMatcher(c.matcher)),
-        motion(c, map_T_base),
-        laser_odometry(c) {}
+        motion(c, map_T_base) {}
 
   MapperConfig config;
   LocalMap map;
   std::unique_ptr<Matcher> matcher;
   MotionModel motion;
-  LaserOdometry laser_odometry;
   UncertainPose inserted_pose;  ///< pose of the last inserted scan
   PoseUncertainty uncertainty;
   int unsettled_scans = 0;  ///< scans that have to fit before the state is ok again
@@ -99,7 +108,6 @@ struct Mapper::State {
   void carryUnmatched(const Points& points, const PlanarScan& scan,
                       const std::optional<Pose2>& odom_T_base, const PredictionError& error,
                       MapperResult& result);
-  void fillFit(const Points& points, MapperResult& result) const;
   bool isBlank(const Points& points, const PlanarScan& scan,
                const std::optional<Pose2>& odom_T_base) const;
   bool isLikely(const MatchResult& match, const MatchRequest& request,
@@ -162,17 +170,16 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request, error);
   if ((request.lost || request.wide) && result.state != MatchState::kLost &&
-      (secondExplanation(map.current(), request, result.match, config.matcher) ||
-       !laser_odometry.agrees(request, result.match.pose))) {
+      secondExplanation(map.current(), request, result.match, config.matcher)) {
     result.match.ambiguous = true;
     result.state = request.lost ? MatchState::kLost : MatchState::kDegraded;
   }
   settle(result);
   const bool lost = result.state == MatchState::kLost;
-  if (lost && laser_odometry.carry(scan, prediction_source, error, motion, uncertainty, result))
-    return fillFit(points, result);
-  if (lost && isCarried(scan, odom_T_base, error))
-    return carryUnmatched(points, scan, odom_T_base, error, result);
+  if (lost && isCarried(scan, odom_T_base, error)) {
+    carryUnmatched(points, scan, odom_T_base, error, result);
+    return;
+  }
   motion.learnOdometry(
       result.match.pose, odom_T_base,
       result.state == MatchState::kOk && result.match.constraint > kWellConstrained);
@@ -213,12 +220,6 @@ void Mapper::State::carryUnmatched(const Points& points, const PlanarScan& scan,
                                    const std::optional<Pose2>& odom_T_base,
                                    const PredictionError& error, MapperResult& result) {
   carry(scan, odom_T_base, error, result);
-  fillFit(points, result);
-}
-
-/// The fit to the map at a pose that was not found in it.
-void Mapper::State::fillFit(const Points& points, MapperResult& result) const {
-  result.match.pose = motion.pose();
   const Fit fit = fitOf(map.current(), points, motion.pose(), config.matcher.score_scale_m);
   result.match.score = fit.score;
   result.match.known = fit.known;
@@ -244,9 +245,7 @@ bool Mapper::State::isLikely(const MatchResult& match, const MatchRequest& reque
     return match.score >= limits.search_score || request.prior->isPlausible(match.pose);
   }
   if (!request.lost && !motion.isCarried()) return true;
-  // A direction that is unobservable here does not show that it is the right place.
-  if (match.score >= limits.search_score && match.known >= kSureKnownShare && !match.degenerate)
-    return true;
+  if (match.score >= limits.search_score && match.known >= kSureKnownShare) return true;
   const double away = (request.initial_guesses.front().inverse() * match.pose).distance();
   return match.score >= kFoundScore && match.known >= kFoundKnownShare &&
          away <= kFoundSigmas * error.position_m();
@@ -265,10 +264,9 @@ MatchState Mapper::State::judge(const MatchResult& match, const MatchRequest& re
 void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResult& result) {
   const bool first = map.scans() == 0;
   const bool new_space = result.carried && result.match.known < config.min_known_share;
-  const bool accepted = !config.evaluation.enabled || first || new_space || result.new_part ||
+  const bool accepted = !config.evaluation.enabled || first || new_space ||
                         result.evaluation < config.evaluation.threshold;
-  const bool known_pose =
-      result.state != MatchState::kLost && (!result.carried || has_odometry || result.followed);
+  const bool known_pose = result.state != MatchState::kLost && (!result.carried || has_odometry);
   if (!known_pose || !accepted || !(first || movedEnough())) return;
   // Without an IMU the laser is level and always sees the same slice: a new object is moving or was
   // moved, and is not a new view.
@@ -317,8 +315,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   s.insert(scan, s.motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry,
            result);
   result.map_full = s.map.current().isFull();
-  s.motion.remember(scan, odom_T_base, s.laser_odometry.errorAfter(result, error));
-  s.laser_odometry.update(scan, result, s.motion.pose());
+  s.motion.remember(scan, odom_T_base, result.isMatched() ? std::nullopt : std::optional(error));
   result.pose = s.motion.pose();
   result.velocity = Eigen::Rotation2Dd(-result.pose.yaw) * s.motion.velocity();
   result.uncertain = s.uncertainty.last();
@@ -338,7 +335,6 @@ void Mapper::reset(const Pose2& map_T_base) {
 void Mapper::setPose(const Pose2& map_T_base) {
   if (!isUsable(map_T_base)) return;
   state_->motion.setPose(map_T_base);
-  state_->laser_odometry.stop();
   state_->unsettled_scans = 0;
 }
 

@@ -18,7 +18,6 @@ const char* reasonOfLost(const MapperResult& result, const MapperConfig& config)
 }
 
 const char* reasonOfDegraded(const MapperResult& result, const MapperConfig& config) {
-  if (result.new_part) return "new part";
   if (result.match.ambiguous) return "ambiguous";
   if (result.match.degenerate) return "direction unobservable";
   // A scan that fits is degraded only for some time after a pose that may be wrong.
@@ -26,18 +25,6 @@ const char* reasonOfDegraded(const MapperResult& result, const MapperConfig& con
 }
 
 }  // namespace
-
-const char* toString(MatchState state) {
-  switch (state) {
-    case MatchState::kOk:
-      return "ok";
-    case MatchState::kDegraded:
-      return "degraded";
-    case MatchState::kLost:
-      return "lost";
-  }
-  return "unknown";
-}
 
 const char* reasonOf(const MapperResult& result, const MapperConfig& config) {
   if (result.state == MatchState::kOk) return "fits";

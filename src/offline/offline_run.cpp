@@ -230,6 +230,7 @@ class Runner {
     if (options_.use_odometry && !sweep.input.odom_T_base) without_odometry_.add(place);
     noteWarnings(sweep);
     if (options_.observer) options_.observer(sweep.scan, result);
+    if (options_.sweep_observer) options_.sweep_observer(sweep);
   }
 
   void addDistance(const Pose2& pose) {
@@ -286,11 +287,8 @@ class Runner {
     warn(full_, "came after the map was full, so that it is not complete",
          "the memory limit is " + limit.str() + " MB; raise map_memory_limit_mb or map_resolution");
     warn(without_odometry_, "had no odometry and were matched with the laser only", "");
-    if (SubmapGraph* graph = pipeline_.graph()) {
-      correct(*graph);
-    } else {
-      run_.map = pipeline_.mapper().snapshot();
-    }
+    run_.map = pipeline_.mapper().snapshot();
+    if (SubmapGraph* graph = pipeline_.graph()) correct(*graph);
     run_.map_memory_bytes = pipeline_.mapper().memoryBytes();
     run_.peak_memory_mb = peakMemoryMb();
     if (config_.use_filter && !config_.level) finishFilter();

@@ -61,9 +61,9 @@ Json mapOf(const OfflineRun& run) {
       {"memory_mb", rounded(static_cast<double>(run.map_memory_bytes) / kBytesPerMegabyte, kFine)}};
 }
 
-/// Without loops: null.
+/// Without a pose graph: "none".
 Json graphOf(const OfflineRun& run) {
-  if (!run.graph) return nullptr;
+  if (!run.graph) return "none";
   Json loops = Json::object();
   for (const auto& [what, count] : run.graph->counts()) loops[what] = count;
   double correction = 0.0;
@@ -177,6 +177,7 @@ nlohmann::ordered_json statsOf(const OfflineRun& run, const RunInfo& info) {
       {"distance_m", rounded(run.distance_m, kFine)},
       {"duration_s", rounded(run.duration_s, kFine)},
       {"map", mapOf(run)},
+      {"graph", graphOf(run)},
       {"options", options},
       {"parameters", parameters},
       {"warnings", run.warnings}};

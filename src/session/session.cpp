@@ -17,20 +17,6 @@ std::unordered_map<std::uint64_t, Pose2> submapPoses(const Session& session) {
 
 }  // namespace
 
-const char* toString(LoopState state) {
-  switch (state) {
-    case LoopState::kPending:
-      return "pending";
-    case LoopState::kAccepted:
-      return "accepted";
-    case LoopState::kRefused:
-      return "refused";
-    case LoopState::kUndone:
-      return "undone";
-  }
-  return "unknown";
-}
-
 std::vector<Pose2> keyframePoses(const Session& session) {
   const std::unordered_map<std::uint64_t, Pose2> map_T_submap = submapPoses(session);
   std::unordered_map<std::uint64_t, Pose2> in_graph;

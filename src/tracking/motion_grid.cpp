@@ -11,6 +11,8 @@ constexpr double kBytesPerMegabyte = 1e6;
 constexpr double kNominalPeriod = 0.1;  ///< s, for which the inverse measurement values hold
 // After a gap, a scan does not count more than this many scans at the nominal rate.
 constexpr double kMaxScale = 5.0;
+constexpr float kEpisodeGap = 0.5F;     ///< s; thin objects are missed for shorter times
+constexpr float kMaxSpacing = 1.0F;     ///< m; of two returns of one surface
 constexpr float kMaxCoordinate = 1e6F;  ///< cells; what is beyond comes from a wrong pose
 
 /// [Siew 2018, eq. 4].
@@ -60,9 +62,11 @@ const typename MotionGrid<D>::Result& MotionGrid<D>::insert(const std::vector<Gr
     if (rays[i].hit && isUsable(rays[i])) result_.motion[i] = classify(rays[i]);
   }
   ++scan_;
+  time_ += std::max(seconds, 0.0);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (result_.motion[i] != Motion::kNone) updateHit(rays[i], i);
   }
+  protectSurface(rays);
   for (const GridRay<D>& ray : rays) {
     if (isUsable(ray)) updateMiss(ray);
   }
@@ -75,37 +79,39 @@ bool MotionGrid<D>::isUsable(const GridRay<D>& ray) const {
   return ray.origin.cwiseAbs().maxCoeff() < limit && ray.end.cwiseAbs().maxCoeff() < limit;
 }
 
-/// The rows of table 1 and 2 with an occupied measurement.
+/// The rows of table 1 and 2 with an occupied measurement. A return near something static belongs
+/// to it, because of the noise of laser and pose.
 template <int D>
 Motion MotionGrid<D>::classify(const GridRay<D>& ray) const {
-  const Index index = indexOf(ray.end);
-  const CellData* cell = cells_.find(index);
-  const CellState state = cell != nullptr ? stateOf(*cell) : CellState::kUnobserved;
-  if (state == CellState::kOccupied) return cell->was_moving ? Motion::kStopped : Motion::kStatic;
-  if (state == CellState::kUnobserved && !isImposed(index)) {
-    return cell != nullptr && cell->was_moving ? Motion::kStopped : Motion::kStatic;
-  }
-  const double tolerance =
-      config_.tolerance_m +
-      config_.tolerance_rad * static_cast<double>((ray.end - ray.origin).norm());
-  return isNearStatic(ray.end, tolerance) ? Motion::kStatic : Motion::kMoving;
+  const CellState state = staticState(indexOf(ray.end));
+  const double range = static_cast<double>((ray.end - ray.origin).norm());
+  const Surroundings near =
+      surroundingsOf(ray.end, config_.tolerance_m + config_.tolerance_rad * range);
+  if (near.is_static) return Motion::kStatic;
+  if (near.has_stopped) return Motion::kStopped;
+  return state == CellState::kFree || isImposed(indexOf(ray.end)) ? Motion::kMoving
+                                                                  : Motion::kStatic;
 }
 
 template <int D>
-bool MotionGrid<D>::isNearStatic(const Vector& point, double distance) const {
+typename MotionGrid<D>::Surroundings MotionGrid<D>::surroundingsOf(const Vector& point,
+                                                                   double distance) const {
   const Index center = indexOf(point);
-  const int radius = static_cast<int>(std::ceil(distance / config_.resolution_m));
-  const float reach = static_cast<float>(distance / config_.resolution_m);
+  const auto reach = static_cast<float>(distance / config_.resolution_m);
   const Vector in_cells = point / static_cast<float>(config_.resolution_m);
-  return anyAround<D>(radius, [&](const Index& offset) {
+  Surroundings result;
+  anyAround<D>(static_cast<int>(std::ceil(reach)), [&](const Index& offset) {
     const Index index = center + offset;
     const CellData* cell = cells_.find(index);
-    if (cell == nullptr || cell->was_moving || stateOf(*cell) != CellState::kOccupied) return false;
+    if (cell == nullptr || stateOf(*cell) != CellState::kOccupied) return false;
     // Distance from the point to the cell.
     const Vector low = index.template cast<float>() - in_cells;
-    const Vector gap = low.cwiseMax((-low).array().matrix() - Vector::Ones()).cwiseMax(0.0F);
-    return gap.norm() <= reach;
+    const Vector gap = low.cwiseMax(-low - Vector::Ones()).cwiseMax(0.0F);
+    if (gap.norm() > reach) return false;
+    (cell->was_moving ? result.has_stopped : result.is_static) = true;
+    return result.is_static;
   });
+  return result;
 }
 
 template <int D>
@@ -128,9 +134,40 @@ void MotionGrid<D>::updateHit(const GridRay<D>& ray, std::size_t number) {
   }
   if (cell->scan == scan_) return;
   cell->scan = scan_;
+  const auto now = static_cast<float>(time_);
+  if (cell->last_hit < 0.0F || now - cell->last_hit > kEpisodeGap) cell->first_hit = now;
+  cell->last_hit = now;
   cell->was_moving = is_moving || (cell->was_moving && motion == Motion::kStopped);
   const bool by_medium = is_moving || motion == Motion::kStopped;
   add(*cell, by_medium ? medium_ : high_, is_moving ? high_ : low_);
+}
+
+/// The surface is wider than the returns: noise moves it into the neighboring cells, and at a
+/// grazing angle it goes on between the returns of two neighboring beams, in cells that the farther
+/// beam passes. These cells are not measured as free by this scan.
+template <int D>
+void MotionGrid<D>::protectSurface(const std::vector<GridRay<D>>& rays) {
+  const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (result_.motion[i] == Motion::kNone) continue;
+    const Index index = indexOf(rays[i].end);
+    for (int axis = 0; axis < D; ++axis) {
+      protectCell(index + Index::Unit(axis));
+      protectCell(index - Index::Unit(axis));
+    }
+    const bool has_neighbor = D == 2 && i > 0 && result_.motion[i - 1] != Motion::kNone;
+    if (!has_neighbor || (rays[i].end - rays[i - 1].end).norm() > kMaxSpacing) continue;
+    traverse<D>(rays[i - 1].end * inverse, rays[i].end * inverse, [this](const Index& between) {
+      protectCell(between);
+      return true;
+    });
+  }
+}
+
+template <int D>
+void MotionGrid<D>::protectCell(const Index& index) {
+  CellData* cell = cells_.obtain(index);
+  if (cell != nullptr) cell->scan = scan_;
 }
 
 /// The rows of table 1 and 2 with a free measurement.
@@ -194,6 +231,27 @@ template <int D>
 CellState MotionGrid<D>::staticState(const Index& index) const {
   const CellData* cell = cells_.find(index);
   return cell != nullptr ? stateOf(*cell) : CellState::kUnobserved;
+}
+
+template <int D>
+double MotionGrid<D>::lastReturn(const Index& index) const {
+  float last = -1.0F;
+  anyAround<D>(1, [&](const Index& offset) {
+    const CellData* near = cells_.find(index + offset);
+    if (near != nullptr) last = std::max(last, near->last_hit);
+    return false;
+  });
+  return static_cast<double>(last);
+}
+
+template <int D>
+bool MotionGrid<D>::cameAfter(const Index& index, double time) const {
+  return !anyAround<D>(1, [&](const Index& offset) {
+    const CellData* near = cells_.find(index + offset);
+    return near != nullptr && near->last_hit >= 0.0F &&
+           static_cast<float>(time_) - near->last_hit <= kEpisodeGap &&
+           near->first_hit <= static_cast<float>(time);
+  });
 }
 
 template <int D>

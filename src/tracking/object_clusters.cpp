@@ -2,6 +2,7 @@
 #include "object_clusters.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "kestrel_slam/tracking/mean_shift.h"
 
@@ -15,13 +16,33 @@ std::size_t pointsNeeded(double range, const Visibility& visibility, const Track
   return std::max(config.min_points, static_cast<std::size_t>(0.5 * expected));
 }
 
-ObjectCluster objectOf(const std::vector<Eigen::Vector2d>& points, const TrackerConfig& config) {
+/// How far the middle of the object lies behind the middle of its visible points, m: the laser sees
+/// only the near side. The object is taken as deep as it is wide, up to a limit.
+double hiddenDepth(const std::vector<Eigen::Vector2d>& points, const Eigen::Vector2d& along,
+                   const TrackerConfig& config) {
+  const Eigen::Vector2d across(-along.y(), along.x());
+  double near = along.dot(points.front()), far = near;
+  double left = across.dot(points.front()), right = left;
+  for (const Eigen::Vector2d& point : points) {
+    near = std::min(near, along.dot(point));
+    far = std::max(far, along.dot(point));
+    left = std::min(left, across.dot(point));
+    right = std::max(right, across.dot(point));
+  }
+  const double half_depth = std::min(0.5 * (right - left), config.half_depth_m);
+  return std::max(0.0, half_depth - 0.5 * (far - near));
+}
+
+ObjectCluster objectOf(std::vector<Eigen::Vector2d> points, const Visibility& visibility,
+                       const TrackerConfig& config) {
   ObjectCluster object;
-  object.points = points.size();
   object.box = fitBox(points);
-  object.observation.value = object.box.center;
-  const double sigma = config.position_sigma + config.position_sigma_per_m * object.box.size.x();
+  const Eigen::Vector2d along = visibility.directionTo(object.box.center);
+  object.observation.value = object.box.center + hiddenDepth(points, along, config) * along;
+  double sigma = config.position_sigma + config.position_sigma_per_m * object.box.size.x();
+  if (visibility.isCut(points)) sigma += config.cut_sigma;
   object.observation.noise = Eigen::Matrix2d::Identity() * sigma * sigma;
+  object.points = std::move(points);
   return object;
 }
 
@@ -37,7 +58,7 @@ std::vector<ObjectCluster> findObjects(const std::vector<Eigen::Vector2d>& point
     if (cluster.points.size() < pointsNeeded(range, visibility, config)) continue;
     std::vector<Eigen::Vector2d> own;
     for (const std::size_t i : cluster.points) own.push_back(points[i]);
-    objects.push_back(objectOf(own, config));
+    objects.push_back(objectOf(std::move(own), visibility, config));
   }
   return objects;
 }

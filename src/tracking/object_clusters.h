@@ -15,7 +15,7 @@ namespace kestrel {
 struct ObjectCluster {
   Observation<2> observation;  ///< of the middle
   OrientedBox box;
-  std::size_t points = 0;
+  std::vector<Eigen::Vector2d> points;
 };
 
 /// Clusters of the points, without those that have too few points for their range.

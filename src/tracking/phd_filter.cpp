@@ -88,7 +88,7 @@ void PhdFilter<N, M>::update(const std::vector<Observation<M>>& observations) {
   std::vector<Prepared> prepared;
   prepared.reserve(components_.size());
   for (const Component& prior : components_) {
-    prepared.push_back({model_.expect(prior.mean), model_.detection(prior.mean)});
+    prepared.push_back({model_.expect(prior.mean), model_.detection(prior)});
   }
   updated_.clear();
   observation_of_.clear();

@@ -10,6 +10,10 @@ namespace {
 constexpr double kPersonWidth = 0.4;  ///< m
 /// Points farther than this from the box of a track belong to something else, m.
 constexpr double kMargin = 0.25;
+/// A place is left if it gave no return for this time, s, and for this share of the time since the
+/// object was seen there: thin objects are not hit by every scan.
+constexpr double kLeftTime = 0.2, kLeftShare = 0.25;
+constexpr int kStepsNeeded = 2;
 constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
 
 }  // namespace
@@ -23,7 +27,7 @@ void TrackList::predict(double seconds) {
 }
 
 void TrackList::update(PhdFilter<5, 2>& filter, const std::vector<ObjectCluster>& objects,
-                       const Visibility& visibility) {
+                       const Visibility& visibility, const MotionGrid<2>& grid) {
   std::vector<bool> seen(entries_.size(), false);
   for (const LabeledTarget<5>& target : filter.targets()) {
     auto entry = std::find_if(entries_.begin(), entries_.end(),
@@ -34,12 +38,12 @@ void TrackList::update(PhdFilter<5, 2>& filter, const std::vector<ObjectCluster>
       Entry created;
       created.label = target.label;
       created.track.id = next_id_++;
-      created.first = target.mean.head<2>();
+      startAt(created, object, grid);
       entry = entries_.insert(entries_.end(), created);
       seen.push_back(false);
     }
     seen[static_cast<std::size_t>(entry - entries_.begin())] = true;
-    see(*entry, target, &object);
+    see(*entry, target, object, grid);
   }
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     if (!seen[i]) miss(entries_[i], filter, visibility);
@@ -52,20 +56,62 @@ void TrackList::update(PhdFilter<5, 2>& filter, const std::vector<ObjectCluster>
                  entries_.end());
 }
 
-void TrackList::see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster* object) {
+void TrackList::see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster& object,
+                    const MotionGrid<2>& grid) {
   Track& track = entry.track;
   setState(target.mean, target.covariance, track);
   track.standing = target.modes.size() > 1 ? target.modes[1] : 0.0;
   track.unseen_s = entry.hidden_s = 0.0;
   entry.seen_s += seconds_;
-  track.box = object->box;
-  entry.length = std::max(entry.length, object->box.size.x());
+  track.box = object.box;
+  entry.length = std::max(entry.length, object.box.size.x());
   track.size = sizeClassOf(entry.length);
   if (track.state != TrackState::kTentative || entry.seen_s >= config_.confirm_s) {
     track.state = TrackState::kConfirmed;
   }
-  const double moved = (track.position - entry.first).norm();
-  if (moved > std::max(config_.moved_m, 0.5 * entry.length)) track.moved = true;
+  if (!track.moved) noteMove(entry, object, grid);
+}
+
+void TrackList::startAt(Entry& entry, const ObjectCluster& object, const MotionGrid<2>& grid) {
+  entry.first = object.observation.value;
+  entry.first_time = grid.time();
+  entry.first_cells.clear();
+  for (const Eigen::Vector2d& point : object.points) {
+    entry.first_cells.push_back(grid.indexOf(point.cast<float>()));
+  }
+}
+
+/// An object moves if it has left its place twice, in about the same direction: a track may jump
+/// once between two things that stand, but rarely goes on.
+void TrackList::noteMove(Entry& entry, const ObjectCluster& object,
+                         const MotionGrid<2>& grid) const {
+  if (!hasMoved(entry, object, grid)) return;
+  const Eigen::Vector2d step = object.observation.value - entry.first;
+  entry.steps = entry.steps > 0 && step.dot(entry.last_step) > 0.0 ? entry.steps + 1 : 1;
+  entry.last_step = step;
+  entry.track.moved = entry.steps >= kStepsNeeded;
+  startAt(entry, object, grid);
+}
+
+/// It is elsewhere, the place where it was first seen gives no returns any more (it is empty, or
+/// the object hides it), and the place where it is now was empty then. So walls do not move, though
+/// their visible part does when the sensor moves, and neither do thin objects that are seen by
+/// turns.
+bool TrackList::hasMoved(const Entry& entry, const ObjectCluster& object,
+                         const MotionGrid<2>& grid) const {
+  const double moved = (object.observation.value - entry.first).norm();
+  if (moved < std::max(config_.moved_m, 0.5 * entry.length)) return false;
+  const double since = grid.time() - entry.first_time;
+  const double left_before = grid.time() - std::max(kLeftTime, kLeftShare * since);
+  const auto left =
+      std::count_if(entry.first_cells.begin(), entry.first_cells.end(),
+                    [&](const auto& cell) { return grid.lastReturn(cell) < left_before; });
+  const auto arrived =
+      std::count_if(object.points.begin(), object.points.end(), [&](const auto& p) {
+        return grid.cameAfter(grid.indexOf(p.template cast<float>()), entry.first_time);
+      });
+  return 2 * static_cast<std::size_t>(left) > entry.first_cells.size() &&
+         2 * static_cast<std::size_t>(arrived) > object.points.size();
 }
 
 void TrackList::miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility) {

@@ -20,7 +20,7 @@ class TrackList {
   void predict(double seconds);
   /// Takes over the targets of the last update, and makes the filter forget deleted tracks.
   void update(PhdFilter<5, 2>& filter, const std::vector<ObjectCluster>& objects,
-              const Visibility& visibility);
+              const Visibility& visibility, const MotionGrid<2>& grid);
 
   /// All tracks by rising id.
   std::vector<Track> tracks() const;
@@ -39,15 +39,22 @@ class TrackList {
   struct Entry {
     Track track;
     TargetLabel label = 0;
-    Eigen::Vector2d first = Eigen::Vector2d::Zero();  ///< where it was seen first
-    double first_sigma = 0.0;
-    double length = 0.0;  ///< largest length that was seen, m
-    double seen_s = 0.0;  ///< time with observations
+    Eigen::Vector2d first = Eigen::Vector2d::Zero();      ///< where it was seen first
+    double first_time = 0.0;                              ///< of the grid, s
+    std::vector<GridIndex<2>> first_cells;                ///< that it filled then
+    Eigen::Vector2d last_step = Eigen::Vector2d::Zero();  ///< of a move that was noticed
+    int steps = 0;                                        ///< such moves in about one direction
+    double length = 0.0;                                  ///< largest length that was seen, m
+    double seen_s = 0.0;                                  ///< time with observations
     double hidden_s = 0.0;
   };
 
   const Entry* at(const Eigen::Vector2d& point) const;
-  void see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster* object);
+  void see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster& object,
+           const MotionGrid<2>& grid);
+  static void startAt(Entry& entry, const ObjectCluster& object, const MotionGrid<2>& grid);
+  void noteMove(Entry& entry, const ObjectCluster& object, const MotionGrid<2>& grid) const;
+  bool hasMoved(const Entry& entry, const ObjectCluster& object, const MotionGrid<2>& grid) const;
   void miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility);
   static void setState(const Eigen::Matrix<double, 5, 1>& mean,
                        const Eigen::Matrix<double, 5, 5>& covariance, Track& track);

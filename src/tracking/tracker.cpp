@@ -8,6 +8,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "object_clusters.h"
 #include "track_list.h"
+#include "vehicle_mask.h"
 #include "visibility.h"
 
 namespace kestrel {
@@ -16,6 +17,7 @@ namespace {
 constexpr double kMaxGap = 5.0;          ///< s; after a longer gap, the tracks start anew
 constexpr double kForgetEvery_m = 10.0;  ///< the grids forget what is far after this distance
 constexpr double kMaxPosition = 1e6;     ///< m; poses beyond this are wrong
+constexpr double kSharpSigma = 0.3;      ///< m; twice the sigma of a place that counts as known
 constexpr int kModes = 3;                ///< motion models: constant velocity, standing, turn
 constexpr double kStandingJitter =
     0.1;  ///< m/sqrt(s): the visible part of a person who stands changes
@@ -55,6 +57,7 @@ struct Tracker::State {
   MotionGrid<2> grid;
   PhdFilter<5, 2> filter;
   TrackList tracks;
+  VehicleMask mask;
   Result result;
   std::optional<double> time;
   Eigen::Vector2d forgotten_at = Eigen::Vector2d::Zero();
@@ -80,14 +83,15 @@ struct Tracker::State {
   }
 
   /// Points of what moves, and of what has stopped where a track is.
-  std::vector<Eigen::Vector2d> movingPoints(const std::vector<GridRay<2>>& rays) {
+  std::vector<Eigen::Vector2d> movingPoints(const std::vector<GridRay<2>>& rays,
+                                            const std::vector<bool>& is_vehicle) {
     std::vector<Eigen::Vector2d> points;
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const Eigen::Vector2d end = rays[i].end.cast<double>();
       const Motion motion = result.motion[i];
       const bool wanted =
           motion == Motion::kMoving || (motion == Motion::kStopped && tracks.covers(end));
-      if (!wanted) continue;
+      if (!wanted || is_vehicle[i]) continue;
       if (points.size() == config.max_points) {
         result.saturated = true;
         break;
@@ -132,9 +136,12 @@ struct Tracker::State {
     model.mode_transition = Eigen::MatrixXd::Constant(kModes, kModes, change);
     model.mode_transition.diagonal().setConstant(1.0 - (kModes - 1) * change);
     model.survival = [p = std::exp(-seconds / config.lifetime_s)](const auto&) { return p; };
-    model.detection = [&](const Eigen::Matrix<double, 5, 1>& state) {
-      const double width = tracks.widthAt(state.head<2>());
-      return config.detection * visibility.visibleShare(state.head<2>(), width);
+    model.detection = [&](const PhdComponent<5>& component) {
+      const Eigen::Vector2d center = component.mean.head<2>();
+      // Over the places where it may be: the share of them that is visible.
+      const double sigma = std::sqrt(component.covariance.topLeftCorner<2, 2>().trace() / 2.0);
+      const double width = tracks.widthAt(center) + std::max(0.0, 2.0 * sigma - kSharpSigma);
+      return config.detection * visibility.visibleShare(center, width);
     };
   }
 
@@ -150,7 +157,7 @@ struct Tracker::State {
     result.saturated = inserted.full;
     forgetFar(pose.translation());
     const std::vector<PhdComponent<5>> new_targets = births();
-    objects = findObjects(movingPoints(rays), visibility, config);
+    objects = findObjects(movingPoints(rays, mask.update(scan, pose)), visibility, config);
     limitObjects(visibility);
     std::vector<Observation<2>> observations;
     for (const ObjectCluster& object : objects) observations.push_back(object.observation);
@@ -159,7 +166,7 @@ struct Tracker::State {
     filter.add(new_targets);
     filter.predict(seconds, {});
     filter.update(observations);
-    tracks.update(filter, objects, visibility);
+    tracks.update(filter, objects, visibility, grid);
     result.tracks = tracks.tracks();
     result.used = true;
   }

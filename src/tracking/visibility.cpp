@@ -9,6 +9,7 @@
 namespace kestrel {
 namespace {
 
+constexpr double kOccluderGap = 0.2;   // m; an occluder is at least this much nearer
 constexpr double kNearestRange = 0.1;  // m; nearer objects surround the sensor
 
 double medianOf(std::vector<double> values) {
@@ -40,6 +41,28 @@ Visibility::Visibility(const std::vector<GridRay<2>>& rays) : reach_(kBins, -1.0
     reach = std::max(reach, along.norm());
   }
   beam_step_ = medianOf(std::move(steps));
+}
+
+double Visibility::bearingOf(const Eigen::Vector2d& point) const {
+  return std::atan2(point.y() - sensor_.y(), point.x() - sensor_.x());
+}
+
+bool Visibility::isHiddenAt(double bearing, double range) const {
+  const float reach = reach_[static_cast<std::size_t>(binOf(bearing))];
+  return reach >= 0.0F && static_cast<double>(reach) < range - kOccluderGap;
+}
+
+bool Visibility::isCut(const std::vector<Eigen::Vector2d>& points) const {
+  const double middle = bearingOf(points.front());
+  double low = 0.0, high = 0.0, range = rangeOf(points.front());
+  for (const Eigen::Vector2d& point : points) {
+    const double offset = normalizeAngle(bearingOf(point) - middle);
+    low = std::min(low, offset);
+    high = std::max(high, offset);
+    range = std::min(range, rangeOf(point));
+  }
+  const double beside = 2.0 * std::max(beam_step_, 2.0 * kPi / kBins);
+  return isHiddenAt(middle + low - beside, range) || isHiddenAt(middle + high + beside, range);
 }
 
 double Visibility::visibleShare(const Eigen::Vector2d& center, double width) const {

@@ -16,13 +16,21 @@ class Visibility {
   /// Share of an object of `width` (m) around `center` that beams reach: 0 outside of the field of
   /// view and behind something, 1 if nothing is in between.
   double visibleShare(const Eigen::Vector2d& center, double width) const;
+  /// True if something nearer hides the place beside the points, so that they may be only a part of
+  /// an object.
+  bool isCut(const std::vector<Eigen::Vector2d>& points) const;
   /// Angle between two neighboring beams, rad; 0 without beams.
   double beamStep() const { return beam_step_; }
+  Eigen::Vector2d directionTo(const Eigen::Vector2d& point) const {
+    return (point - sensor_).normalized();
+  }
   double rangeOf(const Eigen::Vector2d& point) const { return (point - sensor_).norm(); }
 
  private:
   static constexpr int kBins = 1440;  ///< of a quarter of a degree
   static int binOf(double bearing);
+  double bearingOf(const Eigen::Vector2d& point) const;
+  bool isHiddenAt(double bearing, double range) const;
 
   Eigen::Vector2d sensor_ = Eigen::Vector2d::Zero();
   std::vector<float> reach_;  ///< farthest beam of each bin, m; negative: no beam

@@ -19,7 +19,7 @@ TEST(MapBatchTest, MapsAFolderAndComparesItWithTheFirstResult) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.file("logs"));
   const std::string log = RoomFlight::carmenLog(10);
-  folder.write("logs/a.clf", log);
+  const std::string log_a = folder.write("logs/a.clf", log);
   folder.write("logs/b.txt", log);  // found by its content
   folder.write("logs/notes.txt", "not a recording\n");
   folder.write("logs/broken.clf", "FLASER 3 1\n");
@@ -46,6 +46,16 @@ TEST(MapBatchTest, MapsAFolderAndComparesItWithTheFirstResult) {
                                    folder.file("old") + " --max-relations 0.1");
   EXPECT_EQ(again.code, 0) << again.output;
   EXPECT_CONTAINS(again.output, "0 worse, 0 better, 3 compared");
+  const Outcome counted =
+      runCommand(kBatch + log_a + " --scans 9 --instructions 2 --output " + folder.file("counted"));
+  if (runCommand("valgrind --version").code == 0) {
+    ASSERT_EQ(counted.code, 0) << counted.output;
+    const auto row =
+        nlohmann::json::parse(readFile(folder.file("counted/summary.json")))["recordings"][0];
+    ASSERT_TRUE(row["instructions_million"].is_number()) << row;
+    EXPECT_GT(row["instructions_million"].get<double>(), 10.0);
+    EXPECT_EQ(row["scans"], 9);
+  }
   const Outcome wrong = runCommand(kBatch + folder.file("logs") + " --set nonsense=1 --output " +
                                    folder.file("wrong"));
   EXPECT_EQ(wrong.code, 1);

@@ -19,8 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 6> kOutputs = {"map.pgm",   "map.yaml",   "trajectory.tum",
-                                                 "scans.csv", "stats.json", "report.html"};
+constexpr std::array<const char*, 7> kOutputs = {"map.pgm",       "map.yaml",  "trajectory.tum",
+                                                 "thumbnail.png", "scans.csv", "stats.json",
+                                                 "report.html"};
 
 const std::string kTool = KESTREL_TOOL_DIR "/map_recording ";
 

@@ -21,7 +21,7 @@ PhdModel<4, 2> modelWith(double detection, double survival, double clutter) {
   PhdModel<4, 2> model;
   model.motions = {constantVelocity<4, 2>(1.0)};
   model.survival = [survival](const Vector4&) { return survival; };
-  model.detection = [detection](const Vector4&) { return detection; };
+  model.detection = [detection](const auto&) { return detection; };
   model.clutter = [clutter](const Vector2&) { return clutter; };
   model.expect = expectPosition<4, 2>;
   return model;
@@ -133,7 +133,7 @@ TEST(PhdFilter, WeightsFollowTheUpdateEquation) {
 
 TEST(PhdFilter, HiddenTargetStays) {
   PhdModel<4, 2> model = modelWith(0.9, 0.99, 1e-3);
-  model.detection = [](const Vector4& state) { return state.x() > 1.0 ? 0.0 : 0.9; };
+  model.detection = [](const PhdComponent<4>& c) { return c.mean.x() > 1.0 ? 0.0 : 0.9; };
   PhdFilter<4, 2> filter(model);
   filter.predict(0.0, {componentAt(2, 0, 0, 0)});
   for (int i = 0; i < 10; ++i) {

@@ -20,7 +20,7 @@ struct TrackFrame {
 struct TrackRow {
   double stamp = 0.0;
   long id = 0;
-  bool shown = false;  ///< it has moved and is no longer tentative
+  bool shown = false;  ///< see Track::isShown()
   Eigen::Vector2d position = Eigen::Vector2d::Zero(), velocity = Eigen::Vector2d::Zero();
 };
 

@@ -24,9 +24,10 @@ struct LoopConfig {
 
 /// What became of a loop that was found.
 enum class LoopState {
-  kAccepted,
   kPending,  ///< it waits for another one that confirms it
-  kRefused
+  kAccepted,
+  kRefused,
+  kUndone  ///< it was accepted, and the optimized graph contradicts it
 };
 
 const char* toString(LoopState state);

@@ -35,11 +35,13 @@ struct RobustResult {
 /// 1. The largest set of loops that agree pair by pair (ConsistentLoops), between each two parts of
 ///    the odometry; none where a second set has more than half as many. Of this set, those that
 ///    agree with another one, or with the odometry, so closely that chance does not explain it.
-/// 2. The graph is optimized with the loops that are accepted.
+/// 2. These loops form clusters that support each other. They are accepted one cluster after the
+///    other, the largest first, and the graph is optimized each time. A cluster that contradicts
+///    the graph is left out: where the odometry alone is too vague to refute a false place, the
+///    graph that the larger clusters have given often is not.
 /// 3. Loops that do not fit into the optimized graph are refused for good. Others are accepted if
-/// they
-///    agree with it so closely that chance does not explain it. Then step 2 again; and step 1
-///    without the refused loops, until nothing changes.
+///    they agree with it so closely that chance does not explain it. Then the graph is optimized
+///    again. Step 1 is done again without the refused loops, until nothing changes.
 ///
 /// Chance is judged for errors that are spread evenly over the area of the odometry and over all
 /// yaws. The initial poses of the vertices are not used, except of those that are held.

@@ -19,9 +19,7 @@ struct MapperConfig {
   double insert_angle_rad = 0.25;   ///< or this rotation
   double lost_score = 0.35;         ///< lost if the best score is below this,
   double min_known_share = 0.1;     ///< or if the share of beams in known space is below this
-  /// Scans that do not fit the map are matched with the scans before them.
-  bool laser_odometry = true;
-  double gap_s = 1.0;  ///< all yaws are searched after this time without a scan
+  double gap_s = 1.0;               ///< all yaws are searched after this time without a scan
 };
 
 }  // namespace kestrel

@@ -80,6 +80,8 @@ struct RunOptions {
   std::size_t max_scans = std::numeric_limits<std::size_t>::max();  ///< number to process
   /// Called for every scan that the mapper processed, with its result.
   std::function<void(const PlanarScan&, const MapperResult&)> observer;
+  /// The same with everything that the pipeline knows of the scan, also its odometry.
+  std::function<void(const MappedSweep&)> sweep_observer;
   /// Called for every state of the pose filter.
   std::function<void(const FilterOutput&)> filter_observer;
 };

@@ -9,6 +9,7 @@
 
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/geometry/pose_covariance.h"
+#include "kestrel_slam/graph/loop.h"
 #include "kestrel_slam/graph/pose_graph.h"
 #include "kestrel_slam/map/keyframe.h"
 #include "kestrel_slam/map/occupancy_grid.h"
@@ -36,10 +37,6 @@ struct VertexRecord {
   std::uint64_t id = 0;  ///< of the keyframe or submap
   PoseVertex vertex;
 };
-
-enum class LoopState { kPending, kAccepted, kRefused, kUndone };
-const char* toString(LoopState state);
-
 /// A loop that was tried. If it is accepted, the graph has an edge for it, too.
 struct LoopRecord {
   std::size_t from = 0, to = 0;  ///< indices of vertices

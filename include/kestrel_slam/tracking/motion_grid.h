@@ -19,12 +19,12 @@ struct MotionGridConfig {
   // Inverse measurement values of tables 1 and 2: the probability that a cell is occupied, given
   // one measurement. They are for scans at 10 Hz; at other rates their log odds are scaled by the
   // time between two scans, so that people who stop become a part of the map after the same time.
-  double low = 0.4;      ///< a beam passed the cell: smaller frees cells faster
-  double medium = 0.53;  ///< something moves here: larger takes what has stopped into the static
-                         ///< grid sooner, and with it slow objects
-  double high = 0.9;     ///< something stands here: larger resists beams that miss thin objects
+  double low = 0.4;     ///< a beam passed the cell: smaller frees cells faster
+  double medium = 0.6;  ///< something moves here: larger takes what has stopped into the static
+                        ///< grid sooner, and with it slow objects
+  double high = 0.9;    ///< something stands here: larger resists beams that miss thin objects
   // Bounds, so that a cell can change again.
-  double min_probability = 0.1;
+  double min_probability = 0.05;
   double max_probability = 0.97;
   // A cell is free below the first and occupied above the second probability; between them it
   // counts as unobserved.
@@ -99,8 +99,13 @@ class MotionGrid {
   double dynamicProbability(const Index& index) const;
   /// True if the cell is in the imposed map for the next scan.
   bool isImposed(const Index& index) const;
-  /// True if something static is within `distance` (m) of the point.
-  bool isNearStatic(const Vector& point, double distance) const;
+  /// Time since the first scan, s.
+  double time() const { return time_; }
+  /// Time of the last return in this cell or next to it, s; negative if there was none.
+  double lastReturn(const Index& index) const;
+  /// True if nothing was in this cell or next to it at `time` (s) or before: what is here now has
+  /// come later. (Returns before a gap of half a second do not count.)
+  bool cameAfter(const Index& index, double time) const;
 
   Index indexOf(const Vector& point) const;
   Vector centerOf(const Index& index) const;
@@ -114,13 +119,23 @@ class MotionGrid {
     std::uint32_t imposed = 0;   ///< number of the scan for which it is in the imposed map
     std::uint32_t moved_in = 0;  ///< last scan with something moving in it
     std::uint32_t slot = 0;      ///< in Result::moving of that scan
+    float first_hit = -1.0F;     ///< time of the first of the returns without long gaps, s
+    float last_hit = -1.0F;      ///< negative: none yet
     bool was_moving = false;     ///< it was free, and then filled by something that moved
   };
 
+  /// What is occupied near a point.
+  struct Surroundings {
+    bool is_static = false, has_stopped = false;
+  };
+
   bool isUsable(const GridRay<D>& ray) const;
+  Surroundings surroundingsOf(const Vector& point, double distance) const;
   CellState stateOf(const CellData& cell) const;
   Motion classify(const GridRay<D>& ray) const;
   void updateHit(const GridRay<D>& ray, std::size_t number);
+  void protectSurface(const std::vector<GridRay<D>>& rays);
+  void protectCell(const Index& index);
   void updateMiss(const GridRay<D>& ray);
   bool passCell(const Index& index, bool stops_at_walls);
   void add(CellData& cell, float static_change, float dynamic_change) const;
@@ -132,6 +147,7 @@ class MotionGrid {
   CellMap<D, CellData> cells_;
   Result result_;
   std::uint32_t scan_ = 0;
+  double time_ = 0.0;
 };
 
 /// Calls `visit(index)` for every cell from the one of `from` to the one before that of `to`, in

@@ -62,9 +62,10 @@ struct PhdModel {
   Eigen::MatrixXd mode_transition;
   std::vector<SpawnModel<N>> spawns;
 
-  std::function<double(const State&)> survival;   ///< P_S
-  std::function<double(const State&)> detection;  ///< P_D
-  std::function<double(const Value&)> clutter;    ///< false measurements per unit of the value
+  std::function<double(const State&)> survival;  ///< P_S
+  /// P_D, of a Gaussian, so that it can be the mean over all places where the target may be.
+  std::function<double(const PhdComponent<N>&)> detection;
+  std::function<double(const Value&)> clutter;  ///< false measurements per unit of the value
   std::function<ExpectedObservation<N, M>(const State&)> expect;
   /// measured - expected; set it if the value has angles. Empty: plain difference.
   std::function<Value(const Value&, const Value&)> difference;

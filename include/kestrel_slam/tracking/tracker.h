@@ -27,6 +27,10 @@ enum class TrackState {
 };
 const char* toString(TrackState state);
 
+/// A track is shown without observations for this time, s. It lives longer, so that an object that
+/// was hidden gets its identity back.
+constexpr double kShownUnseen = 0.5;
+
 /// An object with one identity, in the frame of the poses that the tracker gets.
 struct Track {
   long id = 0;
@@ -44,7 +48,9 @@ struct Track {
   bool moved = false;
   double standing = 0.0;  ///< probability that it stands now
 
-  bool isShown() const { return moved && state != TrackState::kTentative; }
+  bool isShown() const {
+    return moved && state != TrackState::kTentative && unseen_s <= kShownUnseen;
+  }
 };
 
 /// Finds and follows what moves in the scans of a 2D laser [Siew 2018]: static and dynamic grid,

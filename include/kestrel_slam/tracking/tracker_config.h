@@ -29,6 +29,8 @@ struct TrackerConfig {
   double mode_change_per_s = 0.5;        ///< changes of the motion model
   double position_sigma = 0.06;          ///< m, of the middle of a small object
   double position_sigma_per_m = 0.15;    ///< the same, for each meter of its visible size
+  double half_depth_m = 0.1;             ///< of an object behind its visible side, at most
+  double cut_sigma = 0.25;               ///< m, added if an object is partly hidden
   double lifetime_s = 20.0;              ///< mean time until an object disappears by itself
   double detection = 0.9;                ///< probability of detection if nothing is in between
   double clutter_per_m2 = 0.02;          ///< false clusters in one scan

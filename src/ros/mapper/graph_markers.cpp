@@ -33,7 +33,7 @@ Marker markerOf(const char* ns, int type, const std::string& frame, const ros::T
 
 void setColor(LoopState state, Marker& marker) {
   marker.color.r = state == LoopState::kAccepted ? 0.1F : 0.9F;
-  marker.color.g = state == LoopState::kRefused ? 0.2F : 0.7F;
+  marker.color.g = state == LoopState::kAccepted || state == LoopState::kPending ? 0.7F : 0.2F;
   marker.color.b = 0.2F;
 }
 
@@ -47,7 +47,8 @@ MarkerArray graphMarkers(const GraphView& graph, const std::string& map_frame,
   path.color.b = 1.0F;
   for (const Pose2& pose : graph.keyframes) path.points.push_back(pointOf(pose));
   if (path.points.size() > 1) result.markers.push_back(path);
-  for (const LoopState state : {LoopState::kAccepted, LoopState::kPending, LoopState::kRefused}) {
+  for (const LoopState state :
+       {LoopState::kAccepted, LoopState::kPending, LoopState::kRefused, LoopState::kUndone}) {
     Marker lines = markerOf(toString(state), Marker::LINE_LIST, map_frame, stamp);
     lines.scale.x = kLoopWidth;
     setColor(state, lines);

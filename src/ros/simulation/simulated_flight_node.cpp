@@ -84,7 +84,7 @@ void SimulatedFlightNode::tick() {
     publishClock(next_.arrival);
     publish(next_);
     flying_ = flight_->next(next_);
-    if (!flying_) ROS_INFO("The flight has ended.");
+    if (!flying_) ROS_INFO("The flight has ended; the map stays until Ctrl+C.");
   }
   publishClock(now);
 }

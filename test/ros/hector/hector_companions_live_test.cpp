@@ -13,6 +13,7 @@
 #include "kestrel_slam/GetRecoveryInfo.h"
 #include "kestrel_slam/GetRobotTrajectory.h"
 #include "kestrel_slam/GetSearchPosition.h"
+#include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/messages/conversions.h"
 #include "mapper_client.h"
 
@@ -63,16 +64,27 @@ TEST_F(HectorCompanions, TheTrajectoryEndsAtThePose) {
   EXPECT_LT((last.inverse() * entry).distance(), 0.4);
 }
 
-TEST_F(HectorCompanions, TheObstacleIsInTheMap) {
-  kestrel_slam::GetDistanceToObstacle service;
-  service.request.point.header.frame_id = "base_link";
-  service.request.point.point.x = 1.0;
-  ASSERT_TRUE(call("get_distance_to_obstacle", service));
-  ASSERT_GT(service.response.distance, 0.3);
-  const geometry_msgs::Point& end = service.response.end_point.point;
+/// The laboratory has walls all around, apart from what was not seen yet.
+TEST_F(HectorCompanions, ObstaclesAreAllAround) {
+  constexpr int kDirections = 8;
   const Pose2 base = poseOf(client_->pose.pose);
-  EXPECT_NEAR(std::hypot(end.x - base.x, end.y - base.y), service.response.distance, 0.1);
-  EXPECT_EQ(service.response.end_point.header.frame_id, "map");
+  int found = 0;
+  for (int i = 0; i < kDirections; ++i) {
+    const double angle = 2.0 * kPi * i / kDirections;
+    kestrel_slam::GetDistanceToObstacle service;
+    service.request.point.header.frame_id = "base_link";
+    service.request.point.point.x = std::cos(angle);
+    service.request.point.point.y = std::sin(angle);
+    ASSERT_TRUE(call("get_distance_to_obstacle", service));
+    if (service.response.distance < 0.0F) continue;
+    ++found;
+    const geometry_msgs::Point& end = service.response.end_point.point;
+    EXPECT_NEAR(std::hypot(end.x - base.x, end.y - base.y), service.response.distance, 0.1);
+    EXPECT_NEAR(normalizeAngle(std::atan2(end.y - base.y, end.x - base.x) - base.yaw - angle), 0.0,
+                0.1);
+    EXPECT_EQ(service.response.end_point.header.frame_id, "map");
+  }
+  EXPECT_GE(found, kDirections / 2);
 }
 
 TEST_F(HectorCompanions, TheSearchPositionIsInFrontOfTheObject) {

@@ -19,7 +19,7 @@ struct SimulatedFlightConfig {
   std::string sensor = "utm30lx";
   double speed = 1.0;        ///< of the time; 2: twice as fast
   double random_time = 0.0;  ///< s; 0: the flight of the world
-  double start_delay = 3.0;  ///< s of wall time, in which the other nodes start
+  double start_delay = 1.5;  ///< s of wall time, in which the other nodes start
   int seed = 1;
   bool level = false;
   bool raw_imu = false;

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vehicle_mask.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kestrel_slam/geometry/angles.h"
+
+namespace kestrel {
+namespace {
+
+constexpr float kSameRange = 0.05F;  ///< m; noise of the laser and give of the parts
+/// The vehicle must travel this far, m, until a return that stays belongs to it. Wheels and chairs
+/// are smaller; walls along the way stay as well, but walls do not move anyway.
+constexpr float kTravel = 1.0F;
+constexpr double kTurnArm = 0.5;  ///< m; a turn by 1 rad counts as this way
+
+}  // namespace
+
+VehicleMask::VehicleMask() : bins_(kBins) {}
+
+std::vector<bool> VehicleMask::update(const PlanarScan& scan, const Pose2& odom_T_base) {
+  const Pose2 step = has_last_ ? last_.inverse() * odom_T_base : Pose2();
+  const auto traveled = static_cast<float>(step.distance() + kTurnArm * std::abs(step.yaw));
+  last_ = odom_T_base;
+  has_last_ = true;
+  for (Bin& bin : bins_) bin.traveled += traveled;
+  std::vector<bool> mask(scan.rays.size(), false);
+  std::vector<bool> stays(kBins, false), seen(kBins, false);
+  for (std::size_t i = 0; i < scan.rays.size(); ++i) {
+    const PlanarRay& ray = scan.rays[i];
+    if (!ray.hit || !ray.end.allFinite()) continue;
+    const double bearing =
+        std::atan2(static_cast<double>(ray.end.y()), static_cast<double>(ray.end.x()));
+    const auto number = static_cast<std::size_t>((bearing + kPi) / (2.0 * kPi) * kBins) % kBins;
+    Bin& bin = bins_[number];
+    const float range = ray.end.norm();
+    if (std::abs(range - bin.range) <= kSameRange) {
+      stays[number] = true;
+      mask[i] = bin.traveled > kTravel;
+    } else if (!stays[number] && !seen[number]) {
+      bin = {range, 0.0F};
+    }
+    seen[number] = true;
+  }
+  return mask;
+}
+
+}  // namespace kestrel

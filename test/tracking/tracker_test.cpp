@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/tracking/tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/random.h"
+
+namespace kestrel {
+namespace {
+
+struct Disk {
+  Eigen::Vector2d center;
+  double radius;
+};
+
+/// Distance along the beam to a disk or to the walls of a room of 12 m x 12 m; infinite if nothing.
+double castBeam(const Eigen::Vector2d& from, double bearing, const std::vector<Disk>& disks) {
+  const Eigen::Vector2d along(std::cos(bearing), std::sin(bearing));
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 2; ++axis) {
+    const double distance = (std::copysign(6.0, along(axis)) - from(axis)) / along(axis);
+    if (distance > 0.0) nearest = std::min(nearest, distance);
+  }
+  for (const Disk& disk : disks) {
+    const Eigen::Vector2d offset = disk.center - from;
+    const double middle = along.dot(offset);
+    const double miss2 = offset.squaredNorm() - middle * middle;
+    if (middle <= 0.0 || miss2 > disk.radius * disk.radius) continue;
+    nearest = std::min(nearest, middle - std::sqrt(disk.radius * disk.radius - miss2));
+  }
+  return nearest;
+}
+
+/// A laser with a beam for each half degree all around, 10 Hz, 1 cm noise.
+class Room {
+ public:
+  PlanarScan scan(int number, const Pose2& pose, const std::vector<Disk>& disks) {
+    PlanarScan result;
+    result.stamp = result.time = 100.0 + 0.1 * number;
+    for (int i = 0; i < 720; ++i) {
+      const double bearing = i * kPi / 360.0;
+      const double range =
+          castBeam(pose.translation(), pose.yaw + bearing, disks) + 0.01 * random_.gaussian();
+      const Eigen::Vector2d end(range * std::cos(bearing), range * std::sin(bearing));
+      result.rays.push_back({Eigen::Vector2f::Zero(), end.cast<float>(), true});
+    }
+    return result;
+  }
+
+ private:
+  Random random_{1};
+};
+
+std::vector<Track> shownOf(const Tracker::Result& result) {
+  std::vector<Track> shown;
+  for (const Track& track : result.tracks) {
+    if (track.isShown()) shown.push_back(track);
+  }
+  return shown;
+}
+
+Disk walkerAt(int number) { return {{-3.0 + 0.1 * (number - 20), 2.0}, 0.2}; }
+
+TEST(Tracker, WalkerIsOneTrackWithItsSpeed) {
+  Room room;
+  Tracker tracker;
+  std::set<long> ids;
+  int shown = 0, after = 0;
+  for (int i = 0; i < 75; ++i) {
+    std::vector<Disk> disks{{{2.0, -2.0}, 0.3}};  // stands from the beginning
+    if (i >= 20) disks.push_back(walkerAt(i));
+    const auto& result = tracker.process(room.scan(i, Pose2(), disks), Pose2());
+    ASSERT_TRUE(result.used);
+    EXPECT_FALSE(result.saturated);
+    for (const Track& track : shownOf(result)) {
+      ids.insert(track.id);
+      EXPECT_LT((track.position - walkerAt(i).center).norm(), 0.35) << i;
+    }
+    if (i < 35) continue;
+    ++after;
+    if (shownOf(result).size() != 1) continue;
+    ++shown;
+    EXPECT_NEAR(shownOf(result)[0].velocity.x(), 1.0, 0.3) << i;
+    EXPECT_NEAR(shownOf(result)[0].velocity.y(), 0.0, 0.3) << i;
+  }
+  EXPECT_EQ(ids.size(), 1U);
+  EXPECT_GE(shown, after - 2);
+}
+
+TEST(Tracker, NothingMovesWhenOnlyTheSensorMoves) {
+  Room room;
+  Tracker tracker;
+  for (int i = 0; i < 120; ++i) {
+    const Pose2 pose(-3.0 + 0.05 * i, 0.5 * std::sin(0.1 * i), 0.02 * i);
+    const std::vector<Disk> disks{{{2.0, -2.0}, 0.3}, {{-1.0, 2.5}, 0.05}, {{0.0, -3.0}, 0.03}};
+    EXPECT_TRUE(shownOf(tracker.process(room.scan(i, pose, disks), pose)).empty()) << i;
+  }
+}
+
+// Not reached yet: the last sight of a walker who is half hidden slows its track down.
+TEST(Tracker, DISABLED_HiddenWalkerKeepsItsIdentity) {
+  Room room;
+  Tracker tracker;
+  std::set<long> ids;
+  int hidden = 0;
+  for (int i = 0; i < 75; ++i) {
+    std::vector<Disk> disks{{{0.0, 1.0}, 0.35}};  // the pillar hides it for 1.5 s
+    if (i >= 20) disks.push_back(walkerAt(i));
+    const auto& result = tracker.process(room.scan(i, Pose2(), disks), Pose2());
+    for (const Track& track : shownOf(result)) {
+      ids.insert(track.id);
+      if (track.state == TrackState::kCoasting) ++hidden;
+    }
+  }
+  EXPECT_EQ(ids.size(), 1U);
+  EXPECT_GT(hidden, 2);
+}
+
+TEST(Tracker, WalkerWhoStopsStaysATrack) {
+  Room room;
+  Tracker tracker;
+  std::set<long> ids;
+  for (int i = 0; i < 150; ++i) {
+    std::vector<Disk> disks;
+    if (i >= 20) disks.push_back(walkerAt(std::min(i, 50)));
+    const auto& result = tracker.process(room.scan(i, Pose2(), disks), Pose2());
+    for (const Track& track : shownOf(result)) ids.insert(track.id);
+    if (i > 80) {
+      ASSERT_EQ(shownOf(result).size(), 1U) << i;
+      EXPECT_LT(shownOf(result)[0].velocity.norm(), 0.15) << i;
+    }
+  }
+  EXPECT_EQ(ids.size(), 1U);
+}
+
+TEST(Tracker, PartsOfTheVehicleAreNoTracks) {
+  Room room;
+  Tracker tracker;
+  for (int i = 0; i < 100; ++i) {
+    const Pose2 pose(-4.0 + 0.08 * i, 0.0, 0.0);
+    const std::vector<Disk> disks{{pose * Eigen::Vector2d(-0.4, 0.3), 0.1}};
+    const auto& result = tracker.process(room.scan(i, pose, disks), pose);
+    if (i > 40) {
+      EXPECT_TRUE(shownOf(result).empty()) << i;
+    }
+  }
+}
+
+TEST(Tracker, BadInputIsIgnored) {
+  Room room;
+  Tracker tracker;
+  const PlanarScan scan = room.scan(1, Pose2(), {});
+  EXPECT_TRUE(tracker.process(scan, Pose2()).used);
+  EXPECT_FALSE(tracker.process(scan, Pose2()).used);                       // not newer
+  EXPECT_FALSE(tracker.process(room.scan(0, Pose2(), {}), Pose2()).used);  // back in time
+  EXPECT_FALSE(tracker.process(room.scan(2, Pose2(), {}), Pose2(NAN, 0, 0)).used);
+  EXPECT_FALSE(tracker.process(PlanarScan(), Pose2()).used);
+  PlanarScan broken = room.scan(3, Pose2(), {});
+  for (std::size_t i = 0; i < broken.rays.size(); i += 2) broken.rays[i].end.setConstant(NAN);
+  EXPECT_TRUE(tracker.process(broken, Pose2()).used);
+  EXPECT_TRUE(tracker.process(room.scan(4, Pose2(), {}), Pose2()).used);
+}
+
+TEST(Tracker, TooManyObjectsSaturate) {
+  Room room;
+  TrackerConfig config;
+  config.max_points = 50;
+  Tracker tracker(config);
+  for (int i = 0; i < 20; ++i) tracker.process(room.scan(i, Pose2(), {}), Pose2());
+  std::vector<Disk> crowd;
+  for (int k = 0; k < 40; ++k) {
+    crowd.push_back({{3.0 * std::cos(0.157 * k), 3.0 * std::sin(0.157 * k)}, 0.15});
+  }
+  EXPECT_TRUE(tracker.process(room.scan(20, Pose2(), crowd), Pose2()).saturated);
+}
+
+TEST(Tracker, IsDeterministic) {
+  const auto run = [] {
+    Room room;
+    Tracker tracker;
+    std::vector<double> numbers;
+    for (int i = 0; i < 50; ++i) {
+      std::vector<Disk> disks;
+      if (i >= 20) disks.push_back(walkerAt(i));
+      for (const Track& track : tracker.process(room.scan(i, Pose2(), disks), Pose2()).tracks) {
+        numbers.push_back(track.position.x());
+        numbers.push_back(track.velocity.y());
+      }
+    }
+    return numbers;
+  };
+  EXPECT_EQ(run(), run());
+}
+
+}  // namespace
+}  // namespace kestrel
