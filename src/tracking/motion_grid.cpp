@@ -88,7 +88,9 @@ Motion MotionGrid<D>::classify(const GridRay<D>& ray) const {
   const Surroundings near =
       surroundingsOf(ray.end, config_.tolerance_m + config_.tolerance_rad * range);
   if (near.is_static) return Motion::kStatic;
-  if (near.has_stopped) return Motion::kStopped;
+  const CellData* own = cells_.find(indexOf(ray.end));
+  const bool was_moving = own != nullptr && own->was_moving && state != CellState::kFree;
+  if (near.has_stopped || was_moving) return Motion::kStopped;
   return state == CellState::kFree || isImposed(indexOf(ray.end)) ? Motion::kMoving
                                                                   : Motion::kStatic;
 }
