@@ -52,6 +52,16 @@ std::vector<NamedNumber> numbersOf(const NamedNumbers& messages) {
   return numbers;
 }
 
+// The numbers in a file never change, so neither may these.
+static_assert(static_cast<int>(LoopState::kPending) == session_format::Loop::PENDING);
+static_assert(static_cast<int>(LoopState::kAccepted) == session_format::Loop::ACCEPTED);
+static_assert(static_cast<int>(LoopState::kRefused) == session_format::Loop::REFUSED);
+static_assert(static_cast<int>(LoopState::kUndone) == session_format::Loop::UNDONE);
+static_assert(static_cast<int>(EdgeKind::kOdometry) == session_format::Edge::ODOMETRY);
+static_assert(static_cast<int>(EdgeKind::kLoop) == session_format::Edge::LOOP);
+static_assert(static_cast<int>(VertexKind::kKeyframe) == session_format::Vertex::KEYFRAME);
+static_assert(static_cast<int>(VertexKind::kSubmap) == session_format::Vertex::SUBMAP);
+
 /// Files of this schema version have only values that this version knows.
 template <typename Enum>
 Enum enumOf(int value, Enum last) {
