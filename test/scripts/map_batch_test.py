@@ -162,6 +162,9 @@ class Resume(Batch):
         self.batch("--resume", "--set", "x=1")
         self.assertEqual(len(self.called()), 5, "another input")
 
+    def finished(self):
+        return len(list((self.out / "maps").glob("[0-9]*")))
+
     def test_killed_twice_it_gives_the_same_table(self):
         for number in range(12):
             self.log(f"{number:02d}.clf", number)
@@ -175,9 +178,11 @@ class Resume(Batch):
         for _ in range(2):
             with subprocess.Popen(command, env={**self.environment, "SLOW": "0.3"},
                                   stderr=subprocess.DEVNULL) as process:
-                time.sleep(1.2)
+                before = self.finished()
+                while self.finished() < before + 2 and process.poll() is None:
+                    time.sleep(0.02)
                 process.send_signal(signal.SIGKILL)
-        done = len(list((self.out / "maps").glob("[0-9]*")))
+        done = self.finished()
         self.assertTrue(1 <= done < 12, done)
         self.batch("--resume")
         self.assertEqual(self.summary(), expected)
