@@ -21,8 +21,7 @@ constexpr double kBasinM = 0.3;
 /// A place is looked at if the query is at most this far outside of the search window: it shows
 /// what is around it.
 constexpr double kAroundM = 2.0;
-/// Loops are of one place if their keyframes are at most this far apart, and they confirm each
-/// other if there are at least so many keyframes between their queries.
+/// Loops are of one place if the path between their keyframes is at most this long.
 constexpr double kSamePlaceM = 15.0;
 /// Smallest errors of the motion from one keyframe to the next.
 constexpr double kMotionM = 0.003, kMotionRad = 0.001;
@@ -40,6 +39,11 @@ constexpr std::size_t kNeighbors = 30;
 
 /// Not a loop.
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
+PoseEdge edgeOf(const Loop& loop) {
+  return {loop.anchor, loop.query, loop.anchor_T_query.mean,
+          loop.anchor_T_query.covariance.inverse(), EdgeKind::kLoop};
+}
 
 }  // namespace
 
@@ -114,19 +118,25 @@ Pose2 SubmapGraph::mapTLocal() const {
   return keyframes_.empty() ? Pose2() : mapTLocal(keyframes_.size() - 1);
 }
 
+/// A place with its keyframe that is nearest to the query.
+SubmapGraph::Candidate SubmapGraph::candidateAt(std::size_t place, std::size_t query) const {
+  const Eigen::Vector2d position = poseOf(query).translation();
+  Candidate candidate{place, 0, std::numeric_limits<double>::infinity(), 0.0, 0.0};
+  for (std::size_t i = places_.all()[place].first; i < places_.all()[place].last; ++i) {
+    const double distance = (poseOf(i).translation() - position).norm();
+    if (distance < candidate.distance_m) candidate.distance_m = distance, candidate.anchor = i;
+  }
+  return candidate;
+}
+
 /// Finished submaps in which the query may be, nearest first.
 std::vector<SubmapGraph::Candidate> SubmapGraph::candidatesFor(std::size_t query) const {
   const std::vector<RelativeUncertainty> uncertain = uncertaintiesFrom(graph_, query);
-  const Eigen::Vector2d position = poseOf(query).translation();
   std::vector<Candidate> result;
   for (std::size_t p = 0; p < places_.all().size(); ++p) {
     const Place& place = places_.all()[p];
     if (place.last + kNeighbors > query) continue;
-    Candidate candidate{p, 0, std::numeric_limits<double>::infinity(), 0.0, 0.0};
-    for (std::size_t i = place.first; i < place.last; ++i) {
-      const double distance = (poseOf(i).translation() - position).norm();
-      if (distance < candidate.distance_m) candidate.distance_m = distance, candidate.anchor = i;
-    }
+    Candidate candidate = candidateAt(p, query);
     const RelativeUncertainty& error = uncertain[candidate.anchor];
     candidate.sigma_m = error.sigmaAt(candidate.distance_m);
     candidate.sigma_rad = std::sqrt(error.yaw_rad2);
@@ -183,11 +193,6 @@ void SubmapGraph::searchAt(const Candidate& candidate, const LoopQuery& query, d
   if (loop.state == LoopState::kPending) judge(loop);
 }
 
-PoseEdge edgeOf(const Loop& loop) {
-  return {loop.anchor, loop.query, loop.anchor_T_query.mean,
-          loop.anchor_T_query.covariance.inverse(), EdgeKind::kLoop};
-}
-
 /// Decides on the last loop, which fits: by what other loops of the same place say.
 void SubmapGraph::judge(const Loop& found) {
   const std::size_t number = loops_.size() - 1;
@@ -234,7 +239,7 @@ void SubmapGraph::accept(std::size_t number) {
 /// Loops that only confirm the graph wait until there are some of them.
 void SubmapGraph::optimizeIfNeeded(const Loop& loop) {
   ++unsolved_;
-  const double chi2 = kestrel::chi2Of(graph_.edges.back(), graph_);
+  const double chi2 = chi2Of(graph_.edges.back(), graph_);
   if (loop.radius_m > 0.0 || chi2 > kMuchChi2 || unsolved_ >= kMostUnsolved) solve();
 }
 
@@ -280,12 +285,7 @@ void SubmapGraph::refineAt(std::size_t number, std::vector<int>& matched) {
   for (std::size_t query = 0; query < keyframes_.size(); query += kRefineEvery) {
     if (query + kNeighbors >= place.first && query < place.last + kNeighbors) continue;
     if (matched[query] >= kRefinePlaces) continue;
-    const Eigen::Vector2d position = poseOf(query).translation();
-    Candidate candidate{number, 0, std::numeric_limits<double>::infinity(), 0.0, 0.0};
-    for (std::size_t i = place.first; i < place.last; ++i) {
-      const double distance = (poseOf(i).translation() - position).norm();
-      if (distance < candidate.distance_m) candidate.distance_m = distance, candidate.anchor = i;
-    }
+    const Candidate candidate = candidateAt(number, query);
     if (candidate.distance_m > kRefineM) continue;
     const Loop loop = matcher_.matchExpected(places_.mapOf(number, keyframes_), place, keyframes_,
                                              query, expectedAt(candidate, query), kRefineRadiusM);

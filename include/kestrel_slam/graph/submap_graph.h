@@ -57,13 +57,13 @@ class SubmapGraph {
   double pathBetween(std::size_t a, std::size_t b) const;
   void addOdometry(const Eigen::Matrix3d& covariance);
   void search(const LoopQuery& query);
+  Candidate candidateAt(std::size_t place, std::size_t query) const;
   std::vector<Candidate> candidatesFor(std::size_t query) const;
   bool confirm(const Candidate& candidate, std::size_t query);
   void searchAt(const Candidate& candidate, const LoopQuery& query, double radius_m);
   void judge(const Loop& loop);
   void accept(std::size_t loop);
   Pose2 expectedAt(const Candidate& candidate, std::size_t query) const;
-  double chi2Of(const Loop& loop) const;
   void optimizeIfNeeded(const Loop& loop);
   void solve();
   bool takeBack(const std::vector<double>& weights);
