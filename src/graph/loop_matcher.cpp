@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/graph/loop_matcher.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -69,6 +70,11 @@ const char* toString(LoopState state) {
   return "unknown";
 }
 
+PoseEdge graphEdgeOf(const Loop& loop) {
+  return {loop.anchor, loop.query, loop.anchor_T_query.mean,
+          loop.anchor_T_query.covariance.inverse(), EdgeKind::kLoop};
+}
+
 Loop LoopMatcher::loopAt(const Place& place, const std::vector<LocalKeyframe>& keyframes,
                          std::size_t query, const MatchResult& match) const {
   Loop loop;
@@ -104,7 +110,7 @@ Loop LoopMatcher::search(const Submap& map, const Place& place,
   loop.radius_m = radius_m;
   loop.correction_m = expected.between(found.match.pose).distance();
   loop.reason = problemOf(loop);
-  if (*loop.reason != '\0') return loop;
+  if (!loop.reason.empty()) return loop;
   loop.agreement = agreementAt(map, keyframes, query, found.match);
   if (loop.agreement < config_.min_agreement) {
     loop.reason = "its scans do not agree";

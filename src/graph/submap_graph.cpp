@@ -34,15 +34,14 @@ constexpr double kLeastWeight = 0.2;
 constexpr std::size_t kRefineEvery = 3;
 constexpr int kRefinePlaces = 3;
 constexpr double kRefineM = 3.0, kRefineRadiusM = 0.3;
-/// Neighbors of a place are not matched with it: they were inserted relative to it.
+/// Keyframes before and after a place that are its neighbors.
 constexpr std::size_t kNeighbors = 30;
 
 /// Not a loop.
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
-PoseEdge edgeOf(const Loop& loop) {
-  return {loop.anchor, loop.query, loop.anchor_T_query.mean,
-          loop.anchor_T_query.covariance.inverse(), EdgeKind::kLoop};
+Eigen::Matrix3d symmetric(const Eigen::Matrix3d& matrix) {
+  return 0.5 * (matrix + matrix.transpose());
 }
 
 }  // namespace
@@ -70,34 +69,36 @@ bool SubmapGraph::isQuery(const LoopQuery& query) const {
 void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result) {
   const std::size_t number = keyframes_.size();
   auto keyframe = std::make_shared<Keyframe>();
-  keyframe->id = number;
+  const bool first = number == part_begin_;
+  const std::uint32_t submap = submap_offset_ + result.submap;
+  const Pose2 motion = first ? Pose2() : keyframes_.back().local_T_base.between(result.pose);
+  keyframe->id = number == 0 ? 0 : keyframes_.back().keyframe->id + 1;
   keyframe->stamp = scan.stamp;
   keyframe->time = scan.time;
+  keyframe->submap_T_base = result.pose;
+  keyframe->covariance = symmetric(result.covariance);
+  if (!first)
+    keyframe->motion_covariance = symmetric(tangentCovariance(result.keyframe_covariance, motion));
   keyframe->new_view = result.new_view;
   keyframe->scan = CompactScan(scan.rays);
-  const bool begins = !keyframes_.empty() && keyframes_.back().submap != result.submap;
-  if (begins) {
-    std::size_t first = number;
-    while (first > 0 && keyframes_[first - 1].submap == keyframes_.back().submap) --first;
-    const auto overlap = static_cast<std::size_t>(mapper_.window.overlap_scans);
-    places_.add(keyframes_.back().submap, first - std::min(first, overlap), number);
-  }
+  if (!first && keyframes_.back().submap != submap) addPlace();
   graph_.vertices.push_back({mapTLocal() * result.pose, number == 0});
-  keyframes_.push_back({std::move(keyframe), result.submap, result.pose});
-  path_.push_back(number == 0
-                      ? 0.0
-                      : path_.back() +
-                            keyframes_[number - 1].local_T_base.between(result.pose).distance());
-  if (number > 0) addOdometry(result.keyframe_covariance);
+  keyframes_.push_back({std::move(keyframe), submap, result.pose});
+  path_.push_back((number == 0 ? 0.0 : path_.back()) + motion.distance());
+  joined_.push_back(first ? number : joined_.back());
+  if (first) {
+    startGuess();
+  } else {
+    addOdometry();
+  }
   odometry_.vertices.emplace_back();
   chain_.grow(odometry_);
 }
 
-/// `covariance`: of the motion, in the axes of the keyframe before.
-void SubmapGraph::addOdometry(const Eigen::Matrix3d& covariance) {
+void SubmapGraph::addOdometry() {
   const std::size_t to = keyframes_.size() - 1;
   const Pose2 motion = keyframes_[to - 1].local_T_base.between(keyframes_[to].local_T_base);
-  Eigen::Matrix3d tangent = tangentCovariance(covariance, motion);
+  Eigen::Matrix3d tangent = keyframes_[to].keyframe->motion_covariance;
   tangent.diagonal() += Eigen::Vector3d(kMotionM, kMotionM, kMotionRad).cwiseAbs2();
   const PoseEdge edge{to - 1, to, motion, tangent.inverse(), EdgeKind::kOdometry};
   odometry_.edges.push_back(edge);
@@ -105,9 +106,19 @@ void SubmapGraph::addOdometry(const Eigen::Matrix3d& covariance) {
   loop_of_edge_.push_back(kNone);
 }
 
-/// Length of the path between two keyframes, m.
+/// Length of the path between two keyframes of one part, m.
 double SubmapGraph::pathBetween(std::size_t a, std::size_t b) const {
   return std::abs(path_[a] - path_[b]);
+}
+
+bool SubmapGraph::areNear(std::size_t a, std::size_t b) const {
+  return chain_.partOf(a) == chain_.partOf(b) && pathBetween(a, b) <= kSamePlaceM;
+}
+
+/// Neighbors of a place are not matched with it: they were inserted relative to it.
+bool SubmapGraph::isNeighbor(const Place& place, std::size_t keyframe) const {
+  return chain_.partOf(place.first) == chain_.partOf(keyframe) &&
+         keyframe + kNeighbors >= place.first && keyframe < place.last + kNeighbors;
 }
 
 Pose2 SubmapGraph::mapTLocal(std::size_t keyframe) const {
@@ -115,7 +126,7 @@ Pose2 SubmapGraph::mapTLocal(std::size_t keyframe) const {
 }
 
 Pose2 SubmapGraph::mapTLocal() const {
-  return keyframes_.empty() ? Pose2() : mapTLocal(keyframes_.size() - 1);
+  return keyframes_.size() == part_begin_ ? Pose2() : mapTLocal(keyframes_.size() - 1);
 }
 
 /// A place with its keyframe that is nearest to the query.
@@ -131,13 +142,14 @@ SubmapGraph::Candidate SubmapGraph::candidateAt(std::size_t place, std::size_t q
 
 /// Finished submaps in which the query may be, nearest first.
 std::vector<SubmapGraph::Candidate> SubmapGraph::candidatesFor(std::size_t query) const {
-  const std::vector<RelativeUncertainty> uncertain = uncertaintiesFrom(graph_, query);
+  const std::vector<RelativeUncertainty> uncertain = uncertainties(query);
   std::vector<Candidate> result;
   for (std::size_t p = 0; p < places_.all().size(); ++p) {
     const Place& place = places_.all()[p];
-    if (place.last + kNeighbors > query) continue;
+    if (isNeighbor(place, query)) continue;
     Candidate candidate = candidateAt(p, query);
     const RelativeUncertainty& error = uncertain[candidate.anchor];
+    if (!error.isKnown()) continue;
     candidate.sigma_m = error.sigmaAt(candidate.distance_m);
     candidate.sigma_rad = std::sqrt(error.yaw_rad2);
     const double radius = std::max(config_.wide_radius_m, kSigmas * candidate.sigma_m);
@@ -196,16 +208,14 @@ void SubmapGraph::searchAt(const Candidate& candidate, const LoopQuery& query, d
 /// Decides on the last loop, which fits: by what other loops of the same place say.
 void SubmapGraph::judge(const Loop& found) {
   const std::size_t number = loops_.size() - 1;
-  const std::size_t own = consistency_.add(edgeOf(found), chain_);
+  const std::size_t own = consistency_.add(graphEdgeOf(found), chain_);
   verified_.push_back(number);
   std::vector<std::size_t> confirming;
   std::size_t contradicting = 0;
   for (std::size_t i = 0; i < own; ++i) {
     const Loop& other = loops_[verified_[i]];
     if (other.state != LoopState::kAccepted && other.state != LoopState::kPending) continue;
-    if (pathBetween(other.query, found.query) > kSamePlaceM ||
-        pathBetween(other.anchor, found.anchor) > kSamePlaceM)
-      continue;
+    if (!areNear(other.query, found.query) || !areNear(other.anchor, found.anchor)) continue;
     if (consistency_.areConsistent(own, i)) {
       confirming.push_back(verified_[i]);
     } else {
@@ -231,8 +241,9 @@ void SubmapGraph::accept(std::size_t number) {
   Loop& loop = loops_[number];
   loop.state = LoopState::kAccepted;
   loop.reason = "";
-  graph_.edges.push_back(edgeOf(loop));
+  graph_.edges.push_back(graphEdgeOf(loop));
   loop_of_edge_.push_back(number);
+  if (joined_[loop.anchor] != joined_[loop.query]) join(loop);
   optimizeIfNeeded(loop);
 }
 
@@ -267,11 +278,12 @@ bool SubmapGraph::takeBack(const std::vector<double>& weights) {
   const bool any = kept < graph_.edges.size();
   loop_of_edge_.resize(kept);
   graph_.edges.resize(kept);
+  if (any) joined_ = connectedParts(graph_);
   return any;
 }
 
 void SubmapGraph::finish() {
-  if (graph_.edges.size() + 1 <= keyframes_.size()) return;
+  if (graph_.edges.size() == odometry_.edges.size()) return;  // no loop
   solve();
   std::vector<int> matched(keyframes_.size(), 0);
   unsolved_ = 0;
@@ -283,8 +295,8 @@ void SubmapGraph::finish() {
 void SubmapGraph::refineAt(std::size_t number, std::vector<int>& matched) {
   const Place& place = places_.all()[number];
   for (std::size_t query = 0; query < keyframes_.size(); query += kRefineEvery) {
-    if (query + kNeighbors >= place.first && query < place.last + kNeighbors) continue;
-    if (matched[query] >= kRefinePlaces) continue;
+    if (isNeighbor(place, query) || joined_[place.first] != joined_[query]) continue;
+    if (matched[query] >= kRefinePlaces || std::max(place.last, query + 1) <= loaded_) continue;
     const Candidate candidate = candidateAt(number, query);
     if (candidate.distance_m > kRefineM) continue;
     const Loop loop = matcher_.matchExpected(places_.mapOf(number, keyframes_), place, keyframes_,
@@ -292,7 +304,7 @@ void SubmapGraph::refineAt(std::size_t number, std::vector<int>& matched) {
     if (loop.state != LoopState::kAccepted) continue;
     ++matched[query];
     loops_.push_back(loop);
-    graph_.edges.push_back(edgeOf(loop));
+    graph_.edges.push_back(graphEdgeOf(loop));
     loop_of_edge_.push_back(loops_.size() - 1);
   }
 }
