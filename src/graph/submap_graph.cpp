@@ -279,17 +279,17 @@ std::size_t SubmapGraph::placeOf(std::size_t keyframe) const {
   return static_cast<std::size_t>(found - places_.all().begin());
 }
 
-/// Looks for loops that confirm the pending ones, with the keyframes shortly before and after.
+/// Looks for loops that confirm the pending ones, with the keyframes before and after each query:
+/// with others, because a query agrees with itself.
 void SubmapGraph::searchAround() {
   const auto length = static_cast<std::size_t>(config_.query_keyframes);
   const std::vector<Loop> found = loops_;
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (loops_[i].state != LoopState::kPending) continue;
-    const std::size_t middle = found[i].query;
-    if (middle < length) continue;
-    for (const std::size_t first : {middle - length, middle}) {
+    const std::size_t begin = found[i].query - std::min(found[i].query, length / 2);
+    for (const std::size_t first : {begin - std::min(begin, length), begin + length}) {
       const LoopQuery query{first, std::min(first + length, keyframes_.size())};
-      if (query.last - query.first < length / 2) continue;
+      if (query.last < query.first + length / 2 || query.first == begin) continue;
       searchAt(candidateAt(placeOf(found[i].anchor), query.middle()), query, found[i].radius_m);
     }
   }
