@@ -106,13 +106,16 @@ std::vector<RelativeUncertainty> SubmapGraph::uncertainties(std::size_t from) co
   std::vector<RelativeUncertainty> result = uncertaintiesFrom(graph_, from);
   if (!guess_ || !result[guess_->to].isKnown() || result[guess_->from].isKnown()) return result;
   const Eigen::Matrix3d covariance = guess_->information.inverse();
-  const RelativeUncertainty start = result[guess_->to];
+  RelativeUncertainty start = result[guess_->to];
+  start.position_m2 += covariance(0, 0) + covariance(1, 1);
+  start.yaw_rad2 += covariance(2, 2);
   const std::vector<RelativeUncertainty> beyond = uncertaintiesFrom(graph_, guess_->from);
   for (std::size_t i = 0; i < result.size(); ++i) {
     if (result[i].isKnown() || !beyond[i].isKnown()) continue;
+    const double lever = poseOf(guess_->from).between(poseOf(i)).distance();
     result[i].position_m2 =
-        start.position_m2 + covariance(0, 0) + covariance(1, 1) + beyond[i].position_m2;
-    result[i].yaw_rad2 = start.yaw_rad2 + covariance(2, 2) + beyond[i].yaw_rad2;
+        start.position_m2 + start.yaw_rad2 * lever * lever + beyond[i].position_m2;
+    result[i].yaw_rad2 = start.yaw_rad2 + beyond[i].yaw_rad2;
   }
   return result;
 }

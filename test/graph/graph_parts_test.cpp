@@ -70,7 +70,6 @@ TEST_F(GraphParts, WithoutAStartNothingIsDrawnOverTheOldMap) {
   EXPECT_TRUE(map.isOutdated(graph));
   ComposedMap part{OccupancyGridConfig()};
   part.add(graph);
-  const Eigen::Vector2f old_wall(10.0F, 22.5F);  // the other side of the ring
   EXPECT_TRUE(map.grid().isKnown(map.grid().cellAt({10.0F, 21.0F})));
   EXPECT_FALSE(part.grid().isKnown(part.grid().cellAt({10.0F, 21.0F})));
 }

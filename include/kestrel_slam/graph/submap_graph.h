@@ -92,6 +92,8 @@ class SubmapGraph {
   std::vector<RelativeUncertainty> uncertainties(std::size_t from) const;
   void addOdometry();
   void search(const LoopQuery& query);
+  std::size_t placeOf(std::size_t keyframe) const;
+  void searchAround();
   Candidate candidateAt(std::size_t place, std::size_t query) const;
   std::vector<Candidate> candidatesFor(std::size_t query) const;
   bool confirm(const Candidate& candidate, std::size_t query);
