@@ -85,7 +85,7 @@ void TrackList::startAt(Entry& entry, const ObjectCluster& object, const MotionG
 /// once between two things that stand, but rarely goes on.
 void TrackList::noteMove(Entry& entry, const ObjectCluster& object,
                          const MotionGrid<2>& grid) const {
-  if (!hasMoved(entry, object, grid)) return;
+  if (!hasLeft(entry, object, grid)) return;
   const Eigen::Vector2d step = object.observation.value - entry.first;
   entry.steps = entry.steps > 0 && step.dot(entry.last_step) > 0.0 ? entry.steps + 1 : 1;
   entry.last_step = step;
@@ -97,7 +97,7 @@ void TrackList::noteMove(Entry& entry, const ObjectCluster& object,
 /// the object hides it), and the place where it is now was empty then. So walls do not move, though
 /// their visible part does when the sensor moves, and neither do thin objects that are seen by
 /// turns.
-bool TrackList::hasMoved(const Entry& entry, const ObjectCluster& object,
+bool TrackList::hasLeft(const Entry& entry, const ObjectCluster& object,
                          const MotionGrid<2>& grid) const {
   const double moved = (object.observation.value - entry.first).norm();
   if (moved < std::max(config_.moved_m, 0.5 * entry.length)) return false;
@@ -110,7 +110,11 @@ bool TrackList::hasMoved(const Entry& entry, const ObjectCluster& object,
       std::count_if(object.points.begin(), object.points.end(), [&](const auto& p) {
         return grid.cameAfter(grid.indexOf(p.template cast<float>()), entry.first_time);
       });
-  return 2 * static_cast<std::size_t>(left) > entry.first_cells.size() &&
+  const auto passed = std::count_if(entry.first_cells.begin(), entry.first_cells.end(),
+                                    [&](const auto& cell) { return grid.wasPassed(cell); });
+  const bool is_seen =
+      object.free_share > 0.5 || 2 * static_cast<std::size_t>(passed) > entry.first_cells.size();
+  return is_seen && 2 * static_cast<std::size_t>(left) > entry.first_cells.size() &&
          2 * static_cast<std::size_t>(arrived) > object.points.size();
 }
 
@@ -144,6 +148,12 @@ std::vector<Track> TrackList::tracks() const {
   std::vector<Track> result;
   for (const Entry& entry : entries_) result.push_back(entry.track);
   return result;
+}
+
+bool TrackList::hasMoved(TargetLabel label) const {
+  return std::any_of(entries_.begin(), entries_.end(), [label](const Entry& entry) {
+    return entry.label == label && entry.track.moved;
+  });
 }
 
 const TrackList::Entry* TrackList::at(const Eigen::Vector2d& point) const {

@@ -32,6 +32,9 @@ class TrackList {
   /// Width of the track at the point; that of a person if there is none, m.
   double widthAt(const Eigen::Vector2d& point) const;
 
+  /// True if the object of this label has moved.
+  bool hasMoved(TargetLabel label) const;
+
   long nextId() const { return next_id_; }
   void continueFrom(long id) { next_id_ = id; }
 
@@ -54,7 +57,7 @@ class TrackList {
            const MotionGrid<2>& grid);
   static void startAt(Entry& entry, const ObjectCluster& object, const MotionGrid<2>& grid);
   void noteMove(Entry& entry, const ObjectCluster& object, const MotionGrid<2>& grid) const;
-  bool hasMoved(const Entry& entry, const ObjectCluster& object, const MotionGrid<2>& grid) const;
+  bool hasLeft(const Entry& entry, const ObjectCluster& object, const MotionGrid<2>& grid) const;
   void miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility);
   static void setState(const Eigen::Matrix<double, 5, 1>& mean,
                        const Eigen::Matrix<double, 5, 5>& covariance, Track& track);

@@ -8,9 +8,16 @@
 
 namespace kestrel {
 
+/// The grid of a planar laser: objects in unknown space are followed from the start.
+inline MotionGridConfig planarGrid() {
+  MotionGridConfig config;
+  config.new_s = 1.0;
+  return config;
+}
+
 /// Parameters of the tracker of moving objects.
 struct TrackerConfig {
-  MotionGridConfig grid;
+  MotionGridConfig grid = planarGrid();
 
   // Clusters of moving points.
   double bandwidth_m = 0.5;  ///< of the mean shift: about the distance of the legs of a person
