@@ -226,7 +226,9 @@ void MotionGrid<D>::impose(const std::function<Vector(const Vector&)>& displacem
   const double limit = reach / config_.resolution_m + 0.5;
   for (const MovingCell& moving : result_.moving) {
     const Vector center = centerOf(moving.index);
-    const Index moved = indexOf(center + displacement(center));
+    const Vector displaced = center + displacement(center);
+    if (!displaced.allFinite()) continue;
+    const Index moved = indexOf(displaced);
     anyAround<D>(radius, [&](const Index& offset) {
       if (offset.template cast<double>().norm() > limit) return false;
       if (CellData* cell = cells_.obtain(moved + offset)) cell->imposed = scan_ + 1;

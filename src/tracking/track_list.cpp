@@ -13,6 +13,7 @@ constexpr double kMargin = 0.25;
 /// A place is left if it gave no return for this time, s, and for this share of the time since the
 /// object was seen there: thin objects are not hit by every scan.
 constexpr double kLeftTime = 0.2, kLeftShare = 0.25;
+constexpr double kNotFinite = std::numeric_limits<double>::quiet_NaN();
 constexpr int kStepsNeeded = 2;
 constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
 
@@ -173,7 +174,8 @@ bool TrackList::covers(const Eigen::Vector2d& point) const { return at(point) !=
 
 Eigen::Vector2d TrackList::velocityAt(const Eigen::Vector2d& point) const {
   const Entry* entry = at(point);
-  return entry != nullptr ? entry->track.velocity : Eigen::Vector2d::Zero().eval();
+  if (entry == nullptr || !entry->track.moved) return Eigen::Vector2d::Constant(kNotFinite);
+  return entry->track.velocity;
 }
 
 double TrackList::widthAt(const Eigen::Vector2d& point) const {

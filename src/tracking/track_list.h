@@ -27,7 +27,7 @@ class TrackList {
 
   /// True if the point belongs to the predicted place of a track.
   bool covers(const Eigen::Vector2d& point) const;
-  /// Velocity of the track at the point; zero if there is none.
+  /// Velocity of what moves at the point; NaN if nothing does. 
   Eigen::Vector2d velocityAt(const Eigen::Vector2d& point) const;
   /// Width of the track at the point; that of a person if there is none, m.
   double widthAt(const Eigen::Vector2d& point) const;

@@ -95,7 +95,7 @@ struct Tracker::State {
         [&](const Eigen::Vector2f& cell) -> Eigen::Vector2f {
           return (seconds * tracks.velocityAt(cell.cast<double>())).cast<float>();
         },
-        config.max_speed* seconds);
+        config.imposed_m);
   }
 
   void forgetFar(const Eigen::Vector2d& position) {

@@ -93,7 +93,8 @@ class MotionGrid {
 
   /// The imposed dynamic map: the moving cells of the last scan are displaced by `displacement`
   /// (m, of a cell's center) and by every vector up to `reach` (m). What is seen for the first time
-  /// in these cells by the next scan is taken as moving.
+  /// in these cells by the next scan is taken as moving. A displacement that is not finite leaves the
+  /// cell out.
   void impose(const std::function<Vector(const Vector&)>& displacement, double reach);
   /// What is seen here was new, and moves: the cell belongs to the dynamic map of this scan.
   void claim(const Vector& point);

@@ -32,7 +32,7 @@ struct TrackerConfig {
   double turn_acceleration_sigma = 1.0;  ///< rad/s², constant turn
   double start_speed_sigma = 0.7;        ///< m/s, of an object that starts to move
   double birth_speed_sigma = 1.5;        ///< m/s, of a new object
-  double max_speed = 3.0;                ///< m/s, of something that is not tracked yet
+  double imposed_m = 0.2;  ///< the imposed dynamic map reaches this far around what moves
   double mode_change_per_s = 0.5;        ///< changes of the motion model
   double position_sigma = 0.06;          ///< m, of the middle of a small object
   double position_sigma_per_m = 0.15;    ///< the same, for each meter of its visible size
