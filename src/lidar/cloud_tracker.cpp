@@ -20,6 +20,7 @@ constexpr double kForgetEvery_m = 5.0;  ///< the maps forget what is far after t
 constexpr double kMaxPosition = 1e5;    ///< m; poses beyond this are wrong
 constexpr std::size_t kFewestPoints = 100;
 constexpr int kModes = 3;                ///< motion models: constant velocity, standing, turn
+constexpr double kSharpSigma = 0.3;  ///< m; twice the sigma of a place that counts as known
 constexpr double kStandingJitter = 0.2;  ///< m/sqrt(s): the visible part of an object changes
 constexpr float kUnanswered_m = 1.0F;  ///< beams without return are thinned to this distance at...
 constexpr float kUnansweredRange = 20.0F;  ///< ... this range
@@ -218,7 +219,10 @@ struct CloudTracker::State {
     model.detection = [this, &view](const PhdComponent<7>& component) {
       const Eigen::Vector3d center = component.mean.head<3>();
       const Eigen::Vector2d size = tracks.sizeAt(center.head<2>());
-      return config.detection * view.visibleShare(center, size.x(), size.y());
+      // Over the places where it may be: the share of them that is visible.
+      const double sigma = std::sqrt(component.covariance.topLeftCorner<2, 2>().trace() / 2.0);
+      const double width = size.x() + std::max(0.0, 2.0 * sigma - kSharpSigma);
+      return config.detection * view.visibleShare(center, width, size.y());
     };
   }
 

@@ -74,7 +74,7 @@ double LidarView::visibleShare(const Eigen::Vector3d& center, double width, doub
       const auto aside = static_cast<float>(width * (i / (kAcross - 1.0) - 0.5) * 0.9);
       const auto up = static_cast<float>(height * (j / (kUp - 1.0) - 0.5) * 0.8);
       const Eigen::Vector3f place = middle + aside * across + up * Eigen::Vector3f::UnitZ();
-      if (isVisible(place, static_cast<float>(0.5 * width + 0.3))) ++visible;
+      if (isVisible(place, static_cast<float>(width + 0.2))) ++visible;
     }
   }
   return static_cast<double>(visible) / (kAcross * kUp);
