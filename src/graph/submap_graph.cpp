@@ -40,11 +40,6 @@ constexpr std::size_t kNeighbors = 30;
 /// Not a loop.
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
-PoseEdge edgeOf(const Loop& loop) {
-  return {loop.anchor, loop.query, loop.anchor_T_query.mean,
-          loop.anchor_T_query.covariance.inverse(), EdgeKind::kLoop};
-}
-
 }  // namespace
 
 SubmapGraph::SubmapGraph(const MapperConfig& mapper, const LoopConfig& config)
@@ -196,7 +191,7 @@ void SubmapGraph::searchAt(const Candidate& candidate, const LoopQuery& query, d
 /// Decides on the last loop, which fits: by what other loops of the same place say.
 void SubmapGraph::judge(const Loop& found) {
   const std::size_t number = loops_.size() - 1;
-  const std::size_t own = consistency_.add(edgeOf(found), chain_);
+  const std::size_t own = consistency_.add(graphEdgeOf(found), chain_);
   verified_.push_back(number);
   std::vector<std::size_t> confirming;
   std::size_t contradicting = 0;
@@ -231,7 +226,7 @@ void SubmapGraph::accept(std::size_t number) {
   Loop& loop = loops_[number];
   loop.state = LoopState::kAccepted;
   loop.reason = "";
-  graph_.edges.push_back(edgeOf(loop));
+  graph_.edges.push_back(graphEdgeOf(loop));
   loop_of_edge_.push_back(number);
   optimizeIfNeeded(loop);
 }
@@ -292,7 +287,7 @@ void SubmapGraph::refineAt(std::size_t number, std::vector<int>& matched) {
     if (loop.state != LoopState::kAccepted) continue;
     ++matched[query];
     loops_.push_back(loop);
-    graph_.edges.push_back(edgeOf(loop));
+    graph_.edges.push_back(graphEdgeOf(loop));
     loop_of_edge_.push_back(loops_.size() - 1);
   }
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "kestrel_slam/geometry/pose_covariance.h"
+#include "kestrel_slam/graph/pose_graph.h"
 
 namespace kestrel {
 
@@ -47,5 +48,8 @@ struct Loop {
   LoopState state = LoopState::kRefused;
   const char* reason = "";  ///< why it is pending or refused
 };
+
+/// The edge of an accepted loop.
+PoseEdge graphEdgeOf(const Loop& loop);
 
 }  // namespace kestrel

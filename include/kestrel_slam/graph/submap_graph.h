@@ -41,6 +41,7 @@ class SubmapGraph {
   const std::vector<LocalKeyframe>& keyframes() const { return keyframes_; }
   const PoseGraph& graph() const { return graph_; }
   std::size_t submapCount() const { return places_.all().size(); }
+  const Places& places() const { return places_; }
   /// All loops of a search, accepted or not, and the accepted ones of other matches.
   const std::vector<Loop>& loops() const { return loops_; }
   std::size_t memoryBytes() const;
