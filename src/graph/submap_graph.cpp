@@ -25,6 +25,8 @@ constexpr double kAroundM = 2.0;
 constexpr double kSamePlaceM = 15.0;
 /// Smallest errors of the motion from one keyframe to the next.
 constexpr double kMotionM = 0.003, kMotionRad = 0.001;
+/// So many loops must confirm a loop for each one that contradicts it.
+constexpr std::size_t kMajority = 2;
 /// Expected loops do not change the poses much, so they wait for the next optimization.
 constexpr double kMuchChi2 = 7.815;  // 95 % of three degrees of freedom
 constexpr std::size_t kMostUnsolved = 20;
@@ -209,8 +211,7 @@ void SubmapGraph::judge(const Loop& found) {
   }
   Loop& loop = loops_[number];
   const bool certain = loop.radius_m <= config_.least_radius_m;
-  if (contradicting > 0 && contradicting >= confirming.size()) {
-    loop.state = LoopState::kRefused;
+  if (contradicting > 0 && confirming.size() < kMajority * contradicting) {
     loop.reason = "another loop contradicts it";
   } else if (!certain && confirming.empty()) {
     loop.reason = "no other loop confirms it yet";
@@ -265,7 +266,32 @@ bool SubmapGraph::takeBack(const std::vector<double>& weights) {
   return any;
 }
 
+/// The finished submap of a keyframe.
+std::size_t SubmapGraph::placeOf(std::size_t keyframe) const {
+  const auto found =
+      std::find_if(places_.all().begin(), places_.all().end(),
+                   [&](const Place& place) { return place.submap == keyframes_[keyframe].submap; });
+  return static_cast<std::size_t>(found - places_.all().begin());
+}
+
+/// Looks for loops that confirm the pending ones, with the keyframes before and after each query:
+/// with others, because a query agrees with itself.
+void SubmapGraph::searchAround() {
+  const auto length = static_cast<std::size_t>(config_.query_keyframes);
+  const std::vector<Loop> found = loops_;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (loops_[i].state != LoopState::kPending) continue;
+    const std::size_t begin = found[i].query - std::min(found[i].query, length / 2);
+    for (const std::size_t first : {begin - std::min(begin, length), begin + length}) {
+      const LoopQuery query{first, std::min(first + length, keyframes_.size())};
+      if (query.last < query.first + length / 2 || query.first == begin) continue;
+      searchAt(candidateAt(placeOf(found[i].anchor), query.middle()), query, found[i].radius_m);
+    }
+  }
+}
+
 void SubmapGraph::finish() {
+  searchAround();
   if (graph_.edges.size() + 1 <= keyframes_.size()) return;
   solve();
   std::vector<int> matched(keyframes_.size(), 0);

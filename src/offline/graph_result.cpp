@@ -49,13 +49,16 @@ GraphResult resultOf(const SubmapGraph& graph, const Trajectory& before) {
 
 std::string loopsText(const GraphResult& result) {
   std::string text =
-      "query,anchor,state,reason,fit,known,constraint,margin,agreement,radius,correction\n";
+      "query,anchor,x,y,yaw,state,reason,fit,known,constraint,margin,agreement,radius,"
+      "correction\n";
   for (const Loop& loop : result.loops) {
+    const Pose2& pose = loop.anchor_T_query.mean;
     char line[256];
-    std::snprintf(line, sizeof line, "%.6f,%.6f,%s,%s,%.3f,%.3f,%.4f,%.3f,%.2f,%.2f,%.3f\n",
-                  result.stamps[loop.query], result.stamps[loop.anchor], toString(loop.state),
-                  loop.reason, loop.fit, loop.known, loop.constraint, loop.margin, loop.agreement,
-                  loop.radius_m, loop.correction_m);
+    std::snprintf(line, sizeof line,
+                  "%.6f,%.6f,%.4f,%.4f,%.5f,%s,%s,%.3f,%.3f,%.4f,%.3f,%.2f,%.2f,%.3f\n",
+                  result.stamps[loop.query], result.stamps[loop.anchor], pose.x, pose.y, pose.yaw,
+                  toString(loop.state), loop.reason, loop.fit, loop.known, loop.constraint,
+                  loop.margin, loop.agreement, loop.radius_m, loop.correction_m);
     text += line;
   }
   return text;

@@ -133,8 +133,7 @@ void Pipeline::map(const PipelineScan& scan, bool level) {
   const MapperResult result = mapping_.process(projection.scan, scan.odom_T_base, scan.time);
   if (graph_) graph_->add(projection.scan, result);
   const MatchedPose pose = matchedPoseOf(result, stamp);
-  // As mapper.launch, which has no projector: a level laser is not corrected for its motion.
-  if (!config_.level) projection_.addVelocity(stamp, pose.velocity);
+  projection_.addVelocity(stamp, pose.velocity);
   if (config_.use_filter) poses_.push_back({now_ + config_.coupling.match_s, pose});
   if (on_scan) on_scan({scan, projected, projection.scan, result});
 }

@@ -58,6 +58,8 @@ class SubmapGraph {
   double pathBetween(std::size_t a, std::size_t b) const;
   void addOdometry(const Eigen::Matrix3d& covariance);
   void search(const LoopQuery& query);
+  std::size_t placeOf(std::size_t keyframe) const;
+  void searchAround();
   Candidate candidateAt(std::size_t place, std::size_t query) const;
   std::vector<Candidate> candidatesFor(std::size_t query) const;
   bool confirm(const Candidate& candidate, std::size_t query);

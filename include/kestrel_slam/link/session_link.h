@@ -46,7 +46,7 @@ class LinkSender {
   struct Stream {
     std::shared_ptr<ChunkJournal> journal;
     NumberSet received;                       ///< by the peer
-    std::uint64_t receiver = 0;  ///< see LinkMessage
+    std::uint64_t receiver = 0;               ///< see LinkMessage
     std::map<std::uint64_t, double> waiting;  ///< number and time of sending
     std::optional<double> offered_s;
     std::uint64_t offered = 0;
