@@ -24,6 +24,9 @@ namespace {
 /// less is enough.
 constexpr double kSureKnownShare = 0.5, kFoundScore = 0.6, kFoundKnownShare = 0.3;
 constexpr double kFoundSigmas = 3.0;
+/// A pose that is farther from the prediction than this distance and these standard deviations is
+/// only taken if so many points constrain the weakest direction. A few points fit at many places.
+constexpr double kJumpM = 0.1, kJumpSigmas = 5.0, kStrongConstraint = 0.05;
 /// After a lost or ambiguous pose this many scans must fit before the state is ok.
 constexpr int kSettlingScans = 10;
 /// At least this many points are matched, where a scan has more. The time of a match and of a
@@ -237,6 +240,12 @@ void Mapper::State::settle(MapperResult& result) {
   }
 }
 
+/// Whether the scan shows its pose so well that it may be far from the prediction.
+bool isStrong(const MatchResult& match, const MatcherConfig& limits) {
+  return match.score >= limits.search_score && match.known >= kSureKnownShare &&
+         match.constraint >= kStrongConstraint;
+}
+
 /// A poor fit far from where the vehicle is predicted is worth less than the prediction.
 bool Mapper::State::isLikely(const MatchResult& match, const MatchRequest& request,
                              const PredictionError& error) const {
@@ -244,9 +253,11 @@ bool Mapper::State::isLikely(const MatchResult& match, const MatchRequest& reque
   if (request.prior) {
     return match.score >= limits.search_score || request.prior->isPlausible(match.pose);
   }
+  const double away = request.initial_guesses.front().between(match.pose).distance();
+  if (!request.lost && away > kJumpM + kJumpSigmas * error.position_m())
+    return isStrong(match, limits);
   if (!request.lost && !motion.isCarried()) return true;
   if (match.score >= limits.search_score && match.known >= kSureKnownShare) return true;
-  const double away = (request.initial_guesses.front().inverse() * match.pose).distance();
   return match.score >= kFoundScore && match.known >= kFoundKnownShare &&
          away <= kFoundSigmas * error.position_m();
 }
