@@ -11,7 +11,6 @@
 
 #include "kestrel_slam/graph/repeated_keyframes.h"
 #include "kestrel_slam/messages/conversions.h"
-#include "kestrel_slam/offline/version.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
 #include "kestrel_slam/session/graph_session.h"
 #include "kestrel_slam/session/session_file.h"
@@ -26,7 +25,6 @@ constexpr double kSecondsPerMinute = 60.0;
 Session sessionOf(const GraphSnapshot& graph, const SlamConfig& config) {
   const OccupancyGridConfig& grid = config.mapper.grid;
   Session session = sessionOf(withoutRepeated(graph.record, graph.loaded, grid), grid.resolution_m);
-  session.written_by = std::string("kestrel_slam ") + kVersion;
   session.parameters = parametersYaml(config);
   return session;
 }
