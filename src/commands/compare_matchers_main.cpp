@@ -14,8 +14,8 @@
 #include "kestrel_slam/experiments/matcher_comparison.h"
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/matching/matcher.h"
-#include "kestrel_slam/offline/version.h"
 #include "kestrel_slam/report/likelihood_plot.h"
+#include "kestrel_slam/session/version.h"
 
 namespace kestrel {
 namespace {

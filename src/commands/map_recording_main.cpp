@@ -7,8 +7,8 @@
 #include "kestrel_slam/commands/mapping_command.h"
 #include "kestrel_slam/commands/run_tool.h"
 #include "kestrel_slam/offline/stats.h"
-#include "kestrel_slam/offline/version.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
+#include "kestrel_slam/session/version.h"
 
 namespace kestrel {
 namespace {

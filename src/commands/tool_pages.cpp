@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "kestrel_slam/offline/version.h"
+#include "kestrel_slam/session/version.h"
 
 namespace kestrel {
 namespace {

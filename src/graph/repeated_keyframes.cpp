@@ -9,6 +9,8 @@
 #include <optional>
 #include <utility>
 
+#include "kestrel_slam/graph/optimizer.h"
+
 namespace kestrel {
 namespace {
 
@@ -250,7 +252,11 @@ GraphRecord withoutRepeated(GraphRecord record, std::size_t first,
   const Novelty novelty(record, first, config);
   std::vector<bool> kept(record.keyframes.size(), true);
   for (std::size_t i = first; i < kept.size(); ++i) kept[i] = novelty.isNew(i);
-  return Thinning(std::move(record), kept).run();
+  GraphRecord result = Thinning(std::move(record), kept).run();
+  // The poses follow from the edges that are left. Otherwise old places would move with every
+  // flight.
+  if (result.keyframes.size() < kept.size()) optimize(result.graph);
+  return result;
 }
 
 }  // namespace kestrel

@@ -3,7 +3,6 @@
 
 #include "kestrel_slam/graph/repeated_keyframes.h"
 #include "kestrel_slam/graph/submap_graph.h"
-#include "kestrel_slam/offline/version.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
 #include "kestrel_slam/session/graph_session.h"
 
@@ -14,7 +13,6 @@ Session savedSession(const SubmapGraph& graph, const SlamConfig& config, const S
   const OccupancyGridConfig& grid = config.mapper.grid;
   Session session =
       sessionOf(withoutRepeated(graph.record(), graph.loadedCount(), grid), grid.resolution_m);
-  session.written_by = std::string("kestrel_slam ") + kVersion;
   session.parameters = parametersYaml(config);
   if (before != nullptr) session.statistics = before->statistics;
   addStatistic(session, "flights", 1.0);

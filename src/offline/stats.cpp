@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "kestrel_slam/offline/provenance.h"
-#include "kestrel_slam/offline/version.h"
+#include "kestrel_slam/session/version.h"
 
 namespace kestrel {
 namespace {

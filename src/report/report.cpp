@@ -5,9 +5,9 @@
 #include <map>
 #include <utility>
 
-#include "kestrel_slam/offline/version.h"
 #include "kestrel_slam/report/map_image.h"
 #include "kestrel_slam/report/series.h"
+#include "kestrel_slam/session/version.h"
 
 namespace kestrel {
 namespace {

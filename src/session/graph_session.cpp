@@ -8,6 +8,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "kestrel_slam/session/version.h"
+
 namespace kestrel {
 namespace {
 
@@ -140,6 +142,7 @@ std::string textOf(double number) {
 
 Session sessionOf(const GraphRecord& record, double resolution_m) {
   Session session;
+  session.written_by = std::string("kestrel_slam ") + kVersion;
   session.resolution_m = resolution_m;
   session.edges = record.graph.edges;
   for (std::size_t i = 0; i < record.keyframes.size(); ++i) {

@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "kestrel_slam/matching/matcher.h"
-#include "kestrel_slam/offline/version.h"
 #include "kestrel_slam/recording/trajectory.h"
+#include "kestrel_slam/session/version.h"
 #include "room_log_test.h"
 #include "run_command.h"
 

@@ -8,9 +8,9 @@
 
 #include "kestrel_slam/evaluation/scan_file.h"
 #include "kestrel_slam/map/map_io.h"
-#include "kestrel_slam/offline/version.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
 #include "kestrel_slam/recording/trajectory.h"
+#include "kestrel_slam/session/version.h"
 #include "room_log_test.h"
 #include "run_command.h"
 

@@ -5,7 +5,7 @@
 
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/offline/provenance.h"
-#include "kestrel_slam/offline/version.h"
+#include "kestrel_slam/session/version.h"
 #include "temporary_folder.h"
 
 namespace kestrel {

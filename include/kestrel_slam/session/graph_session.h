@@ -6,7 +6,7 @@
 
 namespace kestrel {
 
-/// The session of a graph, without parameters, statistics, end and writer. The frame of a submap is
+/// The session of a graph, without parameters, statistics and end. The frame of a submap is
 /// the local frame of the mapper at the first keyframe of that submap.
 Session sessionOf(const GraphRecord& record, double resolution_m);
 

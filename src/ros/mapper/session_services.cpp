@@ -6,12 +6,12 @@
 #include <unistd.h>
 
 #include <exception>
+#include <filesystem>
 #include <stdexcept>
 #include <utility>
 
 #include "kestrel_slam/graph/repeated_keyframes.h"
 #include "kestrel_slam/messages/conversions.h"
-#include "kestrel_slam/offline/version.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
 #include "kestrel_slam/session/graph_session.h"
 #include "kestrel_slam/session/session_file.h"
@@ -19,14 +19,15 @@
 namespace kestrel {
 namespace {
 
-constexpr char kExtension[] = ".session", kAutosave[] = "autosave.session";
+constexpr char kExtension[] = ".session";
+constexpr char kAutosave[] = "autosave.session", kOldAutosave[] = "autosave.old.session";
+constexpr double kMaxDistanceM = 10000.0;
 constexpr int kNice = 10;
 constexpr double kSecondsPerMinute = 60.0;
 
 Session sessionOf(const GraphSnapshot& graph, const SlamConfig& config) {
   const OccupancyGridConfig& grid = config.mapper.grid;
   Session session = sessionOf(withoutRepeated(graph.record, graph.loaded, grid), grid.resolution_m);
-  session.written_by = std::string("kestrel_slam ") + kVersion;
   session.parameters = parametersYaml(config);
   return session;
 }
@@ -35,6 +36,8 @@ std::optional<GaussianPose2> startOf(const Session& session, const std::string& 
                                      const Pose2& pose) {
   if (start.empty() || start == "last") return startAtEnd(session);
   if (start == "unknown") return std::nullopt;
+  if (start == "pose" && pose.distance() > kMaxDistanceM)
+    throw std::runtime_error("start_pose is more than 10 km from the origin of the map");
   if (start == "pose") return givenStart(pose);
   throw std::runtime_error("start is '" + start + "', but must be last, pose or unknown");
 }
@@ -146,11 +149,24 @@ bool SessionServices::load(kestrel_slam::LoadSession::Request& request,
   return true;  // the service call worked; the response contains the result
 }
 
+/// After a crash, somebody may have started a new map before the old one was loaded.
+void SessionServices::keepOldAutosave() {
+  if (saved_version_ != 0) return;
+  const std::string file = fileOf(kAutosave, true);
+  std::error_code ignored;
+  if (!std::filesystem::exists(file) || std::filesystem::equivalent(file, config_.session, ignored))
+    return;
+  const std::string kept = fileOf(kOldAutosave, true);
+  std::filesystem::rename(file, kept);
+  ROS_WARN("%s was saved by an earlier run and is kept as %s.", file.c_str(), kept.c_str());
+}
+
 void SessionServices::autosave() {
   setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
   const std::uint64_t version = mapper_.version();
-  if (version == saved_version_) return;
+  if (version == saved_version_ || mapper_.graph()->view().keyframes.empty()) return;
   try {
+    keepOldAutosave();
     ROS_DEBUG("%s", saveTo(kAutosave).c_str());
     saved_version_ = version;
   } catch (const std::exception& error) {

@@ -214,6 +214,20 @@ TEST_F(LiveSession, RefusesWhatIsNoSession) {
   EXPECT_NO_THROW(loadSession(folder_.file("autosave.session")));
 }
 
+/// A new map after a crash does not cost the old one.
+TEST_F(LiveSession, TheAutosaveOfAnEarlierRunIsKept) {
+  Session earlier;
+  earlier.written_by = "kestrel_slam test";
+  saveSession(folder_.file("autosave.session"), earlier);
+  Node node({inFolder(), "_autosave_minutes:=0.02"});
+  ASSERT_TRUE(client_->connect());
+  ASSERT_TRUE(fly(part(loop_world::laps(1.0), 0.0, 0.05)));
+  const std::string file = folder_.file("autosave.session"),
+                    old = folder_.file("autosave.old.session");
+  EXPECT_TRUE(client_->waitFor([&] { return fs::exists(old) && isSessionFile(file); }, 10.0));
+  EXPECT_TRUE(loadSession(old).keyframes.empty());
+}
+
 TEST_F(LiveSession, ASessionThatCannotBeLoadedEndsTheNodeAtItsStart) {
   Node node({inFolder(), "_session:=" + folder_.file("missing.session")});
   EXPECT_NE(node.wait(), 0);

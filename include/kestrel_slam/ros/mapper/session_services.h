@@ -40,6 +40,7 @@ class SessionServices {
   bool load(kestrel_slam::LoadSession::Request& request,
             kestrel_slam::LoadSession::Response& response);
   void autosave();
+  void keepOldAutosave();
   std::string saveTo(const std::string& path);
   std::string loadFrom(const std::string& path, const std::string& start, const Pose2& pose);
   std::string fileOf(const std::string& path, bool to_save) const;
