@@ -150,8 +150,7 @@ nav_msgs::OccupancyGrid toMessage(const MotionGrid<2>& grid, const Eigen::Vector
   message.header.frame_id = frame;
   message.header.stamp = stamp;
   const auto half = static_cast<int>(std::ceil(radius / grid.resolution()));
-  const GridIndex<2> first =
-      grid.indexOf(center.cast<float>()) - GridIndex<2>::Constant(half);
+  const GridIndex<2> first = grid.indexOf(center.cast<float>()) - GridIndex<2>::Constant(half);
   message.info.resolution = static_cast<float>(grid.resolution());
   message.info.width = message.info.height = static_cast<std::uint32_t>(2 * half + 1);
   message.info.origin.position.x = first.x() * grid.resolution();
@@ -162,9 +161,9 @@ nav_msgs::OccupancyGrid toMessage(const MotionGrid<2>& grid, const Eigen::Vector
     for (int x = 0; x <= 2 * half; ++x) {
       const GridIndex<2> cell = first + GridIndex<2>(x, y);
       const double probability = grid.dynamicProbability(cell);
-      message.data.push_back(
-          probability == 0.5 ? std::int8_t{-1}
-                             : static_cast<std::int8_t>(std::lround(kPercent * probability)));
+      message.data.push_back(probability == 0.5
+                                 ? std::int8_t{-1}
+                                 : static_cast<std::int8_t>(std::lround(kPercent * probability)));
     }
   }
   return message;

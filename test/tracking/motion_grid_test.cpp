@@ -181,7 +181,8 @@ TYPED_TEST(MotionGridTest, WhatIsSeenInUnknownSpaceIsNewForAWhile) {
   grid.insert(rayTo<D>(1.05F), 0.1);
   EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], Motion::kNew);
   EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.5).motion[0], Motion::kNew);
-  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.6).motion[0], Motion::kStatic);
+  grid.insert(rayTo<D>(2.05F), 0.6);
+  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], Motion::kStatic);
 }
 
 /// Cells that many points of the segment lie in.

@@ -18,7 +18,8 @@ struct Disk {
 };
 
 /// Distance along the beam to a disk or to the walls of a room of 12 m x 12 m; infinite if nothing.
-inline double castBeam(const Eigen::Vector2d& from, double bearing, const std::vector<Disk>& disks) {
+inline double castBeam(const Eigen::Vector2d& from, double bearing,
+                       const std::vector<Disk>& disks) {
   const Eigen::Vector2d along(std::cos(bearing), std::sin(bearing));
   double nearest = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 2; ++axis) {

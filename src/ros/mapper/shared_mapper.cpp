@@ -22,8 +22,9 @@ MapperResult inMap(MapperResult result, const Pose2& map_T_local) {
 
 }  // namespace
 
-SharedMapper::SharedMapper(const MapperConfig& config, const LoopConfig& loops)
-    : mapping_(config),
+SharedMapper::SharedMapper(const MapperConfig& config, const LoopConfig& loops,
+                           bool keep_out_moving)
+    : mapping_(config, keep_out_moving),
       graph_(config.window.enabled ? std::make_unique<GraphWorker>(config, loops) : nullptr) {}
 
 MapperResult SharedMapper::process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,

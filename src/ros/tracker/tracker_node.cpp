@@ -23,9 +23,9 @@ using diagnostic_msgs::DiagnosticStatus;
 constexpr std::uint32_t kQueue = 20;
 /// A stamp that is older than the last one by more than this starts anew, s.
 constexpr double kRestart = 1.0;
-constexpr double kPatrolPeriod = 0.01;    // s; period of checking the waiting scans
-constexpr double kReportPeriod = 1.0;     // s
-constexpr double kComplainEvery = 5.0;    // s
+constexpr double kPatrolPeriod = 0.01;  // s; period of checking the waiting scans
+constexpr double kReportPeriod = 1.0;   // s
+constexpr double kComplainEvery = 5.0;  // s
 
 }  // namespace
 
@@ -44,18 +44,17 @@ TrackerNode::TrackerNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
       [this](const std::string& reason) { drop("implausible stamp", reason); });
   watch_ = std::make_unique<SilenceWatch>(
       "planar scan",
-      std::vector<NeededTopic>{{subscriber_.getTopic(),
-                                ros::message_traits::datatype<kestrel_slam::PlanarScan>()}},
+      std::vector<NeededTopic>{
+          {subscriber_.getTopic(), ros::message_traits::datatype<kestrel_slam::PlanarScan>()}},
       "~scan_topic");
   updater_.setHardwareID(subscriber_.getTopic());
   updater_.add("Tracker",
                [this](diagnostic_updater::DiagnosticStatusWrapper& status) { report(status); });
   queue_timer_ = nh.createSteadyTimer(
-      ros::WallDuration(kPatrolPeriod), [this](const ros::SteadyTimerEvent&) {
-        guarded("tracker", [this] { processQueue(); });
-      });
-  report_timer_ = nh.createSteadyTimer(
-      ros::WallDuration(kReportPeriod), [this](const ros::SteadyTimerEvent&) {
+      ros::WallDuration(kPatrolPeriod),
+      [this](const ros::SteadyTimerEvent&) { guarded("tracker", [this] { processQueue(); }); });
+  report_timer_ =
+      nh.createSteadyTimer(ros::WallDuration(kReportPeriod), [this](const ros::SteadyTimerEvent&) {
         guarded("diagnostics", [this] { updater_.force_update(); });
       });
   ROS_INFO("Tracking what moves on %s; the tracks are in %s.", subscriber_.getTopic().c_str(),
@@ -138,8 +137,8 @@ void TrackerNode::publishGrid(const ros::Time& stamp, const Eigen::Vector2d& cen
       stamp < last_grid_ || stamp - last_grid_ >= ros::Duration(config_.dynamic_grid_period);
   if (grid_.getNumSubscribers() == 0 || !is_due) return;
   last_grid_ = stamp;
-  grid_.publish(toMessage(tracker_.grid(), center, config_.dynamic_grid_radius, config_.odom_frame,
-                          stamp));
+  grid_.publish(
+      toMessage(tracker_.grid(), center, config_.dynamic_grid_radius, config_.odom_frame, stamp));
 }
 
 void TrackerNode::drop(const std::string& reason, const std::string& why) {

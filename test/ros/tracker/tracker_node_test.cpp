@@ -68,8 +68,8 @@ class TrackerNodeTest : public testing::Test {
   }
 
   void sendScan(int number, const Pose2& pose, const std::vector<Disk>& disks) {
-    scans_.publish(toPlanarScanMessage(room_.scan(number, pose, disks), "base_stabilized",
-                                       stampOf(number)));
+    scans_.publish(
+        toPlanarScanMessage(room_.scan(number, pose, disks), "base_stabilized", stampOf(number)));
   }
 
   ros::NodeHandle nh_;
@@ -99,8 +99,7 @@ TEST_F(TrackerNodeTest, FollowsAWalkerWhileTheVehicleMoves) {
   std::size_t late = 0;
   for (const kestrel_slam::TrackArray& message : tracks_.all) {
     EXPECT_EQ(message.header.frame_id, "odom");
-    const int number =
-        static_cast<int>(std::lround((message.header.stamp - start_).toSec() / 0.1));
+    const int number = static_cast<int>(std::lround((message.header.stamp - start_).toSec() / 0.1));
     for (const kestrel_slam::Track& track : message.tracks) {
       ids.insert(track.id);
       EXPECT_NEAR(track.position.x, -3.0 + 0.1 * (number - 20), 0.4);
