@@ -43,7 +43,7 @@ kestrel_library(link LINKS kestrel_session PRIVATE PkgConfig::XXHASH PkgConfig::
 kestrel_library(filter LINKS kestrel_sensor)
 kestrel_library(tracking LINKS kestrel_map)
 kestrel_library(lidar LINKS kestrel_tracking PRIVATE $<BUILD_INTERFACE:nanoflann::nanoflann>)
-kestrel_library(pipeline LINKS kestrel_session kestrel_filter)
+kestrel_library(pipeline LINKS kestrel_session kestrel_filter kestrel_tracking)
 kestrel_library(parameters LINKS kestrel_pipeline PRIVATE yaml-cpp)
 
 # ---- messages: ROS message <-> core type
@@ -80,7 +80,7 @@ kestrel_library(commands LINKS kestrel_experiments PRIVATE CLI11::CLI11)
 # ---- nodes
 if(KESTREL_WITH_ROS)
   kestrel_library(ros
-    SOURCES src/ros/common/*.cpp src/ros/projector/*.cpp src/ros/mapper/*.cpp src/ros/filter/*.cpp src/ros/replay/*.cpp
+    SOURCES src/ros/common/*.cpp src/ros/projector/*.cpp src/ros/mapper/*.cpp src/ros/filter/*.cpp src/ros/tracker/*.cpp src/ros/replay/*.cpp
     LINKS kestrel_messages kestrel_parameters Threads::Threads)
   kestrel_library(ros/panel SOURCES src/ros/panel/mapper_summary.cpp LINKS kestrel_messages)
   # hector's companions: not linked into the nodes that fly

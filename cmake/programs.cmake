@@ -31,7 +31,7 @@ add_custom_target(map_batch_pages ALL
   COMMAND ${PROJECT_SOURCE_DIR}/scripts/map_batch --bash-completion > ${PAGES}/completions/map_batch)
 
 if(KESTREL_WITH_ROS)
-  foreach(main mapper/mapper_node projector/scan_projector_node filter/pose_filter_node replay/recorded_tf_node)
+  foreach(main mapper/mapper_node projector/scan_projector_node filter/pose_filter_node tracker/tracker_node replay/recorded_tf_node)
     kestrel_program(src/ros/${main}_main.cpp kestrel_ros)
   endforeach()
   foreach(main hector_map_server hector_trajectory_server geotiff_node map_to_image_node)

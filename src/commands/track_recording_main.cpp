@@ -54,6 +54,13 @@ void run(Arguments& arguments) {
   Trajectory path;
   std::vector<TrackFrame> frames;
   mapping.run.sweep_observer = [&](const MappedSweep& sweep) {
+    if (sweep.moving != nullptr) {
+      if (!sweep.moving->result().used) return;
+      path.push_back({sweep.scan.stamp, sweep.moving->pose()});
+      const Tracker::Result& kept_out = sweep.moving->result();
+      frames.push_back({sweep.scan.stamp, kept_out.tracks, kept_out.saturated});
+      return;
+    }
     const bool may_jump = sweep.result.searched || sweep.result.state == MatchState::kLost;
     const Pose2 pose =
         continuous.add(sweep.scan.time, sweep.result.pose, may_jump, sweep.input.odom_T_base);

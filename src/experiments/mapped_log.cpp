@@ -11,7 +11,8 @@
 namespace kestrel {
 
 MappedLog mapLog(const std::string& path, double resolution_m) {
-  const SlamConfig config;
+  SlamConfig config;
+  config.mapper.window.enabled = false;  // one map, as ReplayedMap builds it
   const std::unique_ptr<Recording> recording = openRecording(path);
   ReplayedMap map(config.mapper, resolution_m);
   std::vector<MappedScan> scans;

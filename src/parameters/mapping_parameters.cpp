@@ -181,10 +181,14 @@ std::vector<Parameter> icpParametersOf(IcpConfig& icp) {
 
 std::vector<Parameter> mappingParametersOf(SlamConfig& config) {
   MatcherConfig& matcher = config.mapper.matcher;
+  std::vector<Parameter> tracker = {
+      flag("tracker", &config.tracker,
+           "Track people and vehicles, and keep the beams on them out of matching and map.")};
   return joined({group("Map", mapParametersOf(config.mapper)),
                  group("Matching", matchingParametersOf(config.mapper)),
                  group("Matching: search", searchParametersOf(matcher)),
                  group("Evaluation of a match", evaluationParametersOf(config.mapper.evaluation)),
+                 group("What moves", tracker),
                  group("Pose graph", graphParametersOf(config.mapper.window, config.loops)),
                  group("Matcher progressive", candidateParametersOf(matcher.progressive)),
                  group("Matcher progressive", refinementParametersOf(matcher.progressive)),

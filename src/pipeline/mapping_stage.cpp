@@ -22,11 +22,20 @@ PlanarRay moved(const Pose2& a_T_b, const PlanarRay& ray) {
 
 }  // namespace
 
+MappingStage::MappingStage(const MapperConfig& config, bool keep_out_moving)
+    : mapper_(config), moving_(keep_out_moving ? std::make_unique<MovingBeams>() : nullptr) {}
+
 MapperResult MappingStage::process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                                    const std::optional<double>& time) {
   scan.time = time ? *time : time_base_.repair(scan.source, scan.stamp);
   if (!steps_.empty() && scan.time <= steps_.back().time) return processLate(scan);
+  std::optional<PlanarScan> complete;
+  if (moving_) {
+    complete = scan;
+    moving_->keepOut(scan);
+  }
   const MapperResult result = mapper_.process(scan, odom_T_base);
+  if (moving_) moving_->add(*complete, result, odom_T_base);
   remember(scan, odom_T_base, result.pose);
   return result;
 }
@@ -71,6 +80,7 @@ void MappingStage::remember(const PlanarScan& scan, const std::optional<Pose2>& 
 void MappingStage::reset(const Pose2& map_T_base) {
   steps_.clear();
   mapper_.reset(map_T_base);
+  if (moving_) moving_->reset();
 }
 
 void MappingStage::setPose(const Pose2& map_T_base) {

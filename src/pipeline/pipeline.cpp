@@ -21,7 +21,7 @@ Pipeline::Pipeline(const PipelineConfig& config)
     : config_(config),
       projection_(projectionConfigOf(config)),
       filter_(config.filter),
-      mapping_(config.slam.mapper),
+      mapping_(config.slam.mapper, config.slam.tracker),
       queue_(config.queue_size) {
   startGraph();
 }
@@ -136,7 +136,7 @@ void Pipeline::map(const PipelineScan& scan, bool level) {
   const MatchedPose pose = matchedPoseOf(result, stamp);
   projection_.addVelocity(stamp, knownVelocity(result));
   if (config_.use_filter) poses_.push_back({now_ + config_.coupling.match_s, pose});
-  if (on_scan) on_scan({scan, projected, projection.scan, result});
+  if (on_scan) on_scan({scan, projected, projection.scan, result, mapping_.moving()});
 }
 
 void Pipeline::drop(const PipelineScan& scan, const std::string& reason,

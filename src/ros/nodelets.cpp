@@ -9,6 +9,7 @@
 #include "kestrel_slam/ros/filter/pose_filter_node.h"
 #include "kestrel_slam/ros/mapper/mapper_node.h"
 #include "kestrel_slam/ros/projector/scan_projector_node.h"
+#include "kestrel_slam/ros/tracker/tracker_node.h"
 
 namespace kestrel {
 
@@ -34,9 +35,11 @@ class NodeletOf : public nodelet::Nodelet {
 class ScanProjectorNodelet : public NodeletOf<ScanProjectorNode> {};
 class MapperNodelet : public NodeletOf<MapperNode> {};
 class PoseFilterNodelet : public NodeletOf<PoseFilterNode> {};
+class TrackerNodelet : public NodeletOf<TrackerNode> {};
 
 }  // namespace kestrel
 
 PLUGINLIB_EXPORT_CLASS(kestrel::ScanProjectorNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(kestrel::MapperNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(kestrel::PoseFilterNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(kestrel::TrackerNodelet, nodelet::Nodelet)

@@ -39,4 +39,9 @@ Pose2 ContinuousPose::add(double time, const Pose2& map_T_base, bool may_jump,
   return pose_;
 }
 
+Pose2 ContinuousPose::predict(double time) const {
+  if (!last_) return Pose2();
+  return pose_ * Pose2::exp((time - last_->time) * velocity_);
+}
+
 }  // namespace kestrel

@@ -175,6 +175,19 @@ std::vector<Track> TrackList::tracks() const {
   return result;
 }
 
+bool TrackList::showsAt(const Eigen::Vector2d& point, double seconds) const {
+  return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    const Eigen::Vector2d center = entry.track.position + seconds * entry.track.velocity;
+    const double radius = 0.5 * std::max(entry.length, kPersonWidth) + kMargin;
+    return entry.track.isShown() && (center - point).squaredNorm() < radius * radius;
+  });
+}
+
+bool TrackList::showsAny() const {
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [](const Entry& entry) { return entry.track.isShown(); });
+}
+
 bool TrackList::hasMoved(TargetLabel label) const {
   return std::any_of(entries_.begin(), entries_.end(), [label](const Entry& entry) {
     return entry.label == label && entry.track.moved;

@@ -33,6 +33,9 @@ class TrackList {
   /// Width of the track at the point; that of a person if there is none, m.
   double widthAt(const Eigen::Vector2d& point) const;
 
+  /// True if a shown object is at the point after this time, s.
+  bool showsAt(const Eigen::Vector2d& point, double seconds) const;
+  bool showsAny() const;
   /// True if the object of this label has moved.
   bool hasMoved(TargetLabel label) const;
 

@@ -206,6 +206,12 @@ struct Tracker::State {
     tracks.update(filter, objects, visibility, grid);
     claimNew();
     result.tracks = tracks.tracks();
+    result.is_moving.assign(rays.size(), false);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const bool may_move =
+          result.motion[i] != Motion::kNone && result.motion[i] != Motion::kStatic;
+      result.is_moving[i] = may_move && tracks.showsAt(rays[i].end.cast<double>(), 0.0);
+    }
     result.used = true;
   }
 };
@@ -221,6 +227,19 @@ const Tracker::Result& Tracker::process(const PlanarScan& scan, const Pose2& odo
   if (state_->time && scan.time - *state_->time > kMaxGap) reset();
   state_->process(scan, odom_T_base);
   return state_->result;
+}
+
+const Tracker::Result& Tracker::result() const { return state_->result; }
+
+std::vector<bool> Tracker::expectMoving(const PlanarScan& scan, const Pose2& odom_T_base) const {
+  std::vector<bool> moving(scan.rays.size(), false);
+  const double seconds = state_->time ? scan.time - *state_->time : 0.0;
+  if (!state_->tracks.showsAny() || !(seconds < kMaxGap) || !odom_T_base.isFinite()) return moving;
+  for (std::size_t i = 0; i < scan.rays.size(); ++i) {
+    if (!scan.rays[i].hit) continue;
+    moving[i] = state_->tracks.showsAt(odom_T_base * scan.rays[i].end.cast<double>(), seconds);
+  }
+  return moving;
 }
 
 const MotionGrid<2>& Tracker::grid() const { return state_->grid; }

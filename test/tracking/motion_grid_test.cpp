@@ -159,6 +159,32 @@ TYPED_TEST(MotionGridTest, ForgetsWhatIsFar) {
   EXPECT_LT(grid.staticProbability(grid.indexOf(onX<D>(1.0F))), 0.5);
 }
 
+TYPED_TEST(MotionGridTest, BeamWithoutReturnClearsNothingButWhatHasLeft) {
+  constexpr int D = TypeParam::value;
+  MotionGrid<D> grid;
+  bring(grid, CellState::kOccupied);
+  std::vector<GridRay<D>> ray = rayTo<D>(4.05F, false);
+  ray[0].presumed = true;
+  for (int i = 0; i < 100; ++i) grid.insert(ray, 0.1);
+  // What was seen at this range gives no return any more: it has left, or it is glass.
+  EXPECT_EQ(grid.staticState(grid.indexOf(onX<D>(2.05F))), CellState::kUnobserved);
+  EXPECT_TRUE(grid.wasPassed(grid.indexOf(onX<D>(2.05F))));
+  EXPECT_EQ(grid.staticState(grid.indexOf(onX<D>(1.05F))), CellState::kFree);
+  EXPECT_EQ(grid.staticState(grid.indexOf(onX<D>(3.05F))), CellState::kUnobserved);
+}
+
+TYPED_TEST(MotionGridTest, WhatIsSeenInUnknownSpaceIsNewForAWhile) {
+  constexpr int D = TypeParam::value;
+  MotionGridConfig config;
+  config.new_s = 1.0;
+  MotionGrid<D> grid(config);
+  grid.insert(rayTo<D>(1.05F), 0.1);
+  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], Motion::kNew);
+  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.5).motion[0], Motion::kNew);
+  grid.insert(rayTo<D>(2.05F), 0.6);
+  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], Motion::kStatic);
+}
+
 /// Cells that many points of the segment lie in.
 template <int D>
 std::set<std::vector<int>> sampledCells(const Eigen::Matrix<float, D, 1>& from,

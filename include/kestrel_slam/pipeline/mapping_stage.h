@@ -2,10 +2,12 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "kestrel_slam/mapping/mapper.h"
+#include "kestrel_slam/pipeline/moving_beams.h"
 #include "kestrel_slam/sensor/time_base.h"
 
 namespace kestrel {
@@ -14,12 +16,14 @@ namespace kestrel {
 /// Not thread-safe.
 class MappingStage {
  public:
-  explicit MappingStage(const MapperConfig& config) : mapper_(config) {}
+  /// `keep_out_moving`: see MovingBeams.
+  explicit MappingStage(const MapperConfig& config, bool keep_out_moving = false);
 
   /// Matches a planar scan. If the caller has already repaired the time base, the argument `time`
   /// (s) is used. Otherwise the time of the scan is computed from its stamp; each source has its
   /// own time base. A scan of another laser may be older than the newest scan: it is matched at its
-  /// own place and the result is the pose at its time.
+  /// own place and the result is the pose at its time. Returns from what moves become beams that
+  /// only clear, if they are kept out.
   MapperResult process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                        const std::optional<double>& time = std::nullopt);
 
@@ -36,6 +40,8 @@ class MappingStage {
   }
 
   const Mapper& mapper() const { return mapper_; }
+  /// Null if what moves is not kept out.
+  const MovingBeams* moving() const { return moving_.get(); }
 
  private:
   /// What the mapper got with a scan, and its pose.
@@ -53,6 +59,7 @@ class MappingStage {
 
   TimeBase time_base_;
   Mapper mapper_;
+  std::unique_ptr<MovingBeams> moving_;
   std::deque<Step> steps_;  ///< of the last second, ascending times
 };
 

@@ -62,6 +62,7 @@ struct MappedSweep {
   const ProjectedSweep& projected;
   const PlanarScan& scan;  ///< the scan that was matched
   const MapperResult& result;
+  const MovingBeams* moving = nullptr;  ///< what moves, if it was kept out
 };
 
 /// A scan that could not be used.

@@ -17,6 +17,7 @@ struct SlamConfig {
   AttitudeConfig attitude;
   MapperConfig mapper;
   LoopConfig loops;
+  bool tracker = false;  ///< keep what moves out of matching and map, see MovingBeams
 };
 
 }  // namespace kestrel

@@ -19,6 +19,9 @@ class ContinuousPose {
   Pose2 add(double time, const Pose2& map_T_base, bool may_jump,
             const std::optional<Pose2>& odom_T_base = std::nullopt);
 
+  /// The pose at `time` (s) if the motion goes on; identity before the first pose.
+  Pose2 predict(double time) const;
+
  private:
   struct Last {
     double time;

@@ -63,15 +63,21 @@ class Tracker {
   Tracker& operator=(Tracker&&) noexcept;
 
   struct Result {
-    std::vector<Track> tracks;   ///< all, also those that do not move, by rising id
-    std::vector<Motion> motion;  ///< of each ray of the scan
-    bool saturated = false;      ///< a bound on the work was reached; something may be missing
-    bool used = false;           ///< false: time or pose cannot be used, nothing has changed
+    std::vector<Track> tracks;    ///< all, also those that do not move, by rising id
+    std::vector<Motion> motion;   ///< of each ray of the scan
+    std::vector<bool> is_moving;  ///< of each ray: its return is from an object that is shown
+    bool saturated = false;       ///< a bound on the work was reached; something may be missing
+    bool used = false;            ///< false: time or pose cannot be used, nothing has changed
   };
 
   /// Adds a scan. `odom_T_base`: pose at the time of the scan, in a frame without jumps. Scans that
   /// are not newer than the last one are ignored. Valid until the next call.
   const Result& process(const PlanarScan& scan, const Pose2& odom_T_base);
+
+  /// The last result.
+  const Result& result() const;
+  /// The rays of a scan that is not processed yet which end where a shown object should be then.
+  std::vector<bool> expectMoving(const PlanarScan& scan, const Pose2& odom_T_base) const;
 
   const MotionGrid<2>& grid() const;
   /// Forgets everything; track ids go on.

@@ -52,7 +52,7 @@ Pose2 placeFrom(const geometry_msgs::Pose& message) {
 
 MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
     : config_(loadParameters(private_nh)),
-      mapper_(config_.slam.mapper, config_.slam.loops),
+      mapper_(config_.slam.mapper, config_.slam.loops, config_.slam.tracker),
       queue_(static_cast<std::size_t>(config_.scan_subscriber_queue_size)),
       projection_(levelProjection(config_)),
       pose_publisher_(nh, config_) {

@@ -25,10 +25,11 @@ MapperResult inMap(MapperResult result, const Pose2& map_T_local) {
 
 }  // namespace
 
-SharedMapper::SharedMapper(const MapperConfig& config, const LoopConfig& loops)
+SharedMapper::SharedMapper(const MapperConfig& config, const LoopConfig& loops,
+                           bool keep_out_moving)
     : config_(config),
       loops_(loops),
-      mapping_(config),
+      mapping_(config, keep_out_moving),
       graph_(config.window.enabled ? std::make_unique<GraphWorker>(config, loops) : nullptr) {}
 
 MapperResult SharedMapper::process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,

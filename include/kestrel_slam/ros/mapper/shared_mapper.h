@@ -30,7 +30,8 @@ struct MapChanges {
 /// more than some tens of microseconds.
 class SharedMapper {
  public:
-  explicit SharedMapper(const MapperConfig& config, const LoopConfig& loops = LoopConfig());
+  explicit SharedMapper(const MapperConfig& config, const LoopConfig& loops = LoopConfig(),
+                        bool keep_out_moving = false);
 
   MapperResult process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                        const ros::Time& stamp);

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/parameters/parameters.h"
+#include "kestrel_slam/tracking/tracker_config.h"
+
+namespace kestrel {
+
+/// All parameters of the tracker's node.
+struct TrackerNodeConfig {
+  std::string scan_topic = "planar_scan";
+  std::string odom_frame = "odom";
+  double max_wait_s = 0.5;
+  double dynamic_grid_radius = 10.0;  ///< m
+  double dynamic_grid_period = 0.5;   ///< s
+  TrackerConfig tracker;
+};
+
+std::vector<Parameter> parametersOf(TrackerNodeConfig& config);
+
+/// Reads the private parameters; see readPrivateParameters. Throws std::invalid_argument.
+TrackerNodeConfig loadTrackerParameters(const ros::NodeHandle& private_nh);
+
+}  // namespace kestrel

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <geometry_msgs/TransformStamped.h>
+#include <gtest/gtest.h>
+#include <nav_msgs/OccupancyGrid.h>
+#include <ros/ros.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <tf2_ros/transform_broadcaster.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <set>
+#include <vector>
+
+#include "kestrel_slam/TrackArray.h"
+#include "kestrel_slam/messages/planar_scan_message.h"
+#include "tracking/walker_room.h"
+
+namespace kestrel {
+namespace {
+
+template <typename Message>
+class Collected {
+ public:
+  Collected(ros::NodeHandle& nh, const std::string& topic)
+      : subscriber_(nh.subscribe<Message>(
+            topic, 200, [this](const boost::shared_ptr<const Message>& m) { all.push_back(*m); })) {
+  }
+  bool isConnected() const { return subscriber_.getNumPublishers() > 0; }
+  std::vector<Message> all;
+
+ private:
+  ros::Subscriber subscriber_;
+};
+
+void spinFor(double seconds) {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
+  while (ros::WallTime::now() < end) {
+    ros::spinOnce();
+    ros::WallDuration(0.002).sleep();
+  }
+}
+
+class TrackerNodeTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    scans_ = nh_.advertise<kestrel_slam::PlanarScan>("planar_scan", 200);
+    for (int i = 0; i < 500; ++i) {
+      if (scans_.getNumSubscribers() > 0 && tracks_.isConnected() && points_.isConnected() &&
+          grid_.isConnected() && markers_.isConnected()) {
+        break;
+      }
+      spinFor(0.02);
+    }
+    spinFor(0.5);  // tf
+  }
+
+  ros::Time stampOf(int number) const { return start_ + ros::Duration(0.1 * number); }
+
+  void sendPose(int number, const Pose2& pose) {
+    geometry_msgs::TransformStamped transform;
+    transform.header.frame_id = "odom";
+    transform.header.stamp = stampOf(number);
+    transform.child_frame_id = "base_stabilized";
+    transform.transform.translation.x = pose.x;
+    transform.transform.translation.y = pose.y;
+    transform.transform.rotation.z = std::sin(0.5 * pose.yaw);
+    transform.transform.rotation.w = std::cos(0.5 * pose.yaw);
+    tf_.sendTransform(transform);
+  }
+
+  void sendScan(int number, const Pose2& pose, const std::vector<Disk>& disks) {
+    scans_.publish(
+        toPlanarScanMessage(room_.scan(number, pose, disks), "base_stabilized", stampOf(number)));
+  }
+
+  ros::NodeHandle nh_;
+  Room room_;
+  const ros::Time start_ = ros::Time::now();
+  ros::Publisher scans_;
+  tf2_ros::TransformBroadcaster tf_;
+  Collected<kestrel_slam::TrackArray> tracks_{nh_, "tracks"};
+  Collected<visualization_msgs::MarkerArray> markers_{nh_, "track_markers"};
+  Collected<sensor_msgs::PointCloud2> points_{nh_, "moving_points"};
+  Collected<nav_msgs::OccupancyGrid> grid_{nh_, "dynamic_grid"};
+};
+
+TEST_F(TrackerNodeTest, FollowsAWalkerWhileTheVehicleMoves) {
+  constexpr int kScans = 70;
+  for (int i = 0; i < kScans; ++i) {
+    const Pose2 pose(-1.0 + 0.01 * i, -2.0, 0.005 * i);
+    std::vector<Disk> disks{{{3.0, -3.0}, 0.1}};
+    if (i >= 20) disks.push_back({{-3.0 + 0.1 * (i - 20), 2.0}, 0.15});
+    sendScan(i, pose, disks);
+    sendPose(i, pose);  // later than the scan: the scan waits for it
+    spinFor(0.02);
+  }
+  spinFor(0.5);
+  ASSERT_GE(tracks_.all.size(), static_cast<std::size_t>(kScans - 1));
+  std::set<std::int64_t> ids;
+  std::size_t late = 0;
+  for (const kestrel_slam::TrackArray& message : tracks_.all) {
+    EXPECT_EQ(message.header.frame_id, "odom");
+    const int number = static_cast<int>(std::lround((message.header.stamp - start_).toSec() / 0.1));
+    for (const kestrel_slam::Track& track : message.tracks) {
+      ids.insert(track.id);
+      EXPECT_NEAR(track.position.x, -3.0 + 0.1 * (number - 20), 0.4);
+      EXPECT_NEAR(track.position.y, 2.0, 0.4);
+    }
+    if (number >= 45 && message.tracks.size() == 1) ++late;
+  }
+  EXPECT_EQ(ids.size(), 1U);
+  EXPECT_GE(late, 23U);
+  EXPECT_FALSE(markers_.all.empty());
+  ASSERT_FALSE(points_.all.empty());
+  EXPECT_GT(points_.all.back().width, 2U);
+  ASSERT_FALSE(grid_.all.empty());
+  EXPECT_GT(grid_.all.back().info.width, 100U);
+}
+
+}  // namespace
+}  // namespace kestrel
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "tracker_node_test");
+  testing::InitGoogleTest(&argc, argv);
+  return RUN_ALL_TESTS();
+}
