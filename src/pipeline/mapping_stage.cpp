@@ -80,7 +80,7 @@ void MappingStage::remember(const PlanarScan& scan, const std::optional<Pose2>& 
 
 void MappingStage::reset(const Pose2& map_T_base) {
   steps_.clear();
-  if (localizer_) return localizer_->setPose(map_T_base);
+  if (localizer_) return localizer_->relocalize();  // the map stays
   mapper_.reset(map_T_base);
 }
 

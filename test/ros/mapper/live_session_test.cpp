@@ -9,11 +9,11 @@
 #include <filesystem>
 #include <thread>
 
-#include "graph/loop_world.h"
 #include "kestrel_slam/LoadSession.h"
 #include "kestrel_slam/SaveSession.h"
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/session/session_file.h"
+#include "graph/loop_world.h"
 #include "mapper_client.h"
 #include "temporary_folder.h"
 
@@ -44,8 +44,8 @@ sensor_msgs::LaserScan messageAt(const Pose2& pose, const ros::Time& stamp) {
 class Node {
  public:
   explicit Node(const std::vector<std::string>& parameters) {
-    std::vector<std::string> words = {KESTREL_MAPPER_NODE, "__name:=mapper", "_graph:=true",
-                                      "_map_pub_period:=0.5"};
+    std::vector<std::string> words = {KESTREL_MAPPER_NODE, "__name:=mapper",
+                                      "_graph:=true", "_map_pub_period:=0.5"};
     words.insert(words.end(), parameters.begin(), parameters.end());
     pid_ = fork();
     if (pid_ != 0) return;
