@@ -2,12 +2,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "kestrel_slam/commands/mapping_command.h"
 #include "kestrel_slam/commands/run_tool.h"
 #include "kestrel_slam/experiments/relocalization_measurement.h"
+#include "kestrel_slam/geometry/angles.h"
 
 namespace kestrel {
 namespace {
@@ -63,19 +65,32 @@ struct Row {
   }
 };
 
+std::string textOf(const PlaceHypothesis& place) {
+  char text[200];
+  std::snprintf(text, sizeof text, "%.3f,%.3f,%.3f,%.4f,%.3f", place.match.score, place.match.known,
+                place.crossing, place.match.constraint, place.score);
+  return text;
+}
+
+constexpr char kColumns[] =
+    "map,scans,stamp,state,reason,in_map,right,true_known,true_fit,error_m,error_deg,fit,known,"
+    "crossing,constraint,score,margin,agreement,places,travel_m,work,second_m,second_deg,"
+    "second_fit,second_known,second_crossing,second_constraint,second_score\n";
+
 void list(std::FILE* file, const std::string& map, const std::string& from,
           const RelocalizationTrial& t, bool same_building) {
   if (file == nullptr) return;
-  const PlaceHypothesis best =
-      t.answer.hypotheses.empty() ? PlaceHypothesis() : t.answer.hypotheses.front();
+  std::vector<PlaceHypothesis> places = t.answer.hypotheses;
+  const std::size_t count = places.size();
+  places.resize(std::max<std::size_t>(2, count));
+  const Pose2 between = places[0].match.pose.between(places[1].match.pose);
   std::fprintf(
-      file,
-      "%s,%s,%.6f,%s,%s,%d,%d,%.3f,%.3f,%.3f,%.2f,%.3f,%.3f,%.3f,%.4f,%.3f,%.2f,%zu,%.2f,%lld\n",
+      file, "%s,%s,%.6f,%s,%s,%d,%d,%.3f,%.3f,%.3f,%.2f,%s,%.3f,%.2f,%zu,%.2f,%lld,%.2f,%.1f,%s\n",
       map.c_str(), from.c_str(), t.stamp, toString(t.answer.state), t.answer.reason,
       t.in_map && same_building, t.isRight() && same_building, t.known, t.fit, t.error_m,
-      t.error_deg, best.match.score, best.match.known, best.crossing, best.match.constraint,
-      t.answer.margin, t.answer.agreement, t.answer.hypotheses.size(), t.travel_m,
-      static_cast<long long>(t.answer.work));
+      t.error_deg, textOf(places[0]).c_str(), t.answer.margin, t.answer.agreement, count,
+      t.travel_m, static_cast<long long>(t.answer.work), between.distance(), radToDeg(between.yaw),
+      textOf(places[1]).c_str());
   std::fflush(file);
 }
 
@@ -107,6 +122,7 @@ void run(const Options& options) {
   std::FILE* trials = options.trials.empty() ? nullptr : std::fopen(options.trials.c_str(), "w");
   if (trials == nullptr && !options.trials.empty())
     throw std::runtime_error(options.trials + ": cannot be written");
+  if (trials != nullptr) std::fputs(kColumns, trials);
   std::vector<Log> logs;
   for (const std::string& path : options.recordings)
     logs.push_back({nameOf(path), placeScans(path)});

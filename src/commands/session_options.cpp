@@ -7,6 +7,7 @@
 
 #include "kestrel_slam/commands/mapping_command.h"
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/session/finished_map.h"
 #include "kestrel_slam/session/graph_session.h"
 #include "kestrel_slam/session/session_file.h"
 
@@ -61,11 +62,30 @@ void addSessionOptions(CLI::App& app, MappingArguments& arguments) {
                  "(default); X,Y,YAW in m and degrees; unknown. Old and new are joined once a loop "
                  "between them is verified")
       ->check(startProblem);
+  app.add_option("--mode", arguments.mode,
+                 "mapping (default), or localization: find and follow the vehicle in the map of "
+                 "--map or --session, which does not change")
+      ->check(CLI::IsMember({"mapping", "localization"}));
+  app.add_option("--map", arguments.map,
+                 "FILE.yaml: map to localize in, as map_server and map_saver use them");
   app.add_option("--save-session", arguments.save_session,
                  "FILE: save the session, to continue it later (uses --loops)");
 }
 
+/// Reads the map to localize in.
+void loadMapFor(const MappingArguments& arguments, const SlamConfig& config, RunOptions& run) {
+  if (arguments.map.empty() == arguments.session.empty())
+    throw std::runtime_error("--mode localization needs a map: either --map or --session");
+  if (!arguments.save_session.empty())
+    throw std::runtime_error("--mode localization saves no session; leave out --save-session");
+  const std::string& file = arguments.map.empty() ? arguments.session : arguments.map;
+  run.localize_in = std::make_shared<Submap>(loadFinishedMap(file, config.mapper.grid));
+  if (const std::optional<Pose2> pose = poseOf(arguments.start)) run.start = givenStart(*pose);
+}
+
 void loadSessionFor(const MappingArguments& arguments, const SlamConfig& config, RunOptions& run) {
+  if (arguments.mode == "localization") return loadMapFor(arguments, config, run);
+  if (!arguments.map.empty()) throw std::runtime_error("--map needs --mode localization");
   if (!arguments.save_session.empty()) requireSavable(arguments.save_session);
   if (arguments.session.empty()) return;
   run.session = std::make_shared<const Session>(loadSession(arguments.session));

@@ -18,8 +18,9 @@ constexpr std::size_t kMatchPoints = 720, kFollowedBeams = 240, kScanPoints = 36
 constexpr std::size_t kLeastHits = 30;
 /// A beam passes through a wall if it goes on for so long behind it, m.
 constexpr double kBehindM = 0.5;
-/// A wall cell is one with at least this occupancy probability.
-constexpr double kWall = 0.8;
+/// A wall has so many hits in a cell. A beam passes through it if the square of the sine of the
+/// angle between them is larger than this.
+constexpr float kWallHits = 3.0F, kAcross = 0.15F;
 /// Poses that differ by less than this are one place.
 constexpr double kSameM = 0.6, kSameRad = 0.35;
 /// A single scan agrees if it fits at the same place up to this.
@@ -101,28 +102,37 @@ const RelocalizationAnswer& Relocalizer::locate(RelocalizationQuery query) {
   return advance(config_.most_work);
 }
 
+/// Whether a beam passes through a wall. Beams along a wall and through single objects do not
+/// count: a small error of the pose or a moved chair explains them.
+bool Relocalizer::crosses(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const {
+  const SurfelField& surface = map_.map().surface();
+  const auto step = static_cast<double>(surface.resolution());
+  const double length = (to - from).norm();
+  const Eigen::Vector2f along = ((to - from) / std::max(length, step)).cast<float>();
+  const float near2 = surface.resolution() * surface.resolution();
+  for (double at = 0.0; at < length - kBehindM; at += step) {
+    const Eigen::Vector2f point = from.cast<float>() + along * static_cast<float>(at);
+    const Surfel* wall = surface.nearest(point);
+    if (wall == nullptr || isPoint(*wall) || wall->count < kWallHits) continue;
+    if ((point - wall->mean).squaredNorm() > near2) continue;
+    const float across = along.x() * (wall->a11 * along.x() + 2.0F * wall->a12 * along.y()) +
+                         along.y() * wall->a22 * along.y();
+    if (across > kAcross) return true;
+  }
+  return false;
+}
+
 /// The share of the beams that would pass through walls.
 double Relocalizer::crossingAt(const Pose2& pose) const {
-  const OccupancyGrid& grid = map_.map().grid();
-  const auto step = static_cast<double>(grid.resolution());
-  std::size_t beams = 0, crossing = 0;
-  const std::size_t each =
-      std::max<std::size_t>(1, points_.size() / std::max<std::size_t>(1, kFollowedBeams));
-  std::size_t number = 0;
+  std::size_t beams = 0, crossing = 0, number = 0;
+  const std::size_t each = std::max<std::size_t>(1, points_.size() / kFollowedBeams);
   for (const RelocalizationQuery::Part& part : query_.parts) {
     const Pose2 map_T_scan = pose * part.base_T_scan;
     for (const PlanarRay& ray : part.scan.rays) {
       if (!ray.hit || number++ % each != 0) continue;
       ++beams;
-      const Eigen::Vector2d from = map_T_scan * ray.origin.cast<double>();
-      const Eigen::Vector2d along = map_T_scan * ray.end.cast<double>() - from;
-      const double length = along.norm();
-      for (double at = 0.0; at < length - kBehindM; at += step) {
-        const Eigen::Vector2d point = from + along * (at / length);
-        if (grid.probability(grid.cellAt(point.cast<float>())) < kWall) continue;
+      if (crosses(map_T_scan * ray.origin.cast<double>(), map_T_scan * ray.end.cast<double>()))
         ++crossing;
-        break;
-      }
     }
   }
   return beams == 0 ? 0.0 : static_cast<double>(crossing) / static_cast<double>(beams);
@@ -139,7 +149,7 @@ PlaceHypothesis Relocalizer::hypothesisAt(const Pose2& guess) const {
 const char* Relocalizer::problemOf(const PlaceHypothesis& best) const {
   if (best.match.score < config_.min_fit) return "the scan does not fit";
   if (best.match.known < config_.min_known) return "too little of the scan is in the map";
-  if (best.crossing > config_.max_crossing) return "beams would pass through walls";
+  if (best.contradiction() > config_.max_contradiction) return "the scan contradicts the map";
   if (best.match.constraint < config_.min_constraint) return "a direction is unobservable";
   return "";
 }

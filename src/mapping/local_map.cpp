@@ -13,6 +13,11 @@ LocalMap::LocalMap(const OccupancyGridConfig& grid, const SubmapOptions& options
       window_(window),
       current_(std::make_unique<Submap>(grid, options)) {}
 
+LocalMap::LocalMap(Submap fixed)
+    : current_(std::make_unique<Submap>(std::move(fixed))),
+      scans_(current_->scans()),
+      fixed_(true) {}
+
 void LocalMap::insert(const PlanarScan& scan, const Pose2& local_T_base, bool new_view,
                       bool degenerate) {
   if (window_.enabled && length_ >= window_.submap_scans) beginSubmap();

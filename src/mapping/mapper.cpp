@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kestrel_slam/mapping/jump_check.h"
 #include "kestrel_slam/mapping/local_map.h"
@@ -13,8 +14,8 @@
 #include "kestrel_slam/matching/ambiguity.h"
 #include "kestrel_slam/matching/fit.h"
 #include "kestrel_slam/matching/thinned.h"
-#include "kestrel_slam/matching/weak_motion.h"
 #include "kestrel_slam/sensor/projection.h"
+#include "unobservable_motion.h"
 #include "usable_scan.h"
 
 namespace kestrel {
@@ -40,38 +41,6 @@ constexpr std::size_t kFewHits = 2;
 /// The match shows the errors of the odometry if this share of the points constrains the weakest
 /// direction.
 constexpr double kWellConstrained = 0.1;
-/// Whether the motion prediction is better than the match along the degenerate direction. Without a
-/// motion sensor the little that the scan shows is used: otherwise a scan may be inserted with an
-/// error of centimeters, and loops of whole buildings do not close.
-bool isUnobservable(const MatchResult& match, PredictionSource source) {
-  constexpr double kNoConstraint = 0.0035;  // share of the beams
-  return match.degenerate &&
-         (source != PredictionSource::kVelocity || match.constraint < kNoConstraint);
-}
-
-WeakMotion weakMotionOf(const MatchResult& match) {
-  return {match.degenerate_direction, match.degenerate_turn, match.constraint};
-}
-
-/// Replaces the match along the unobservable direction by the motion prediction. There the match
-/// only shows the discretization error of the cells.
-void keepPredictionAlong(const Pose2& motion_prediction, MatchResult& match) {
-  const Eigen::Vector2d missing = motion_prediction.translation() - match.pose.translation();
-  match.pose = weakMotionOf(match).moved(match.pose, match.degenerate_direction.dot(missing));
-}
-
-/// Corrects the predicted position along the unobservable direction by the few beams that show it.
-/// `variance`: of the prediction, m².
-void correctAlong(const AlongFit& fit, double variance, double seconds, MatchResult& match) {
-  // The scans of this time see the same noise of the map, so their errors do not average out.
-  constexpr double kCorrelationTime = 0.25;  // s
-  const double correlated =
-      fit.variance_m2 * std::max(1.0, kCorrelationTime / std::max(seconds, 1e-3));
-  // What differs more than both errors explain is not what the map shows, but floor or people.
-  match.along_variance = std::max(correlated, fit.distance_m * fit.distance_m - variance);
-  const double gain = variance / (variance + match.along_variance);
-  match.pose = weakMotionOf(match).moved(match.pose, gain * fit.distance_m);
-}
 
 }  // namespace
 
@@ -93,6 +62,12 @@ struct Mapper::State {
         map(c.grid, submapOptions(c.matcher), c.window),
         matcher(makeMatcher(c.matcher)),
         motion(c, map_T_base) {}
+
+  State(const MapperConfig& c, Submap fixed)
+      : config(c), map(std::move(fixed)), matcher(makeMatcher(c.matcher)), motion(c, Pose2()) {
+    uncertainty.begin(Pose2());
+    uncertainty.insert();
+  }
 
   MapperConfig config;
   LocalMap map;
@@ -276,6 +251,7 @@ MatchState Mapper::State::judge(const MatchResult& match, const MatchRequest& re
 
 /// Only a scan that fits well enough is inserted [MAV SLAM 2013, eq. 4-5].
 void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResult& result) {
+  if (map.isFixed()) return;
   const bool first = map.scans() == 0;
   const bool new_space = result.carried && result.match.known < config.min_known_share;
   const bool accepted = !config.evaluation.enabled || first || new_space ||
@@ -305,6 +281,8 @@ bool Mapper::State::movedEnough() const {
 }
 
 Mapper::Mapper(const MapperConfig& config) : state_(std::make_unique<State>(config)) {}
+Mapper::Mapper(const MapperConfig& config, Submap map)
+    : state_(std::make_unique<State>(config, std::move(map))) {}
 Mapper::~Mapper() = default;
 Mapper::Mapper(Mapper&&) noexcept = default;
 Mapper& Mapper::operator=(Mapper&&) noexcept = default;
@@ -343,6 +321,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
 
 void Mapper::reset(const Pose2& map_T_base) {
   if (!isUsable(map_T_base)) return;
+  if (state_->map.isFixed()) return setPose(map_T_base);
   const MapperConfig config = state_->config;
   state_ = std::make_unique<State>(config, map_T_base);
 }
@@ -355,6 +334,7 @@ void Mapper::setPose(const Pose2& map_T_base) {
 
 const Pose2& Mapper::pose() const { return state_->motion.pose(); }
 const MapperConfig& Mapper::config() const { return state_->config; }
+const Submap& Mapper::map() const { return state_->map.current(); }
 MapSnapshot Mapper::snapshot() const { return state_->map.current().grid().snapshot(); }
 bool Mapper::takeChangedTiles(std::size_t max_tiles, std::vector<TileImage>& images) {
   return state_->map.current().grid().takeChangedTiles(max_tiles, images);

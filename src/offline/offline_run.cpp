@@ -94,6 +94,7 @@ class Runner {
         odometry_(options.perturbation.odometry) {
     pipeline_.on_scan = [this](const MappedSweep& sweep) { record(sweep); };
     pipeline_.on_drop = [this](const DroppedSweep& sweep) { drop(sweep); };
+    if (options_.localize_in) localize();
     pipeline_.on_filter = options_.filter_observer;
     if (options_.session) {
       const double resolution_m = config.mapper.grid.resolution_m;
@@ -124,6 +125,11 @@ class Runner {
   }
 
  private:
+  void localize() {
+    pipeline_.localizeIn(std::move(*options_.localize_in));
+    if (options_.start) pipeline_.setPose(options_.start->mean, options_.start->covariance);
+  }
+
   /// Returns false at the end of the recording and after a read error.
   bool readNext(ArrivingMessage& message) {
     try {

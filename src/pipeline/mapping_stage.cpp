@@ -2,6 +2,7 @@
 #include "kestrel_slam/pipeline/mapping_stage.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace kestrel {
 namespace {
@@ -34,10 +35,19 @@ MapperResult MappingStage::process(PlanarScan& scan, const std::optional<Pose2>&
     complete = scan;
     moving_->keepOut(scan);
   }
-  const MapperResult result = mapper_.process(scan, odom_T_base);
+  const MapperResult result = match(scan, odom_T_base);
   if (moving_) moving_->add(*complete, result, odom_T_base);
   remember(scan, odom_T_base, result.pose);
   return result;
+}
+
+MapperResult MappingStage::match(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {
+  return localizer_ ? localizer_->process(scan, odom_T_base) : mapper_.process(scan, odom_T_base);
+}
+
+void MappingStage::localizeIn(Submap map) {
+  localizer_ = std::make_unique<Localizer>(mapper_.config(), std::move(map));
+  steps_.clear();
 }
 
 /// The mapper cannot go back in time. So the scan is moved to the pose of the newest scan, and gets
@@ -52,7 +62,7 @@ MapperResult MappingStage::processLate(const PlanarScan& scan) {
   current.integrated_yaw = last.integrated_yaw;
   current.integrated_acceleration = last.integrated_acceleration;
   current.predicted = last.predicted;
-  MapperResult result = mapper_.process(current, last.odom_T_base);
+  MapperResult result = match(current, last.odom_T_base);
   last.pose = result.pose;
   result.pose = result.pose * last_T_scan;
   return result;
@@ -79,16 +89,19 @@ void MappingStage::remember(const PlanarScan& scan, const std::optional<Pose2>& 
 
 void MappingStage::reset(const Pose2& map_T_base) {
   steps_.clear();
+  if (localizer_) return localizer_->relocalize();  // the map stays
   mapper_.reset(map_T_base);
   if (moving_) moving_->reset();
 }
 
 void MappingStage::setPose(const Pose2& map_T_base) {
   steps_.clear();
+  if (localizer_) return localizer_->setPose(map_T_base);
   mapper_.setPose(map_T_base);
 }
 
 void MappingStage::restartMotion() {
+  if (localizer_) return localizer_->restartMotion();
   const Pose2 pose = mapper_.pose();  // copy: setPose changes the value behind pose()
   setPose(pose);
 }

@@ -177,6 +177,11 @@ void Pipeline::setPose(const Pose2& map_T_base, const Eigen::Matrix3d& covarianc
   filter_.setPose(map_T_base, covariance);
 }
 
+void Pipeline::localizeIn(Submap map) {
+  graph_.reset();
+  mapping_.localizeIn(std::move(map));
+}
+
 void Pipeline::reset(const Pose2& map_T_base) {
   queue_.clear();
   poses_.clear();

@@ -34,6 +34,8 @@ struct MappingArguments {
   RunOptions run;                  ///< without the choice of sensors, see `odometry` and `imu`
   std::string session;             ///< session file that is continued; "": none
   std::string start = "last";      ///< last, unknown or X,Y,YAW (m and degrees)
+  std::string mode = "mapping";    ///< or localization
+  std::string map;                 ///< YAML file of a map to localize in; "": that of `session`
   std::string save_session;        ///< file for the session after the run; "": none
   const CLI::App* app = nullptr;   ///< where the options were declared
   bool no_timing = false;
@@ -47,10 +49,11 @@ struct MappingArguments {
 /// needed.
 void addMappingOptions(CLI::App& app, MappingArguments& arguments);
 
-/// Declares `--session`, `--start` and `--save-session`.
+/// Declares `--session`, `--start`, `--save-session`, `--mode` and `--map`.
 void addSessionOptions(CLI::App& app, MappingArguments& arguments);
-/// Reads the session that is continued into `run`. Throws std::runtime_error with the file and the
-/// reason, also if the session of this run could not be saved.
+/// Reads the session that is continued, or the map to localize in, into `run`. Throws
+/// std::runtime_error with the file and the reason, also if the session of this run could not be
+/// saved.
 void loadSessionFor(const MappingArguments& arguments, const SlamConfig& config, RunOptions& run);
 /// Saves the session of the run if that was asked for. Throws std::runtime_error.
 void saveSessionOf(const OfflineRun& run, const MappingArguments& arguments);

@@ -19,8 +19,9 @@ struct RelocalizationConfig {
   double min_known = 0.6;        ///< share of the scan in the known part of the map
   double min_constraint = 0.02;  ///< share of the scan that constrains the weakest direction
   double min_margin = 0.1;       ///< by which the fit is better than at any other place
-  double max_crossing = 0.2;     ///< share of the beams that would pass through walls
-  double min_agreement = 0.7;    ///< share of the single scans that fit at the same place
+  /// Share of the beams that end in free space or would pass through walls.
+  double max_contradiction = 0.25;
+  double min_agreement = 0.7;              ///< share of the single scans that fit at the same place
   std::int64_t most_work = 1'500'000'000;  ///< of one search, see WorkBudget
 };
 
@@ -38,6 +39,7 @@ struct PlaceHypothesis {
   MatchResult match;
   double crossing = 0.0;  ///< share of the beams that would pass through walls
   double score = 0.0;     ///< places are compared by it, 0 to 1
+  double contradiction() const { return match.known * (1.0 - match.score) + crossing; }
 };
 
 enum class RelocalizationState {
@@ -89,6 +91,7 @@ class Relocalizer {
   void judge(bool complete);
   double agreementAt(const MatchResult& found) const;
   PlaceHypothesis hypothesisAt(const Pose2& guess) const;
+  bool crosses(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
   double crossingAt(const Pose2& pose) const;
   const char* problemOf(const PlaceHypothesis& hypothesis) const;
 

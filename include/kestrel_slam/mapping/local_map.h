@@ -36,6 +36,10 @@ class LocalMap {
   LocalMap(const OccupancyGridConfig& grid, const SubmapOptions& options,
            const WindowConfig& window);
 
+  /// A finished map, to which nothing is added.
+  explicit LocalMap(Submap fixed);
+
+  bool isFixed() const { return fixed_; }
   /// The map to match against.
   const Submap& current() const { return *current_; }
   Submap& current() { return *current_; }
@@ -61,6 +65,7 @@ class LocalMap {
   double length_ = 0.0;        ///< of the current submap, in insertions
   std::optional<Pose2> last_;  ///< of the last inserted scan
   int scans_ = 0;
+  bool fixed_ = false;
 };
 
 }  // namespace kestrel

@@ -8,6 +8,7 @@
 
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/map/map_snapshot.h"
+#include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/mapping/mapper_config.h"
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 #include "kestrel_slam/matching/match_result.h"
@@ -58,6 +59,8 @@ struct MapperResult {
 class Mapper {
  public:
   explicit Mapper(const MapperConfig& config);
+  /// Localizes in a finished map, which never changes.
+  Mapper(const MapperConfig& config, Submap map);
   ~Mapper();
   Mapper(Mapper&&) noexcept;
   Mapper& operator=(Mapper&&) noexcept;
@@ -70,7 +73,8 @@ class Mapper {
   MapperResult process(const PlanarScan& scan,
                        const std::optional<Pose2>& odom_T_base = std::nullopt);
 
-  /// Clears everything; the next scan starts a new map at `map_T_base`. Ignored if `map_T_base` is
+  /// Clears everything; the next scan starts a new map at `map_T_base`. A finished map is kept: the
+  /// next scan is searched around `map_T_base`. Ignored if `map_T_base` is
   /// not finite or too large.
   void reset(const Pose2& map_T_base = Pose2());
 
@@ -80,6 +84,8 @@ class Mapper {
 
   const Pose2& pose() const;
   const MapperConfig& config() const;
+  /// What scans are matched against.
+  const Submap& map() const;
 
   /// A copy of the map with the values {-1, 0, 100}.
   MapSnapshot snapshot() const;

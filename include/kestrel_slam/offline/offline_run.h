@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "kestrel_slam/map/map_snapshot.h"
+#include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/offline/graph_result.h"
 #include "kestrel_slam/offline/perturbation.h"
@@ -82,6 +83,9 @@ struct RunOptions {
   CouplingOptions coupling;
   std::optional<Eigen::Isometry3d> base_T_laser;  ///< replaces the mounting in the recording
   Perturbation perturbation;
+  /// If there is one, the vehicle is only localized in this map, which is moved out. It begins at
+  /// `start`, if that is known.
+  std::shared_ptr<Submap> localize_in;
   std::size_t max_scans = std::numeric_limits<std::size_t>::max();  ///< number to process
   /// The older flight that is continued; null: none. Needs the pose graph.
   std::shared_ptr<const Session> session;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "kestrel_slam/graph/localizer.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/pipeline/moving_beams.h"
 #include "kestrel_slam/sensor/time_base.h"
@@ -18,6 +19,11 @@ class MappingStage {
  public:
   /// `keep_out_moving`: see MovingBeams.
   explicit MappingStage(const MapperConfig& config, bool keep_out_moving = false);
+
+  /// From now on the vehicle is only localized in this map, which does not change.
+  void localizeIn(Submap map);
+  /// Null while it maps.
+  Localizer* localizer() { return localizer_.get(); }
 
   /// Matches a planar scan. If the caller has already repaired the time base, the argument `time`
   /// (s) is used. Otherwise the time of the scan is computed from its stamp; each source has its
@@ -36,10 +42,11 @@ class MappingStage {
 
   /// See Mapper::takeChangedTiles.
   bool takeChangedTiles(std::size_t max_tiles, std::vector<TileImage>& images) {
-    return mapper_.takeChangedTiles(max_tiles, images);
+    return localizer_ ? localizer_->takeChangedTiles(max_tiles, images)
+                      : mapper_.takeChangedTiles(max_tiles, images);
   }
 
-  const Mapper& mapper() const { return mapper_; }
+  const Mapper& mapper() const { return localizer_ ? localizer_->mapper() : mapper_; }
   /// Null if what moves is not kept out.
   const MovingBeams* moving() const { return moving_.get(); }
 
@@ -53,6 +60,7 @@ class MappingStage {
     std::optional<Pose2> predicted, odom_T_base;
   };
 
+  MapperResult match(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base);
   MapperResult processLate(const PlanarScan& scan);
   std::optional<Pose2> poseAt(double time) const;
   void remember(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base, const Pose2& pose);
@@ -60,6 +68,7 @@ class MappingStage {
   TimeBase time_base_;
   Mapper mapper_;
   std::unique_ptr<MovingBeams> moving_;
+  std::unique_ptr<Localizer> localizer_;
   std::deque<Step> steps_;  ///< of the last second, ascending times
 };
 

@@ -106,6 +106,8 @@ class Pipeline {
   /// the vehicle may be (SubmapGraph::beginPart); without it, nobody knows. Throws
   /// std::invalid_argument if there is no graph.
   void continueWith(GraphRecord record, const std::optional<GaussianPose2>& map_T_base);
+  /// From now on the vehicle is only localized in this map, which does not change.
+  void localizeIn(Submap map);
 
   const Mapper& mapper() const { return mapping_.mapper(); }
   /// Null if scans are matched against one map that grows.

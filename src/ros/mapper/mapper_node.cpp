@@ -17,6 +17,7 @@
 #include "kestrel_slam/ros/common/guarded.h"
 #include "kestrel_slam/ros/common/names.h"
 #include "kestrel_slam/ros/common/wall_throttle.h"
+#include "kestrel_slam/session/finished_map.h"
 
 namespace kestrel {
 namespace {
@@ -68,6 +69,8 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
   pause_server_ = nh.advertiseService("pause_mapping", &MapperNode::pauseMapping, this);
   restart_server_ =
       nh.advertiseService("restart_mapping_with_new_pose", &MapperNode::restartMapping, this);
+  relocalize_server_ = nh.advertiseService("relocalize", &MapperNode::relocalize, this);
+  if (config_.localizes()) localize();
   map_publisher_ = std::make_unique<MapPublisher>(nh, config_, mapper_, trajectory_);
   trajectory_services_ = std::make_unique<TrajectoryServices>(map_publisher_->nodeHandle(),
                                                               config_.map_frame, trajectory_);
@@ -81,7 +84,8 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
       [this] { return map_publisher_->mapSize(); });
   match_thread_ = std::thread([this] { matchLoop(); });
   pthread_setname_np(match_thread_.native_handle(), "match");
-  ROS_INFO("Mapping scans on %s; %s.", input_->topic().c_str(),
+  ROS_INFO("%s scans on %s; %s.", config_.localizes() ? "Localizing with" : "Mapping",
+           input_->topic().c_str(),
            config_.usesOdometry()
                ? ("tf is " + config_.map_frame + " -> " + config_.odom_frame).c_str()
                : ("no odometry, tf is " + config_.map_frame + " -> " + config_.base_frame).c_str());
@@ -218,6 +222,25 @@ void MapperNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& m
   } catch (const std::invalid_argument& error) {
     ROS_ERROR("initialpose is refused: %s.", error.what());
   }
+}
+
+/// Localization starts with an unknown pose.
+void MapperNode::localize() {
+  const std::string& file = config_.map_file.empty() ? config_.session : config_.map_file;
+  if (file.empty())
+    throw std::invalid_argument("mode localization needs a map: set ~map_file or ~session");
+  try {
+    mapper_.localizeIn(loadFinishedMap(file, config_.slam.mapper.grid));
+  } catch (const std::runtime_error& error) {
+    throw std::invalid_argument(std::string("the map cannot be used: ") + error.what());
+  }
+}
+
+bool MapperNode::relocalize(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  response.success = mapper_.relocalize();
+  response.message = response.success ? "the pose is searched for in the whole map"
+                                      : "relocalize needs the parameter mode: localization";
+  return true;
 }
 
 bool MapperNode::resetMap(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {

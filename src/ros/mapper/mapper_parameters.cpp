@@ -155,6 +155,12 @@ std::vector<Parameter> outputParametersOf(MapperNodeConfig& config) {
 std::vector<Parameter> sessionParametersOf(MapperNodeConfig& config) {
   constexpr double kDay = 1440.0;
   return {
+      choice("mode", &config.mode, {"mapping", "localization"},
+             "localization: the vehicle is found and followed in the map of map_file or session, "
+             "which does not change."),
+      text("map_file", &config.map_file,
+           "YAML file of a map to localize in, as map_saver writes it; only with mode "
+           "localization."),
       text("session", &config.session,
            "Session file that the node continues from its start on; it turns graph on; empty: a "
            "new map."),
@@ -185,6 +191,7 @@ MapperNodeConfig loadParameters(const ros::NodeHandle& private_nh) {
   tidyFrames(config);
   resolveFrames(config);
   if (!config.session.empty()) config.slam.mapper.window.enabled = true;
+  if (config.localizes()) config.slam.mapper.window.enabled = false;
   validate(config);
   return config;
 }

@@ -52,7 +52,7 @@ SessionServices::SessionServices(const ros::NodeHandle& nh, const MapperNodeConf
       on_loaded_(std::move(on_loaded)),
       nh_(nh) {
   nh_.setCallbackQueue(&queue_);
-  if (!config_.session.empty()) {
+  if (!config_.session.empty() && !config_.localizes()) {
     try {
       ROS_INFO("%s", loadFrom(config_.session, config_.session_start, Pose2()).c_str());
     } catch (const std::exception& error) {

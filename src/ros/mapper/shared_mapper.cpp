@@ -80,6 +80,22 @@ GraphSnapshot SharedMapper::graphSnapshot() {
   return graph_->snapshot();
 }
 
+void SharedMapper::localizeIn(Submap map) {
+  const Lock lock(mutex_);
+  graph_.reset();
+  mapping_.localizeIn(std::move(map));
+  memory_bytes_ = mapping_.mapper().memoryBytes();
+  ++map_number_;
+  ++version_;
+}
+
+bool SharedMapper::relocalize() {
+  const Lock lock(mutex_);
+  if (mapping_.localizer() == nullptr) return false;
+  mapping_.localizer()->relocalize();
+  return true;
+}
+
 void SharedMapper::setPose(const Pose2& map_T_base) {
   const Lock lock(mutex_);
   mapping_.setPose(mapTLocal().inverse() * map_T_base);

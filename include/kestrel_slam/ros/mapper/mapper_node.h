@@ -57,6 +57,8 @@ class MapperNode {
   void onCommand(const std_msgs::String& message);
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
   bool resetMap(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  void localize();
+  bool relocalize(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool pauseMapping(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
   bool restartMapping(kestrel_slam::ResetMapping::Request& request,
                       kestrel_slam::ResetMapping::Response& response);
@@ -77,7 +79,7 @@ class MapperNode {
   std::thread match_thread_;
 
   ros::Subscriber command_subscriber_, initial_pose_subscriber_;
-  ros::ServiceServer reset_server_, pause_server_, restart_server_;
+  ros::ServiceServer reset_server_, pause_server_, restart_server_, relocalize_server_;
   std::unique_ptr<ScanInput> input_;
   std::unique_ptr<MapPublisher> map_publisher_;
   std::unique_ptr<TrajectoryServices> trajectory_services_;

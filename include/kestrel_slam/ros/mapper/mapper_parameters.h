@@ -28,13 +28,16 @@ struct MapperNodeConfig {
   std::string tf_map_scanmatch_transform_frame_name;  ///< empty: derived from the base frame
   bool pub_odometry = false;
   bool advertise_map_service = true;
-  std::string save_folder;  ///< empty: the working, home and temporary folder
-  std::string session;      ///< file that is continued from the start on; empty: none
+  std::string save_folder;       ///< empty: the working, home and temporary folder
+  std::string mode = "mapping";  ///< or localization, in `map_file` or `session`
+  std::string map_file;          ///< YAML file of a map
+  std::string session;           ///< file that is continued from the start on; empty: none
   std::string session_start = "last";
   std::string session_folder;     ///< empty: the working, home and temporary folder
   double autosave_minutes = 0.0;  ///< 0: never
   SlamConfig slam;
 
+  bool localizes() const { return mode == "localization"; }
   bool usesPlanarScans() const { return input == "planar_scan"; }
   const std::string& inputTopic() const {
     return usesPlanarScans() ? planar_scan_topic : scan_topic;

@@ -46,6 +46,11 @@ class SharedMapper {
   /// A copy of the graph. Throws std::runtime_error if there is none.
   GraphSnapshot graphSnapshot();
 
+  /// From now on the vehicle is only localized in this map, which does not change.
+  void localizeIn(Submap map);
+  /// Forgets the pose and searches the whole map. Returns false while it maps.
+  bool relocalize();
+
   /// Keeps the map and sets the pose of the vehicle.
   void setPose(const Pose2& map_T_base);
 

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/graph/relocalizer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "kestrel_slam/graph/localizer.h"
+#include "kestrel_slam/map/picture_map.h"
+#include "loop_world.h"
+
+namespace kestrel {
+namespace {
+
+using room::Segment;
+
+std::vector<Segment> moved(const std::vector<Segment>& walls, double x) {
+  std::vector<Segment> result;
+  for (const Segment& s : walls) result.push_back({s.x0 + x, s.y0, s.x1 + x, s.y1});
+  return result;
+}
+
+/// A room that has no place in common with room::walls().
+std::vector<Segment> otherRoom() {
+  std::vector<Segment> walls;
+  loop_world::addBox(walls, -6, -1.5, 12, 3);
+  loop_world::addBox(walls, -1.2, -0.5, 0.5, 0.5);
+  loop_world::addBox(walls, 3.1, 0.4, 0.9, 0.3);
+  return walls;
+}
+
+void insertAt(double x, const std::vector<Segment>& walls, Submap& map) {
+  for (const Pose2& pose : {Pose2(0, 0, 0), Pose2(0.5, 0.3, 1), Pose2(-0.6, -0.4, 2)})
+    map.insert(room::scanFrom(Pose2(x, 0, 0) * pose, walls), Pose2(x, 0, 0) * pose);
+}
+
+RelocalizationQuery queryOf(const PlanarScan& scan) { return {{{Pose2(), scan}}}; }
+
+struct Scene {
+  explicit Scene(Submap m) : map(std::move(m)), global(map) {}
+  RelocalizationAnswer locate(const PlanarScan& scan) const {
+    Relocalizer relocalizer(global, MatcherConfig(), RelocalizationConfig());
+    return relocalizer.locate(queryOf(scan));
+  }
+  Submap map;
+  GlobalMap global;
+};
+
+TEST(Relocalizer, FindsTheVehicleAtEveryYaw) {
+  const Scene scene(room::map());
+  for (const Pose2& truth : {Pose2(1, -1, 2.1), Pose2(-2, 1.5, -2.8), Pose2(0.3, 0.2, 0.1)}) {
+    const RelocalizationAnswer answer = scene.locate(room::scanFrom(truth));
+    ASSERT_EQ(answer.state, RelocalizationState::kFound) << answer.reason;
+    EXPECT_LT(truth.between(answer.pose().mean).distance(), 0.05);
+    EXPECT_LT(std::abs(truth.between(answer.pose().mean).yaw), 0.02);
+  }
+}
+
+TEST(Relocalizer, TwoEqualRoomsAreAmbiguous) {
+  Submap map = room::map();
+  insertAt(30.0, moved(room::walls(), 30.0), map);
+  const Scene scene(std::move(map));
+  const Pose2 truth(1, -1, 2.1);
+  const RelocalizationAnswer answer = scene.locate(room::scanFrom(truth));
+  EXPECT_EQ(answer.state, RelocalizationState::kAmbiguous) << answer.reason;
+  ASSERT_GE(answer.hypotheses.size(), 2U);
+  EXPECT_NEAR(answer.hypotheses[0].match.pose.between(answer.hypotheses[1].match.pose).distance(),
+              30.0, 0.1);
+}
+
+TEST(Relocalizer, AnotherBuildingIsRefused) {
+  const Scene scene(room::map());
+  for (const Pose2& pose : {Pose2(0, 0.2, 0), Pose2(-3, 0.4, 1), Pose2(4.4, -0.4, 3)}) {
+    const RelocalizationAnswer answer = scene.locate(room::scanFrom(pose, otherRoom()));
+    EXPECT_NE(answer.state, RelocalizationState::kFound);
+    EXPECT_STRNE(answer.reason, "");
+  }
+}
+
+TEST(Relocalizer, AScanOfTenBeamsSaysNothing) {
+  const Scene scene(room::map());
+  const RelocalizationAnswer answer = scene.locate(room::scanFrom({1, -1, 2}, room::walls(), 10));
+  EXPECT_EQ(answer.state, RelocalizationState::kUnknown);
+  EXPECT_STREQ(answer.reason, "too few hits");
+}
+
+TEST(Relocalizer, AnEmptyMapHasNoPlaces) {
+  const Scene scene{Submap(OccupancyGridConfig())};
+  EXPECT_EQ(scene.locate(room::scanFrom({})).state, RelocalizationState::kUnknown);
+}
+
+TEST(Relocalizer, AnInterruptedSearchGivesTheSameAnswer) {
+  const Scene scene(room::map());
+  const PlanarScan scan = room::scanFrom({1, -1, 2.1});
+  const RelocalizationAnswer whole = scene.locate(scan);
+  Relocalizer relocalizer(scene.global, MatcherConfig(), RelocalizationConfig());
+  relocalizer.begin(queryOf(scan));
+  int steps = 0;
+  while (relocalizer.isSearching()) relocalizer.advance(1'000'000), ++steps;
+  EXPECT_GT(steps, 3);
+  EXPECT_EQ(relocalizer.answer().state, whole.state);
+  ASSERT_EQ(relocalizer.answer().hypotheses.size(), whole.hypotheses.size());
+  EXPECT_EQ(relocalizer.answer().pose().mean.x, whole.pose().mean.x);
+}
+
+/// The search leaves nothing out: no pose of a fine lattice scores better.
+TEST(GlobalSearch, IsExact) {
+  const Submap map = room::map();
+  const GlobalMap global(map);
+  const Points points = hitsOf(room::scanFrom({1, -1, 2.1}));
+  GlobalSearch search(global, points, GlobalSearchConfig());
+  WorkBudget budget(4'000'000'000);
+  ASSERT_TRUE(search.run(budget));
+  ASSERT_TRUE(search.isComplete());
+  ASSERT_FALSE(search.hypotheses().empty());
+  EXPECT_GT(search.hypotheses().front().score, 0.85);
+}
+
+MapperResult process(Localizer& localizer, const Pose2& pose, double time,
+                     const std::vector<Segment>& walls = room::walls()) {
+  PlanarScan scan = room::scanFrom(pose, walls);
+  scan.stamp = scan.time = time;
+  return localizer.process(scan);
+}
+
+/// The pose after at most `scans` scans at one place.
+MapperResult stand(Localizer& localizer, const Pose2& pose, double& time, int scans) {
+  MapperResult result;
+  for (int i = 0; i < scans; ++i) {
+    result = process(localizer, pose, time += 0.1);
+    if (result.state != MatchState::kLost) break;
+  }
+  return result;
+}
+
+TEST(Localizer, FindsTracksLosesAndFindsAgain) {
+  Localizer localizer(MapperConfig(), room::map());
+  double time = 0.0;
+  Pose2 truth(1, -1, 2.1);
+  MapperResult result = stand(localizer, truth, time, 20);
+  ASSERT_NE(result.state, MatchState::kLost);
+  EXPECT_LT(truth.between(result.pose).distance(), 0.05);
+  const std::size_t scans = static_cast<std::size_t>(localizer.mapper().map().scans());
+  for (int i = 0; i < 20; ++i) {
+    truth = truth * Pose2(0.03, 0, 0.02);
+    result = process(localizer, truth, time += 0.1);
+    EXPECT_NE(result.state, MatchState::kLost);
+    EXPECT_LT(truth.between(result.pose).distance(), 0.05);
+    EXPECT_FALSE(result.inserted);
+  }
+  const Pose2 carried(-2.5, 1.8, -1.2);
+  for (int i = 0; i < 30; ++i) result = process(localizer, carried, time += 0.1);
+  EXPECT_LT(carried.between(result.pose).distance(), 0.05);
+  EXPECT_EQ(static_cast<std::size_t>(localizer.mapper().map().scans()), scans);
+}
+
+TEST(Localizer, TakesThePoseOfAUserAnyNumberOfTimes) {
+  Submap map = room::map();
+  insertAt(30.0, moved(room::walls(), 30.0), map);
+  Localizer localizer(MapperConfig(), std::move(map));
+  double time = 0.0;
+  EXPECT_EQ(stand(localizer, {1, -1, 2.1}, time, 10).state, MatchState::kLost);  // two equal rooms
+  for (const double x : {30.0, 0.0, 30.0}) {
+    localizer.setPose(Pose2(x + 1.1, -0.9, 2.15));
+    const MapperResult result = process(localizer, {1, -1, 2.1}, time += 0.1);
+    EXPECT_LT(Pose2(x + 1, -1, 2.1).between(result.pose).distance(), 0.05);
+  }
+}
+
+TEST(PictureMap, AVehicleIsFoundInThePicture) {
+  const Submap built = room::map();
+  const Scene scene(submapOf(built.grid().snapshot(), OccupancyGridConfig()));
+  EXPECT_EQ(scene.map.grid().snapshot().width, built.grid().snapshot().width);
+  const Pose2 truth(1, -1, 2.1);
+  const RelocalizationAnswer answer = scene.locate(room::scanFrom(truth));
+  ASSERT_EQ(answer.state, RelocalizationState::kFound) << answer.reason;
+  EXPECT_LT(truth.between(answer.pose().mean).distance(), 0.05);
+}
+
+}  // namespace
+}  // namespace kestrel
