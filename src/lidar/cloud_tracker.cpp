@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "cloud_objects.h"
 #include "cloud_track_list.h"
@@ -121,6 +122,19 @@ struct CloudTracker::State {
     return rays;
   }
 
+  /// Where a beam without return meets something static: glass and dark surfaces give no return.
+  Eigen::Vector3f freeEnd(const Eigen::Vector3f& from, const Eigen::Vector3f& to) const {
+    const auto inverse = static_cast<float>(1.0 / config.grid.resolution_m);
+    Eigen::Vector3f end = to;
+    traverse<3>(from * inverse, to * inverse, [&](const GridIndex<3>& index) {
+      if (grid.staticState(index) != CellState::kOccupied) return true;
+      const float range = (grid.centerOf(index) - from).norm();
+      end = from + (to - from).normalized() * std::max(0.0F, range - 1.0F / inverse);
+      return false;
+    });
+    return end;
+  }
+
   /// Beams without return [Siew 2018, sec. V].
   void addUnanswered(const LidarSweep& sweep, const SweepPoints& usable, const Ground& ground,
                      std::vector<GridRay<3>>& rays) const {
@@ -134,7 +148,7 @@ struct CloudTracker::State {
         if (directions.size() == known) continue;
         const Eigen::Vector3f end =
             pose * (direction * static_cast<float>(config.free_range_m)).eval();
-        rays.push_back({pose.translation(), end, false, true});
+        rays.push_back({pose.translation(), freeEnd(pose.translation(), end), false, false});
       }
       return;
     }
@@ -142,10 +156,11 @@ struct CloudTracker::State {
     visitation.resolution_m = config.grid.resolution_m;
     visitation.ring_step_rad = degToRad(config.ring_step_deg);
     for (const auto& cell : unvisitedCells(usable.points, ground, result.pose, visitation)) {
+      if (grid.staticState(cell) == CellState::kOccupied) continue;
       const Eigen::Vector3f center = grid.centerOf(cell);
       const Eigen::Vector3f next =
           center + Eigen::Vector3f::UnitX() * static_cast<float>(config.grid.resolution_m);
-      rays.push_back({center, next, false, true});
+      rays.push_back({center, next, false, false});
     }
   }
 
@@ -157,22 +172,21 @@ struct CloudTracker::State {
         config.max_speed* seconds);
   }
 
-  /// Voxels with what moves, and with what has stopped where a track is.
-  std::vector<MovingVoxel> movingVoxels(const Voxels& voxels, const std::vector<Motion>& motion,
+  /// Voxels with what moves, and with what belongs to a track.
+  std::vector<MovingVoxel> movingVoxels(const Voxels& voxels, const MotionGrid<3>::Result& inserted,
                                         const std::vector<Eigen::Vector3f>& points) {
     std::vector<MovingVoxel> moving;
     std::vector<std::uint32_t> slot(voxels.sums.size(), VoxelTable::kNone);
     for (std::uint32_t v = 0; v < voxels.sums.size(); ++v) {
       const Eigen::Vector3d& centroid = voxels.sums[v].mean;
-      const bool wanted = motion[v] == Motion::kMoving ||
-                          (motion[v] == Motion::kStopped && tracks.covers(centroid));
+      const bool wanted = inserted.motion[v] == Motion::kMoving || tracks.claims(centroid, grid);
       if (!wanted) continue;
       if (moving.size() == config.max_moving_voxels) {
         result.saturated = true;
         break;
       }
       slot[v] = static_cast<std::uint32_t>(moving.size());
-      moving.push_back({v, centroid, {}});
+      moving.push_back({v, centroid, {}, inserted.was_free[v]});
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
       const std::uint32_t v = voxels.voxel_of[i];
@@ -221,9 +235,23 @@ struct CloudTracker::State {
       const Eigen::Vector2d size = tracks.sizeAt(center.head<2>());
       // Over the places where it may be: the share of them that is visible.
       const double sigma = std::sqrt(component.covariance.topLeftCorner<2, 2>().trace() / 2.0);
+      if (sigma > config.lost_sigma_m) return 0.0;
       const double width = size.x() + std::max(0.0, 2.0 * sigma - kSharpSigma);
       return config.detection * view.visibleShare(center, width, size.y());
     };
+  }
+
+  /// A target whose place is not known any more would explain whatever appears around it.
+  void forgetLost() {
+    std::map<TargetLabel, double> variance;
+    for (const PhdComponent<7>& component : filter.components()) {
+      const double own = component.covariance.topLeftCorner<2, 2>().trace() / 2.0;
+      const auto [known, is_new] = variance.emplace(component.label, own);
+      if (!is_new) known->second = std::min(known->second, own);
+    }
+    for (const auto& [label, least] : variance) {
+      if (least > config.lost_sigma_m * config.lost_sigma_m) filter.forget(label);
+    }
   }
 
   void follow(double seconds, const std::vector<MovingVoxel>& moving, const LidarView& view) {
@@ -238,17 +266,21 @@ struct CloudTracker::State {
     filter.add(new_targets);
     filter.predict(seconds, {});
     filter.update(observations);
+    forgetLost();
     tracks.update(filter, objects, moving, view, grid);
     result.tracks = tracks.tracks();
   }
 
   /// What does not move becomes a part of the map for the localization.
   void extendSurfaces(const std::vector<Eigen::Vector3f>& points, const Voxels& voxels,
-                      const std::vector<Motion>& motion) {
+                      const std::vector<Motion>& motion, const std::vector<MovingVoxel>& moving) {
+    std::vector<bool> stands;
+    for (const Motion of_voxel : motion) stands.push_back(of_voxel == Motion::kStatic);
+    for (const MovingVoxel& voxel : moving) stands[voxel.number] = false;
     std::vector<bool> is_static(points.size(), true);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const std::uint32_t v = voxels.voxel_of[i];
-      if (v != VoxelTable::kNone) is_static[i] = motion[v] == Motion::kStatic;
+      if (v != VoxelTable::kNone) is_static[i] = stands[v];
     }
     const Voxels cells = voxelize(points, is_static, config.surface_resolution_m);
     surfaces.add(cells, std::vector<bool>(cells.index.size(), true));
@@ -280,8 +312,9 @@ struct CloudTracker::State {
     const auto& inserted = grid.insert(rays, seconds);
     result.saturated = usable.thinned || inserted.full;
     const LidarView view(usable.points, result.pose);
-    follow(seconds, movingVoxels(voxels, inserted.motion, points), view);
-    extendSurfaces(points, voxels, inserted.motion);
+    const std::vector<MovingVoxel> moving = movingVoxels(voxels, inserted, points);
+    follow(seconds, moving, view);
+    extendSurfaces(points, voxels, inserted.motion, moving);
     forgetFar();
     markMovingPoints({sweep.cloud.points.size(), usable, ground, points}, result.tracks,
                      result.moving, result.ground);
@@ -321,6 +354,8 @@ const CloudTracker::Result& CloudTracker::process(
   return state.result;
 }
 
+const Eigen::Isometry3d& CloudTracker::pose() const { return state_->result.pose; }
+std::optional<double> CloudTracker::stamp() const { return state_->time; }
 const SurfaceMap& CloudTracker::surfaces() const { return state_->surfaces; }
 const MotionGrid<3>& CloudTracker::grid() const { return state_->grid; }
 std::size_t CloudTracker::memoryBytes() const {
