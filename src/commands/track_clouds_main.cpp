@@ -59,8 +59,9 @@ class CloudRun {
     RecordedScan scan;
     while (!isFull() && recording->next(scan)) {
       if (!scan.cloud) {
-        throw std::runtime_error(path + ": the scan topic has no clouds; choose a PointCloud2 "
-                                        "topic with --scan-topic, or another bag");
+        throw std::runtime_error(path +
+                                 ": the scan topic has no clouds; choose a PointCloud2 "
+                                 "topic with --scan-topic, or another bag");
       }
       add(std::move(*scan.cloud));
     }
@@ -135,9 +136,9 @@ class CloudRun {
     KittiLabel label;
     label.frame = frame;
     label.id = track.plane.id;
-    label.type = track.plane.size == SizeClass::kVehicle   ? "Car"
+    label.type = track.plane.size == SizeClass::kVehicle  ? "Car"
                  : track.plane.size == SizeClass::kMedium ? "Cyclist"
-                                                           : "Pedestrian";
+                                                          : "Pedestrian";
     const double height = std::max(track.top - track.bottom, 0.1);
     label.center = pose.inverse() * Eigen::Vector3d(box.center.x(), box.center.y(),
                                                     0.5 * (track.top + track.bottom));
@@ -177,7 +178,8 @@ int main(int argc, char** argv) {
   using namespace kestrel;
   Options options;
   CLI::App app(
-      "Localizes a 3D lidar by its sweeps alone, maps what stands and tracks what moves. Writes the\n"
+      "Localizes a 3D lidar by its sweeps alone, maps what stands and tracks what moves. Writes "
+      "the\n"
       "trajectory, the tracks and the static map (PCD, OctoMap).");
   app.add_option("FILE", options.files,
                  "rosbags with PointCloud2, or .pcd, .pcd.bin or .bin files in their order")

@@ -17,7 +17,7 @@ using Plane = std::vector<Eigen::Vector2d>;
 constexpr std::size_t kBoxPoints = 150;  ///< of an object, to which the box is fitted
 constexpr double kVehicleSide = 1.3;     ///< m; nothing but a vehicle has a side as long as this
 constexpr double kLongestBicycle = 2.5;
-constexpr double kPersonDepth = 0.3;     ///< m
+constexpr double kPersonDepth = 0.3;  ///< m
 // The least size of a vehicle, m: of a longer one more was seen, or will be seen.
 constexpr double kVehicleLength = 4.2, kVehicleWidth = 1.7;
 
@@ -127,7 +127,7 @@ std::vector<KnownShape> tracksIn(const std::vector<std::size_t>& cluster, const 
                    [](const auto& a, const auto& b) { return a.reach > b.reach; });
   for (const KnownShape& shape : sorted) {
     const bool overlaps = std::any_of(kept.begin(), kept.end(), [&](const KnownShape& other) {
-      return (other.center - shape.center).norm() < other.reach;
+      return (other.center - shape.center).norm() < other.reach + 0.5 * shape.reach;
     });
     if (!overlaps) kept.push_back(shape);
   }
@@ -145,10 +145,9 @@ std::vector<std::vector<std::size_t>> divided(const std::vector<std::size_t>& cl
     const auto distanceTo = [&](const KnownShape& shape) {
       return (shape.center - centers[v]).norm() - shape.reach;
     };
-    const auto nearest =
-        std::min_element(tracks.begin(), tracks.end(), [&](const auto& a, const auto& b) {
-          return distanceTo(a) < distanceTo(b);
-        });
+    const auto nearest = std::min_element(
+        tracks.begin(), tracks.end(),
+        [&](const auto& a, const auto& b) { return distanceTo(a) < distanceTo(b); });
     parts[static_cast<std::size_t>(nearest - tracks.begin())].push_back(v);
   }
   return parts;
@@ -167,8 +166,7 @@ bool covers(const CloudObject& object, const CloudObject& part) {
   const Eigen::Vector2d u(std::cos(box.yaw), std::sin(box.yaw));
   const Eigen::Vector2d offset = part.box.center - box.center;
   const double across = u.x() * offset.y() - u.y() * offset.x();
-  return std::abs(u.dot(offset)) <= 0.5 * box.size.x() &&
-         std::abs(across) <= 0.5 * box.size.y();
+  return std::abs(u.dot(offset)) <= 0.5 * box.size.x() && std::abs(across) <= 0.5 * box.size.y();
 }
 
 /// True if there are enough points, and not too high.

@@ -34,7 +34,7 @@ struct CloudObject {
 struct KnownShape {
   long track = 0;  ///< its id; 0: it has not moved yet
   Eigen::Vector2d center = Eigen::Vector2d::Zero();
-  double reach = 0.0;  ///< half of its longer side, m
+  double reach = 0.0;                ///< half of its longer side, m
   double length = 0.0, width = 0.0;  ///< largest extents that were seen, m
   std::optional<double> yaw;         ///< of its motion, if it moves
 };

@@ -19,8 +19,8 @@ constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is 
 constexpr double kKnownSpeed = 1.5;   ///< m/s; from here on, an object points where it goes
 /// What was seen of the size fades in each sweep: a label may go over from one object to another.
 constexpr double kFade = 0.93;
-constexpr double kLongest = 12.0;     ///< m; two vehicles that were one cluster are longer
-constexpr double kWidest = 2.8;       ///< m
+constexpr double kLongest = 12.0;  ///< m; two vehicles that were one cluster are longer
+constexpr double kWidest = 2.8;    ///< m
 
 void setState(const Eigen::Matrix<double, 7, 1>& mean,
               const Eigen::Matrix<double, 7, 7>& covariance, CloudTrack& track) {
@@ -140,10 +140,10 @@ bool CloudTrackList::hasMoved(const Entry& entry, const CloudObject& object,
   const auto arrived = std::count_if(cells.begin(), cells.end(), [&](const GridIndex<3>& cell) {
     return grid.cameAfter(cell, entry.first_time);
   });
-  const auto was_free =
-      std::count_if(object.voxels.begin(), object.voxels.end(),
-                    [&](const std::size_t v) { return voxels[v].was_free; });
-  return left > 0 && 2 * static_cast<std::size_t>(was_free) > cells.size() && 2 * static_cast<std::size_t>(arrived) > cells.size();
+  const auto was_free = std::count_if(object.voxels.begin(), object.voxels.end(),
+                                      [&](const std::size_t v) { return voxels[v].was_free; });
+  return left > 0 && 2 * static_cast<std::size_t>(was_free) > cells.size() &&
+         2 * static_cast<std::size_t>(arrived) > cells.size();
 }
 
 void CloudTrackList::miss(Entry& entry, const PhdFilter<7, 3>& filter,

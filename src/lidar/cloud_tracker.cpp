@@ -7,11 +7,10 @@
 
 #include "cloud_objects.h"
 #include "cloud_track_list.h"
-#include "kestrel_slam/geometry/angles.h"
-#include "kestrel_slam/lidar/visitation.h"
 #include "lidar_view.h"
 #include "moving_points.h"
 #include "sweep_points.h"
+#include "sweep_rays.h"
 
 namespace kestrel {
 namespace {
@@ -21,10 +20,8 @@ constexpr double kForgetEvery_m = 5.0;  ///< the maps forget what is far after t
 constexpr double kMaxPosition = 1e5;    ///< m; poses beyond this are wrong
 constexpr std::size_t kFewestPoints = 100;
 constexpr int kModes = 3;                ///< motion models: constant velocity, standing, turn
-constexpr double kSharpSigma = 0.3;  ///< m; twice the sigma of a place that counts as known
+constexpr double kSharpSigma = 0.3;      ///< m; twice the sigma of a place that counts as known
 constexpr double kStandingJitter = 0.2;  ///< m/sqrt(s): the visible part of an object changes
-constexpr float kUnanswered_m = 1.0F;  ///< beams without return are thinned to this distance at...
-constexpr float kUnansweredRange = 20.0F;  ///< ... this range
 
 PhdModel<7, 3> modelOf(const CloudTrackerConfig& config) {
   PhdModel<7, 3> model;
@@ -95,73 +92,6 @@ struct CloudTracker::State {
                         icp.pose.translation().norm() < kMaxPosition && icp.pairs > 0;
     result.localized = usable && icp.converged;
     return usable ? icp.pose : guess;
-  }
-
-  /// The beam to `end`, up to the range in which beams clear cells.
-  GridRay<3> rayTo(const Eigen::Vector3f& from, const Eigen::Vector3f& end, float shorter) const {
-    const Eigen::Vector3f along = end - from;
-    const float range = along.norm();
-    const auto limit = static_cast<float>(config.free_range_m);
-    GridRay<3> ray{from, end, shorter <= 0.0F && range <= limit, false};
-    if (!ray.hit) ray.end = from + along * (std::clamp(range - shorter, 0.0F, limit) / range);
-    return ray;
-  }
-
-  /// One beam for each voxel with points, the ground only as the end of free space.
-  std::vector<GridRay<3>> raysOf(const Voxels& voxels, const Voxels& ground) const {
-    const Eigen::Vector3f lidar = result.pose.translation().cast<float>();
-    std::vector<GridRay<3>> rays;
-    rays.reserve(voxels.sums.size() + ground.sums.size());
-    for (const PointSums& sums : voxels.sums) {
-      rays.push_back(rayTo(lidar, sums.mean.cast<float>(), 0.0F));
-    }
-    const auto shorter = static_cast<float>(config.grid.resolution_m);
-    for (const PointSums& sums : ground.sums) {
-      rays.push_back(rayTo(lidar, sums.mean.cast<float>(), shorter));
-    }
-    return rays;
-  }
-
-  /// Where a beam without return meets something static: glass and dark surfaces give no return.
-  Eigen::Vector3f freeEnd(const Eigen::Vector3f& from, const Eigen::Vector3f& to) const {
-    const auto inverse = static_cast<float>(1.0 / config.grid.resolution_m);
-    Eigen::Vector3f end = to;
-    traverse<3>(from * inverse, to * inverse, [&](const GridIndex<3>& index) {
-      if (grid.staticState(index) != CellState::kOccupied) return true;
-      const float range = (grid.centerOf(index) - from).norm();
-      end = from + (to - from).normalized() * std::max(0.0F, range - 1.0F / inverse);
-      return false;
-    });
-    return end;
-  }
-
-  /// Beams without return [Siew 2018, sec. V].
-  void addUnanswered(const LidarSweep& sweep, const SweepPoints& usable, const Ground& ground,
-                     std::vector<GridRay<3>>& rays) const {
-    const Eigen::Isometry3f pose = result.pose.cast<float>();
-    if (!sweep.unanswered.empty()) {
-      VoxelTable directions;
-      for (const Eigen::Vector3f& direction : sweep.unanswered) {
-        if (!direction.allFinite()) continue;
-        const std::size_t known = directions.size();
-        directions.numberOf(voxelIndexOf(direction * kUnansweredRange, kUnanswered_m));
-        if (directions.size() == known) continue;
-        const Eigen::Vector3f end =
-            pose * (direction * static_cast<float>(config.free_range_m)).eval();
-        rays.push_back({pose.translation(), freeEnd(pose.translation(), end), false, false});
-      }
-      return;
-    }
-    VisitationConfig visitation;
-    visitation.resolution_m = config.grid.resolution_m;
-    visitation.ring_step_rad = degToRad(config.ring_step_deg);
-    for (const auto& cell : unvisitedCells(usable.points, ground, result.pose, visitation)) {
-      if (grid.staticState(cell) == CellState::kOccupied) continue;
-      const Eigen::Vector3f center = grid.centerOf(cell);
-      const Eigen::Vector3f next =
-          center + Eigen::Vector3f::UnitX() * static_cast<float>(config.grid.resolution_m);
-      rays.push_back({center, next, false, false});
-    }
   }
 
   void impose(double seconds) {
@@ -305,8 +235,10 @@ struct CloudTracker::State {
     const std::vector<Eigen::Vector3f> points = transformed(usable.points, result.pose);
     const double resolution = config.grid.resolution_m;
     const Voxels voxels = voxelize(points, inverted(ground.is_ground), resolution);
-    std::vector<GridRay<3>> rays = raysOf(voxels, voxelize(points, ground.is_ground, resolution));
-    addUnanswered(sweep, usable, ground, rays);
+    const SweepRays beams(grid, config, result.pose);
+    std::vector<GridRay<3>> rays =
+        beams.measured(voxels, voxelize(points, ground.is_ground, resolution));
+    beams.addUnanswered(sweep.unanswered, usable.points, ground, rays);
     tracks.predict(seconds);
     impose(seconds);
     const auto& inserted = grid.insert(rays, seconds);

@@ -61,8 +61,8 @@ Eigen::Isometry3d readKittiCalibration(const std::string& path) {
   while (readLine(*stream, line)) {
     const auto rectified = numbersAfter(line, "R_rect");
     if (rectified && rectified->size() == 9) {
-      rectification = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(
-          rectified->data());
+      rectification =
+          Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rectified->data());
     }
     const auto matrix = numbersAfter(line, "Tr_velo_cam");
     if (!matrix || matrix->size() != 12) continue;
@@ -71,8 +71,9 @@ Eigen::Isometry3d readKittiCalibration(const std::string& path) {
         Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(matrix->data());
   }
   if (!transform) {
-    throw std::runtime_error(path + ": has no Tr_velo_cam with 12 numbers; give the calibration "
-                                    "file of the KITTI tracking benchmark");
+    throw std::runtime_error(path +
+                             ": has no Tr_velo_cam with 12 numbers; give the calibration "
+                             "file of the KITTI tracking benchmark");
   }
   Eigen::Isometry3d result = *transform;
   result.linear() = rectification * transform->linear();

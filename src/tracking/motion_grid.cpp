@@ -114,7 +114,9 @@ typename MotionGrid<D>::Surroundings MotionGrid<D>::surroundingsOf(const Vector&
     const Vector low = index.template cast<float>() - in_cells;
     const Vector gap = low.cwiseMax(-low - Vector::Ones()).cwiseMax(0.0F);
     if (gap.norm() > reach) return false;
-    (cell->was_moving ? result.has_stopped : isNew(*cell) ? result.is_new : result.is_static) = true;
+    (cell->was_moving ? result.has_stopped
+     : isNew(*cell)   ? result.is_new
+                      : result.is_static) = true;
     return result.is_static;
   });
   return result;

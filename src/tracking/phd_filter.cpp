@@ -196,7 +196,8 @@ void PhdFilter<N, M>::limitLabels() {
     const LabelWeight& label = labels[updated_[i].label];
     const double left = std::max(0.0, 1.0 - label.detected);
     const double missed_scale = label.missed > left ? left / label.missed : 1.0;
-    updated_[i].weight *= observation_of_[i] < 0 ? missed_scale : 1.0 / std::max(1.0, label.detected);
+    updated_[i].weight *=
+        observation_of_[i] < 0 ? missed_scale : 1.0 / std::max(1.0, label.detected);
   }
 }
 

@@ -16,7 +16,7 @@ constexpr double kMargin = 0.25;
 /// object was seen there: thin objects are not hit by every scan.
 constexpr double kLeftTime = 0.2, kLeftShare = 0.25;
 constexpr double kNotFinite = std::numeric_limits<double>::quiet_NaN();
-constexpr double kPathTime = 2.0;    ///< s, of the path that shows whether an object moves
+constexpr double kPathTime = 2.0;  ///< s, of the path that shows whether an object moves
 constexpr std::size_t kPathPoints = 5;
 /// Smallest sigma of the positions, m: the errors of successive scans are not independent.
 constexpr double kPathSigma = 0.03;

@@ -28,7 +28,7 @@ class TrackList {
 
   /// True if the point belongs to the predicted place of a track.
   bool covers(const Eigen::Vector2d& point) const;
-  /// Velocity of what moves at the point; NaN if nothing does. 
+  /// Velocity of what moves at the point; NaN if nothing does.
   Eigen::Vector2d velocityAt(const Eigen::Vector2d& point) const;
   /// Width of the track at the point; that of a person if there is none, m.
   double widthAt(const Eigen::Vector2d& point) const;
@@ -49,9 +49,9 @@ class TrackList {
   struct Entry {
     Track track;
     TargetLabel label = 0;
-    std::deque<Sample> samples;                           ///< last places; until it has moved
-    double length = 0.0;                                  ///< largest length that was seen, m
-    double seen_s = 0.0;                                  ///< time with observations
+    std::deque<Sample> samples;  ///< last places; until it has moved
+    double length = 0.0;         ///< largest length that was seen, m
+    double seen_s = 0.0;         ///< time with observations
     double hidden_s = 0.0;
   };
 

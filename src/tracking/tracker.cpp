@@ -18,9 +18,10 @@ constexpr double kMaxGap = 5.0;          ///< s; after a longer gap, the tracks 
 constexpr double kForgetEvery_m = 10.0;  ///< the grids forget what is far after this distance
 constexpr double kMaxPosition = 1e6;     ///< m; poses beyond this are wrong
 constexpr double kSharpSigma = 0.3;      ///< m; twice the sigma of a place that counts as known
-/// At a grazing angle, the returns of neighboring beams on a wall are this many beam spacings apart.
+/// At a grazing angle, the returns of neighboring beams on a wall are this many beam spacings
+/// apart.
 constexpr double kGrazing = 6.0;
-constexpr int kModes = 3;                ///< motion models: constant velocity, standing, turn
+constexpr int kModes = 3;  ///< motion models: constant velocity, standing, turn
 constexpr double kStandingJitter =
     0.1;  ///< m/sqrt(s): the visible part of a person who stands changes
 
@@ -113,9 +114,8 @@ struct Tracker::State {
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const Eigen::Vector2d end = rays[i].end.cast<double>();
       const Motion motion = result.motion[i];
-      const bool wanted =
-          motion == Motion::kMoving || (motion == Motion::kNew && !attached[i]) ||
-          (motion == Motion::kStopped && tracks.covers(end));
+      const bool wanted = motion == Motion::kMoving || (motion == Motion::kNew && !attached[i]) ||
+                          (motion == Motion::kStopped && tracks.covers(end));
       if (!wanted || is_vehicle[i]) continue;
       if (points.size() == config.max_points) {
         result.saturated = true;
@@ -192,9 +192,9 @@ struct Tracker::State {
     result.saturated = inserted.full;
     forgetFar(pose.translation());
     const std::vector<PhdComponent<5>> new_targets = births();
-    objects = findObjects(
-        movingPoints(rays, inserted, mask.update(scan, pose), visibility.beamStep()), visibility,
-        config);
+    objects =
+        findObjects(movingPoints(rays, inserted, mask.update(scan, pose), visibility.beamStep()),
+                    visibility, config);
     limitObjects(visibility);
     std::vector<Observation<2>> observations;
     for (const ObjectCluster& object : objects) observations.push_back(object.observation);

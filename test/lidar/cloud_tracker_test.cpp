@@ -18,10 +18,10 @@ LidarSweep sweepAt(double stamp, std::size_t points) {
   LidarSweep sweep;
   sweep.cloud.stamp = stamp;
   for (std::size_t i = 0; i < points; ++i) {
-    sweep.cloud.points.push_back({static_cast<float>(random.uniform(-30.0, 30.0)),
-                                  static_cast<float>(random.uniform(-30.0, 30.0)),
-                                  i % 3 == 0 ? static_cast<float>(random.uniform(-1.7, 3.0)) : -1.7F,
-                                  0.0F});
+    sweep.cloud.points.push_back(
+        {static_cast<float>(random.uniform(-30.0, 30.0)),
+         static_cast<float>(random.uniform(-30.0, 30.0)),
+         i % 3 == 0 ? static_cast<float>(random.uniform(-1.7, 3.0)) : -1.7F, 0.0F});
   }
   return sweep;
 }
@@ -54,8 +54,8 @@ TEST(CloudTrackerTest, AMillionPointsAreThinned) {
 /// The crossing with fewer columns and frames.
 TrafficScene shortCrossing() {
   TrafficScene scene = crossingScene();
-  scene.lidar.columns = 1080;
-  scene.frames = 30;
+  scene.lidar.columns = 720;
+  scene.frames = 25;
   return scene;
 }
 
@@ -63,7 +63,7 @@ TEST(CloudTrackerTest, CrossingIsTrackedAndTheLidarStands) {
   const LidarMeasurement m = measureScene(shortCrossing(), CloudTrackerConfig());
   EXPECT_LT(m.largest_step_m, 0.01);
   EXPECT_LT(m.largest_turn_deg, 0.05);
-  EXPECT_GT(m.objects.matches, 40U);
+  EXPECT_GT(m.objects.matches, 25U);
   EXPECT_LT(m.objects.false_tracks, m.objects.matches / 4);
   EXPECT_GT(m.points.right, 4 * m.points.wrong);
 }

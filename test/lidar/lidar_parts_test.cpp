@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "kestrel_slam/geometry/random.h"
@@ -16,15 +17,15 @@ namespace {
 using Points = std::vector<Eigen::Vector3f>;
 
 /// A floor at -1.7 m + slope * x, and a wall at x = 15 m.
-Points roomPoints(float slope) {
+Points roomPoints(float slope, int density = 1) {
   Random random(1);
   Points points;
-  for (int i = 0; i < 6000; ++i) {
+  for (int i = 0; i < 6000 * density; ++i) {
     const auto x = static_cast<float>(random.uniform(-20.0, 14.0));
     const auto y = static_cast<float>(random.uniform(-20.0, 20.0));
     points.emplace_back(x, y, -1.7F + slope * x + static_cast<float>(0.02 * random.gaussian()));
   }
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 3000 * density; ++i) {
     points.emplace_back(15.0F + static_cast<float>(0.02 * random.gaussian()),
                         static_cast<float>(random.uniform(-15.0, 15.0)),
                         static_cast<float>(random.uniform(-1.0, 4.0)));
@@ -94,9 +95,9 @@ TEST(SurfaceMapTest, ForgetsWhatIsFarSoThatTheMemoryIsBounded) {
 
 /// Floor and three walls, as cells of a map with normals.
 SurfaceMap boxMap() {
-  Points points = roomPoints(0.0F);
+  Points points = roomPoints(0.0F, 12);
   Random random(2);
-  for (int i = 0; i < 6000; ++i) {
+  for (int i = 0; i < 30000; ++i) {
     points.emplace_back(static_cast<float>(random.uniform(-20.0, 14.0)), i % 2 == 0 ? 12.0F : -9.0F,
                         static_cast<float>(random.uniform(-1.0, 4.0)));
   }
@@ -158,7 +159,7 @@ TEST(CloudIcpTest, WorstTenPercentOfThePairsAreRejected) {
 TEST(CloudIcpTest, ADirectionWithoutSurfacesKeepsTheGuess) {
   Points points;
   Random random(3);
-  for (int i = 0; i < 8000; ++i) {  // only a floor: x, y and yaw are not observable
+  for (int i = 0; i < 80000; ++i) {  // only a floor: x, y and yaw are not observable
     points.emplace_back(static_cast<float>(random.uniform(-20.0, 20.0)),
                         static_cast<float>(random.uniform(-20.0, 20.0)), -1.7F);
   }

@@ -61,8 +61,8 @@ class CloudTracker {
   const Result& process(const LidarSweep& sweep,
                         const std::optional<Eigen::Isometry3d>& predicted = std::nullopt);
 
-  const Eigen::Isometry3d& pose() const;    ///< map_T_lidar of the last sweep that was used
-  std::optional<double> stamp() const;      ///< of this sweep, s
+  const Eigen::Isometry3d& pose() const;  ///< map_T_lidar of the last sweep that was used
+  std::optional<double> stamp() const;    ///< of this sweep, s
   const SurfaceMap& surfaces() const;
   const MotionGrid<3>& grid() const;
   /// Of both maps.

@@ -59,11 +59,11 @@ struct CloudTrackerConfig {
   PhdLimits phd{1e-4, 4.0, 300, true};
 
   // Tracks.
-  double coast_s = 1.0;     ///< a visible track without observation is deleted after this time
-  double hidden_s = 3.0;    ///< the same for a track that is hidden
+  double coast_s = 1.0;       ///< a visible track without observation is deleted after this time
+  double hidden_s = 3.0;      ///< the same for a track that is hidden
   double lost_sigma_m = 2.5;  ///< a target is forgotten if its place is known worse than this
-  double confirm_s = 0.25;  ///< a track is confirmed after this time with observations
-  double moved_m = 0.7;     ///< an object moves if it has left its place by more than this
+  double confirm_s = 0.25;    ///< a track is confirmed after this time with observations
+  double moved_m = 0.7;       ///< an object moves if it has left its place by more than this
 
   // Bounds on the work of one sweep. If one is reached, the result says so.
   std::size_t max_points = 150000;

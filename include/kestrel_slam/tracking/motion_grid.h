@@ -36,7 +36,7 @@ struct MotionGridConfig {
   /// What is seen where nothing was known counts as new for this time, s: it may be an object that
   /// moves in unknown space. 0: it is static at once, as in table 1.
   double new_s = 0.0;
-  double keep_radius_m = 60.0;   ///< the grids forget what is farther from the sensor
+  double keep_radius_m = 60.0;  ///< the grids forget what is farther from the sensor
   double memory_limit_mb = 256.0;
 };
 
@@ -54,7 +54,7 @@ struct GridRay {
 enum class Motion : std::uint8_t {
   kNone,  ///< no return
   kStatic,
-  kNew,  ///< where nothing was known until a moment ago: most of it stands
+  kNew,      ///< where nothing was known until a moment ago: most of it stands
   kStopped,  ///< in a cell that became static while something that moved stood there
   kMoving
 };
@@ -93,8 +93,8 @@ class MotionGrid {
 
   /// The imposed dynamic map: the moving cells of the last scan are displaced by `displacement`
   /// (m, of a cell's center) and by every vector up to `reach` (m). What is seen for the first time
-  /// in these cells by the next scan is taken as moving. A displacement that is not finite leaves the
-  /// cell out.
+  /// in these cells by the next scan is taken as moving. A displacement that is not finite leaves
+  /// the cell out.
   void impose(const std::function<Vector(const Vector&)>& displacement, double reach);
   /// What is seen here was new, and moves: the cell belongs to the dynamic map of this scan.
   void claim(const Vector& point);
@@ -127,14 +127,14 @@ class MotionGrid {
   struct CellData {
     float static_odds = 0.0F, dynamic_odds = 0.0F;  ///< log odds; the prior of 0.5 is 0
     std::uint32_t scan = 0;                         ///< that updated it last
-    std::uint32_t imposed = 0;   ///< number of the scan for which it is in the imposed map
-    std::uint32_t moved_in = 0;  ///< last scan with something moving in it
-    std::uint32_t slot = 0;      ///< in Result::moving of that scan
-    float first_hit = -1.0F;     ///< time of the first of the returns without long gaps, s
-    float last_hit = -1.0F;      ///< negative: none yet
-    float last_pass = -1.0F;     ///< time of the last beam that passed, s
-    float occupied_since = 0.0F; ///< time when it became occupied, s
-    bool was_moving = false;     ///< it was free, and then filled by something that moved
+    std::uint32_t imposed = 0;    ///< number of the scan for which it is in the imposed map
+    std::uint32_t moved_in = 0;   ///< last scan with something moving in it
+    std::uint32_t slot = 0;       ///< in Result::moving of that scan
+    float first_hit = -1.0F;      ///< time of the first of the returns without long gaps, s
+    float last_hit = -1.0F;       ///< negative: none yet
+    float last_pass = -1.0F;      ///< time of the last beam that passed, s
+    float occupied_since = 0.0F;  ///< time when it became occupied, s
+    bool was_moving = false;      ///< it was free, and then filled by something that moved
   };
 
   /// What is occupied near a point.
