@@ -6,7 +6,7 @@ include(CMakeFindDependencyMacro)
 find_dependency(Eigen3)
 find_dependency(Threads)
 # Needed by some of the libraries. CMake reports a missing one when such a library is linked.
-foreach(package yaml-cpp nlohmann_json CLI11 nanoflann Ceres Protobuf ZLIB TIFF)
+foreach(package yaml-cpp nlohmann_json CLI11 nanoflann Ceres Protobuf ZLIB TIFF octomap)
   find_package(${package} QUIET)
 endforeach()
 find_package(Boost QUIET COMPONENTS iostreams)

@@ -73,7 +73,9 @@ add_dependencies(kestrel_offline built_commit)
 target_sources(kestrel_offline PRIVATE ${COMMIT_FILE})
 kestrel_library(evaluation LINKS kestrel_recording kestrel_mapping kestrel_lidar
   PRIVATE nlohmann_json::nlohmann_json)
-kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfig::CAIRO geotiff TIFF::TIFF)
+kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfig::CAIRO geotiff TIFF::TIFF
+  ${OCTOMAP_LIBRARIES})
+target_include_directories(kestrel_report SYSTEM PRIVATE ${OCTOMAP_INCLUDE_DIRS})
 kestrel_library(experiments LINKS kestrel_report kestrel_merging kestrel_link)
 kestrel_library(commands LINKS kestrel_experiments PRIVATE CLI11::CLI11)
 

@@ -10,12 +10,13 @@
 #include "kestrel_slam/commands/run_tool.h"
 #include "kestrel_slam/evaluation/track_evaluation.h"
 #include "kestrel_slam/map/atomic_file.h"
+#include "kestrel_slam/recording/kitti_labels.h"
 
 namespace kestrel {
 namespace {
 
 struct Options {
-  std::string folder, truth, topic, sensor_topic, json;
+  std::string folder, truth, topic, sensor_topic, json, kitti_calibration;
   std::vector<double> sensor_pose;
   double stamp_offset = 0.0;
   TrackEvaluationOptions evaluation;
@@ -48,6 +49,19 @@ nlohmann::ordered_json jsonOf(const ClearMot& m) {
           {"fragments", m.fragments}};
 }
 
+/// The labels have numbers of frames instead of stamps: frame n is line n of the trajectory.
+std::vector<TrueObject> kittiObjects(const Options& options, const Trajectory& path) {
+  std::vector<TrueObject> objects;
+  const auto labels =
+      readKittiLabels(options.truth, readKittiCalibration(options.kitti_calibration));
+  for (const KittiLabel& label : labels) {
+    if (label.frame < 0 || static_cast<std::size_t>(label.frame) >= path.size()) continue;
+    objects.push_back(
+        {path[static_cast<std::size_t>(label.frame)].stamp, label.id, label.center.head<2>()});
+  }
+  return objects;
+}
+
 void run(Options& options) {
   const std::filesystem::path folder = options.folder;
   if (!options.sensor_topic.empty()) options.evaluation.max_gap_s = kCaptureGap;
@@ -56,12 +70,14 @@ void run(Options& options) {
     options.evaluation.base_T_sensor = {pose.translation().x(), pose.translation().y(),
                                         std::atan2(pose(1, 0), pose(0, 0))};
   }
+  const Trajectory path = readTum((folder / "odom_trajectory.tum").string());
   std::vector<TrueObject> truth =
-      readTrueObjects(options.truth, options.topic, options.sensor_topic);
+      options.kitti_calibration.empty()
+          ? readTrueObjects(options.truth, options.topic, options.sensor_topic)
+          : kittiObjects(options, path);
   for (TrueObject& object : truth) object.stamp += options.stamp_offset;
   const TrackEvaluation result =
-      evaluateTracks(readTum((folder / "odom_trajectory.tum").string()),
-                     readTracks((folder / "tracks.csv").string()), truth, options.evaluation);
+      evaluateTracks(path, readTracks((folder / "tracks.csv").string()), truth, options.evaluation);
   print(result);
   if (options.json.empty()) return;
   const nlohmann::ordered_json json = {{"all", jsonOf(result.all)},
@@ -96,6 +112,8 @@ int main(int argc, char** argv) {
          "x,y,yaw in m and degrees: pose of the sensor of the true positions in the base frame")
       ->delimiter(',')
       ->expected(3);
+  app.add_option("--kitti-calibration", options.kitti_calibration,
+                 "calibration file: TRUTH is a label file of the KITTI tracking benchmark");
   app.add_option("--stamp-offset", options.stamp_offset,
                  "s, added to the stamps of the true positions, if their clock is another one");
   app.add_option("--distance", options.evaluation.max_distance_m, "largest distance of a match, m")

@@ -12,7 +12,6 @@ namespace {
 struct Options {
   int frames = 200;
   std::string only;
-  bool debug = false;
 };
 
 constexpr double kPercent = 100.0, kMegabyte = 1e6;
@@ -31,27 +30,9 @@ void printMot(const char* name, const ClearMot& m) {
               m.motp(), m.misses, m.false_tracks, m.switches);
 }
 
-void debugFrame(const LabeledSweep& sweep, const CloudTracker::Result& r) {
-  std::printf("t %.1f pose err %.3f tracks:\n", sweep.cloud.stamp, (r.pose.translation()).norm());
-  for (const auto& b : sweep.boxes)
-    if (b.points >= 10)
-      std::printf("   true %ld %s %.1f %.1f v %.1f moving %d points %zu\n", b.id, toString(b.kind),
-                  b.center.x(), b.center.y(), b.speed, b.moving, b.points);
-  for (const auto& t : r.tracks) {
-    const Eigen::Vector3d at =
-        sweep.pose *
-        (r.pose.inverse() * Eigen::Vector3d(t.plane.position.x(), t.plane.position.y(), t.z));
-    std::printf("   track %ld %.1f %.1f v %.1f shown %d moved %d box %.1f %.1f unseen %.1f\n",
-                t.plane.id, at.x(), at.y(), t.plane.velocity.norm(), t.isShown(), t.plane.moved,
-                t.plane.box.size.x(), t.plane.box.size.y(), t.plane.unseen_s);
-  }
-}
-
 void runScene(TrafficScene scene, const Options& options) {
   scene.frames = options.frames;
-  LidarMeasurementOptions o;
-  if (options.debug) o.observer = debugFrame;
-  const LidarMeasurement m = measureScene(scene, CloudTrackerConfig(), o);
+  const LidarMeasurement m = measureScene(scene, CloudTrackerConfig());
   std::printf("\n### %s, %s, %d frames of %.0f points\n\n", scene.name.c_str(),
               scene.lidar.name.c_str(), scene.frames, m.mean_points);
   std::printf("| error | largest | mean | sigma |\n|---|---|---|---|\n");
@@ -85,7 +66,7 @@ int main(int argc, char** argv) {
   app.add_option("--frames", options.frames, "frames of each simulated scene")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--only", options.only, "crossing or street");
-  app.add_flag("--debug", options.debug, "print tracks and truth of each frame");
+  app.add_option("--only", options.only, "only this scene")
+      ->check(CLI::IsMember({"crossing", "street"}));
   return runTool("measure_tracking_3d", app, argc, argv, [&] { run(options); });
 }

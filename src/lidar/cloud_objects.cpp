@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/tracking/mean_shift.h"
@@ -15,9 +16,13 @@ using Plane = std::vector<Eigen::Vector2d>;
 
 constexpr std::size_t kBoxPoints = 150;  ///< of an object, to which the box is fitted
 constexpr double kVehicleSide = 1.3;     ///< m; nothing but a vehicle has a side as long as this
-constexpr double kPersonDepth = 0.3;     ///< m
+constexpr double kLongestBicycle = 2.5;
+constexpr double kPersonDepth = 0.3;  ///< m
 // The least size of a vehicle, m: of a longer one more was seen, or will be seen.
 constexpr double kVehicleLength = 4.2, kVehicleWidth = 1.7;
+
+// A vehicle whose top is so much above the lidar is a truck or a bus, m.
+constexpr double kTruck = 0.7, kTruckLength = 9.0;
 
 struct Extent {
   double low = std::numeric_limits<double>::infinity();
@@ -57,7 +62,7 @@ Plane planeOf(const std::vector<MovingVoxel>& voxels, const std::vector<std::siz
 
 /// Sets box and extents: a box along `yaw` that is completed behind the visible sides.
 void setBox(const Plane& plane, double yaw, const KnownShape& known, bool yaw_is_known,
-            const Eigen::Vector2d& lidar, CloudObject& object) {
+            const Eigen::Vector3d& lidar, CloudObject& object) {
   const Eigen::Vector2d u(std::cos(yaw), std::sin(yaw)), v(-u.y(), u.x());
   Extent along, across;
   for (const Eigen::Vector2d& point : plane) {
@@ -66,12 +71,17 @@ void setBox(const Plane& plane, double yaw, const KnownShape& known, bool yaw_is
   }
   object.length = along.size();
   object.width = across.size();
+  const double length = std::max(object.length, known.length);
+  const double width = std::max(object.width, known.width);
+  // A bicycle is long in the direction of its motion, but not wide.
   const bool is_vehicle =
-      std::max({object.length, object.width, known.length, known.width}) > kVehicleSide;
+      width > kVehicleSide || length > (yaw_is_known ? kLongestBicycle : kVehicleSide);
   // Without a motion, the longer visible side may be the rear of a vehicle.
-  const double least_length = !is_vehicle ? kPersonDepth : yaw_is_known ? kVehicleLength : 0.0;
-  along.extendTo(std::max(known.length, least_length), u.dot(lidar));
-  across.extendTo(std::max(known.width, is_vehicle ? kVehicleWidth : kPersonDepth), v.dot(lidar));
+  const double vehicle_length = object.top > lidar.z() + kTruck ? kTruckLength : kVehicleLength;
+  const double least_length = !is_vehicle ? kPersonDepth : yaw_is_known ? vehicle_length : 0.0;
+  along.extendTo(std::max(known.length, least_length), u.dot(lidar.head<2>()));
+  across.extendTo(std::max(known.width, is_vehicle ? kVehicleWidth : kPersonDepth),
+                  v.dot(lidar.head<2>()));
   object.box.center = along.middle() * u + across.middle() * v;
   object.box.size = {along.size(), across.size()};
   object.box.yaw = normalizeAngle(yaw);
@@ -92,7 +102,7 @@ CloudObject objectOf(const std::vector<MovingVoxel>& voxels, std::vector<std::si
   const Plane plane = planeOf(voxels, own);
   const bool yaw_is_known = known && known->yaw;
   setBox(plane, yaw_is_known ? *known->yaw : fitBox(plane).yaw, known.value_or(KnownShape()),
-         yaw_is_known, lidar.head<2>(), object);
+         yaw_is_known, lidar, object);
   object.observation.value << object.box.center, height.middle();
   const double sigma =
       config.position_sigma + config.position_sigma_per_m * object.box.size.maxCoeff();
@@ -101,31 +111,137 @@ CloudObject objectOf(const std::vector<MovingVoxel>& voxels, std::vector<std::si
   return object;
 }
 
+using Known = std::function<std::optional<KnownShape>(const Eigen::Vector2d&)>;
+
+/// The tracks in a cluster. Of tracks that overlap, the largest: they follow one object.
+std::vector<KnownShape> tracksIn(const std::vector<std::size_t>& cluster, const Plane& centers,
+                                 const Known& known) {
+  std::map<long, KnownShape> found;
+  for (const std::size_t v : cluster) {
+    const auto shape = known(centers[v]);
+    if (shape && shape->track > 0) found.emplace(shape->track, *shape);
+  }
+  std::vector<KnownShape> sorted, kept;
+  for (const auto& [track, shape] : found) sorted.push_back(shape);
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& a, const auto& b) { return a.reach > b.reach; });
+  for (const KnownShape& shape : sorted) {
+    const bool overlaps = std::any_of(kept.begin(), kept.end(), [&](const KnownShape& other) {
+      return (other.center - shape.center).norm() < other.reach + 0.5 * shape.reach;
+    });
+    if (!overlaps) kept.push_back(shape);
+  }
+  return kept;
+}
+
+/// Divides a cluster between the tracks in it: a voxel belongs to the track whose border is
+/// nearest.
+std::vector<std::vector<std::size_t>> divided(const std::vector<std::size_t>& cluster,
+                                              const Plane& centers, const Known& known) {
+  const std::vector<KnownShape> tracks = tracksIn(cluster, centers, known);
+  if (tracks.size() < 2) return {cluster};
+  std::vector<std::vector<std::size_t>> parts(tracks.size());
+  for (const std::size_t v : cluster) {
+    const auto distanceTo = [&](const KnownShape& shape) {
+      return (shape.center - centers[v]).norm() - shape.reach;
+    };
+    const auto nearest = std::min_element(
+        tracks.begin(), tracks.end(),
+        [&](const auto& a, const auto& b) { return distanceTo(a) < distanceTo(b); });
+    parts[static_cast<std::size_t>(nearest - tracks.begin())].push_back(v);
+  }
+  return parts;
+}
+
+Eigen::Vector2d middleOf(const std::vector<std::size_t>& own, const Plane& centers) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const std::size_t v : own) sum += centers[v];
+  return sum / static_cast<double>(own.size());
+}
+
+/// True if the middle of `part` lies in the box of the object, so that both are parts of one: a
+/// lidar sees the hull and the cabin of a vehicle with a gap in between.
+bool covers(const CloudObject& object, const CloudObject& part) {
+  const OrientedBox& box = object.box;
+  const Eigen::Vector2d u(std::cos(box.yaw), std::sin(box.yaw));
+  const Eigen::Vector2d offset = part.box.center - box.center;
+  const double across = u.x() * offset.y() - u.y() * offset.x();
+  return std::abs(u.dot(offset)) <= 0.5 * box.size.x() && std::abs(across) <= 0.5 * box.size.y();
+}
+
+/// True if there are enough points, and not too high.
+bool isObject(const std::vector<std::size_t>& own, const std::vector<MovingVoxel>& voxels,
+              const Eigen::Vector3d& lidar, const CloudTrackerConfig& config) {
+  std::size_t points = 0;
+  double bottom = std::numeric_limits<double>::infinity();
+  for (const std::size_t v : own) {
+    points += voxels[v].points.size();
+    bottom = std::min(bottom, voxels[v].centroid.z());
+  }
+  return points >= config.min_points && bottom <= lidar.z() + config.max_height_m;
+}
+
+/// Forms objects, and joins those that cover each other.
+class ObjectBuilder {
+ public:
+  ObjectBuilder(const std::vector<MovingVoxel>& voxels, const Plane& centers,
+                const Eigen::Vector3d& lidar, const CloudTrackerConfig& config, const Known& known)
+      : voxels_(voxels), centers_(centers), lidar_(lidar), config_(config), known_(known) {}
+
+  void add(std::vector<std::size_t> own) {
+    CloudObject object = build(std::move(own));
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      if (!covers(objects_[i], object) && !covers(object, objects_[i])) continue;
+      std::vector<std::size_t> both = std::move(object.voxels);
+      both.insert(both.end(), objects_[i].voxels.begin(), objects_[i].voxels.end());
+      objects_.erase(objects_.begin() + static_cast<std::ptrdiff_t>(i));
+      add(std::move(both));
+      return;
+    }
+    objects_.push_back(std::move(object));
+  }
+
+  std::vector<CloudObject> finish() {
+    objects_.erase(std::remove_if(objects_.begin(), objects_.end(),
+                                  [this](const CloudObject& object) {
+                                    return !isObject(object.voxels, voxels_, lidar_, config_);
+                                  }),
+                   objects_.end());
+    return std::move(objects_);
+  }
+
+ private:
+  CloudObject build(std::vector<std::size_t> own) const {
+    const auto shape = known_(middleOf(own, centers_));
+    return objectOf(voxels_, std::move(own), lidar_, config_, shape);
+  }
+
+  const std::vector<MovingVoxel>& voxels_;
+  const Plane& centers_;
+  const Eigen::Vector3d& lidar_;
+  const CloudTrackerConfig& config_;
+  const Known& known_;
+  std::vector<CloudObject> objects_;
+};
+
 }  // namespace
 
 /// In the plane, because on the ground nothing moves above something else, and because the gaps
 /// between the rings of a lidar are much wider than those along a ring.
-std::vector<CloudObject> findCloudObjects(
-    const std::vector<MovingVoxel>& voxels, const Eigen::Vector3d& lidar,
-    const CloudTrackerConfig& config,
-    const std::function<std::optional<KnownShape>(const Eigen::Vector2d&)>& known) {
+std::vector<CloudObject> findCloudObjects(const std::vector<MovingVoxel>& voxels,
+                                          const Eigen::Vector3d& lidar,
+                                          const CloudTrackerConfig& config, const Known& known) {
   Plane centers;
   for (const MovingVoxel& voxel : voxels) centers.emplace_back(voxel.centroid.head<2>());
-  auto clusters =
+  const auto clusters =
       joinConnected<2>(centers, meanShift<2>(centers, config.bandwidth_m), config.join_gap_m);
-  std::vector<CloudObject> objects;
-  for (PointCluster<2>& cluster : clusters) {
-    std::size_t points = 0;
-    double bottom = std::numeric_limits<double>::infinity();
-    for (const std::size_t v : cluster.points) {
-      points += voxels[v].points.size();
-      bottom = std::min(bottom, voxels[v].centroid.z());
+  ObjectBuilder builder(voxels, centers, lidar, config, known);
+  for (const PointCluster<2>& cluster : clusters) {
+    for (std::vector<std::size_t>& own : divided(cluster.points, centers, known)) {
+      if (!own.empty()) builder.add(std::move(own));
     }
-    if (points < config.min_points || bottom > lidar.z() + config.max_height_m) continue;
-    objects.push_back(
-        objectOf(voxels, std::move(cluster.points), lidar, config, known(cluster.mode)));
   }
-  return objects;
+  return builder.finish();
 }
 
 }  // namespace kestrel

@@ -18,6 +18,7 @@ struct MovingVoxel {
   std::uint32_t number = 0;  ///< of the voxel in the sweep
   Eigen::Vector3d centroid;
   std::vector<Eigen::Vector3f> points;
+  bool was_free = false;  ///< known as free before this sweep
 };
 
 /// Points that move together.
@@ -31,11 +32,15 @@ struct CloudObject {
 
 /// What is known of the object at a place from its track.
 struct KnownShape {
+  long track = 0;  ///< its id; 0: it has not moved yet
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
+  double reach = 0.0;                ///< half of its longer side, m
   double length = 0.0, width = 0.0;  ///< largest extents that were seen, m
   std::optional<double> yaw;         ///< of its motion, if it moves
 };
 
-/// Clusters of the moving voxels, with boxes. `known`: the track at a place, if there is one.
+/// Clusters of the moving voxels, with boxes. `known`: the track at a place, if there is one. A
+/// cluster in which several tracks lie is divided between them.
 std::vector<CloudObject> findCloudObjects(
     const std::vector<MovingVoxel>& voxels, const Eigen::Vector3d& lidar,
     const CloudTrackerConfig& config,

@@ -11,12 +11,16 @@ namespace {
 constexpr double kPersonWidth = 0.6, kPersonHeight = 1.6;  ///< m
 /// Points farther than this from the box of a track belong to something else, m.
 constexpr double kMargin = 0.5;
+constexpr double kProvenWay = 2.0;  ///< m; a false track on a surface does not get so far
+constexpr double kBoxMargin = 0.3;  ///< m; how far points may lie outside of the predicted box
 /// A place is left if it gave no return for this time, s.
 constexpr double kLeftTime = 0.15;
 constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
 constexpr double kKnownSpeed = 1.5;   ///< m/s; from here on, an object points where it goes
-constexpr double kLongest = 12.0;     ///< m; two vehicles that were one cluster are longer
-constexpr double kWidest = 2.8;       ///< m
+/// What was seen of the size fades in each sweep: a label may go over from one object to another.
+constexpr double kFade = 0.93;
+constexpr double kLongest = 12.0;  ///< m; two vehicles that were one cluster are longer
+constexpr double kWidest = 2.8;    ///< m
 
 void setState(const Eigen::Matrix<double, 7, 1>& mean,
               const Eigen::Matrix<double, 7, 7>& covariance, CloudTrack& track) {
@@ -103,6 +107,7 @@ void CloudTrackList::see(Entry& entry, const LabeledTarget<7>& target, const Clo
   if (track.state != TrackState::kTentative || entry.seen_s >= config_.confirm_s) {
     track.state = TrackState::kConfirmed;
   }
+  entry.way = std::max(entry.way, (track.position - entry.first).norm());
   if (!track.moved) track.moved = hasMoved(entry, object, voxels, grid);
 }
 
@@ -110,15 +115,15 @@ void CloudTrackList::see(Entry& entry, const LabeledTarget<7>& target, const Clo
 void CloudTrackList::learnShape(Entry& entry, const CloudObject& object) const {
   const bool has_direction = entry.track.plane.velocity.norm() > kKnownSpeed;
   if (has_direction) {
-    entry.length = std::max(entry.length, std::min(object.length, kLongest));
-    entry.width = std::max(entry.width, std::min(object.width, kWidest));
+    entry.length = std::max(kFade * entry.length, std::min(object.length, kLongest));
+    entry.width = std::max(kFade * entry.width, std::min(object.width, kWidest));
   }
   entry.track.plane.size = sizeClassOf(
       std::max({entry.length, entry.width, std::min(object.length, kLongest), object.width}));
 }
 
-/// It is elsewhere, most of the place where it was first seen gives no returns any more, and the
-/// place where it is now was empty then. So surfaces that come into view do not move.
+/// It is elsewhere, a part of the place where it was first seen gives no returns any more, and the
+/// place where it is now was known as free. So surfaces that come into view do not move.
 bool CloudTrackList::hasMoved(const Entry& entry, const CloudObject& object,
                               const std::vector<MovingVoxel>& voxels,
                               const MotionGrid<3>& grid) const {
@@ -135,7 +140,10 @@ bool CloudTrackList::hasMoved(const Entry& entry, const CloudObject& object,
   const auto arrived = std::count_if(cells.begin(), cells.end(), [&](const GridIndex<3>& cell) {
     return grid.cameAfter(cell, entry.first_time);
   });
-  return left > 0 && 2 * static_cast<std::size_t>(arrived) > cells.size();
+  const auto was_free = std::count_if(object.voxels.begin(), object.voxels.end(),
+                                      [&](const std::size_t v) { return voxels[v].was_free; });
+  return left > 0 && 2 * static_cast<std::size_t>(was_free) > cells.size() &&
+         2 * static_cast<std::size_t>(arrived) > cells.size();
 }
 
 void CloudTrackList::miss(Entry& entry, const PhdFilter<7, 3>& filter,
@@ -188,6 +196,19 @@ const CloudTrackList::Entry* CloudTrackList::at(const Eigen::Vector2d& point) co
   return nearest;
 }
 
+bool CloudTrackList::claims(const Eigen::Vector3d& point, const MotionGrid<3>& grid) const {
+  const Entry* entry = at(point.head<2>());
+  if (entry == nullptr || !entry->track.plane.moved || entry->way < kProvenWay) return false;
+  const OrientedBox& box = entry->track.plane.box;
+  const Eigen::Vector2d u(std::cos(box.yaw), std::sin(box.yaw));
+  const Eigen::Vector2d offset = point.head<2>() - entry->track.plane.position;
+  const double along = std::abs(u.dot(offset));
+  const double across = std::abs(u.x() * offset.y() - u.y() * offset.x());
+  return along <= 0.5 * box.size.x() + kBoxMargin && across <= 0.5 * box.size.y() + kBoxMargin &&
+         point.z() <= entry->track.top + kBoxMargin &&
+         grid.cameAfter(grid.indexOf(point.cast<float>()), entry->first_time);
+}
+
 Eigen::Vector3d CloudTrackList::velocityAt(const Eigen::Vector3d& point) const {
   const Entry* entry = at(point.head<2>());
   if (entry == nullptr) return Eigen::Vector3d::Zero();
@@ -197,13 +218,18 @@ Eigen::Vector3d CloudTrackList::velocityAt(const Eigen::Vector3d& point) const {
 
 std::optional<KnownShape> CloudTrackList::shapeAt(const Eigen::Vector2d& point) const {
   const Entry* entry = at(point);
-  if (entry == nullptr) return std::nullopt;
-  KnownShape shape{entry->length, entry->width, std::nullopt};
-  const Eigen::Vector2d& velocity = entry->track.plane.velocity;
-  if (velocity.norm() > kKnownSpeed) {
-    shape.yaw = std::atan2(velocity.y(), velocity.x());
+  if (entry == nullptr || entry->track.plane.state == TrackState::kTentative) return std::nullopt;
+  const Track& track = entry->track.plane;
+  KnownShape shape;
+  shape.track = track.moved ? track.id : 0;
+  shape.center = track.position;
+  shape.reach = 0.5 * std::max({entry->length, entry->width, track.box.size.maxCoeff()});
+  shape.length = entry->length;
+  shape.width = entry->width;
+  if (track.velocity.norm() > kKnownSpeed) {
+    shape.yaw = std::atan2(track.velocity.y(), track.velocity.x());
   } else if (entry->length > 0.0) {
-    shape.yaw = entry->track.plane.box.yaw;
+    shape.yaw = track.box.yaw;
   }
   return shape;
 }

@@ -30,8 +30,9 @@ class CloudTrackList {
   /// For each observation of the last update, the index of its track in tracks(); -1: none.
   const std::vector<int>& trackOf() const { return track_of_; }
 
-  /// True if the point belongs to the predicted place of a track.
-  bool covers(const Eigen::Vector3d& point) const { return at(point.head<2>()) != nullptr; }
+  /// True if the point lies in the box of an object that has moved, and has come here after the
+  /// object was first seen: so it belongs to the object, also if this stands now.
+  bool claims(const Eigen::Vector3d& point, const MotionGrid<3>& grid) const;
   /// Velocity of the track at the point; zero if there is none.
   Eigen::Vector3d velocityAt(const Eigen::Vector3d& point) const;
   /// What is known of the track at the point.
@@ -45,6 +46,7 @@ class CloudTrackList {
     CloudTrack track;
     TargetLabel label = 0;
     Eigen::Vector2d first = Eigen::Vector2d::Zero();  ///< where it was seen first
+    double way = 0.0;                                 ///< largest distance from there, m
     double first_time = 0.0;                          ///< of the grid, s
     std::vector<GridIndex<3>> first_cells;            ///< that it filled then
     double length = 0.0, width = 0.0;                 ///< largest extents that were seen, m

@@ -3,14 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "cloud_objects.h"
 #include "cloud_track_list.h"
-#include "kestrel_slam/geometry/angles.h"
-#include "kestrel_slam/lidar/visitation.h"
 #include "lidar_view.h"
 #include "moving_points.h"
 #include "sweep_points.h"
+#include "sweep_rays.h"
 
 namespace kestrel {
 namespace {
@@ -22,8 +22,6 @@ constexpr std::size_t kFewestPoints = 100;
 constexpr int kModes = 3;                ///< motion models: constant velocity, standing, turn
 constexpr double kSharpSigma = 0.3;      ///< m; twice the sigma of a place that counts as known
 constexpr double kStandingJitter = 0.2;  ///< m/sqrt(s): the visible part of an object changes
-constexpr float kUnanswered_m = 1.0F;  ///< beams without return are thinned to this distance at...
-constexpr float kUnansweredRange = 20.0F;  ///< ... this range
 
 PhdModel<7, 3> modelOf(const CloudTrackerConfig& config) {
   PhdModel<7, 3> model;
@@ -96,59 +94,6 @@ struct CloudTracker::State {
     return usable ? icp.pose : guess;
   }
 
-  /// The beam to `end`, up to the range in which beams clear cells.
-  GridRay<3> rayTo(const Eigen::Vector3f& from, const Eigen::Vector3f& end, float shorter) const {
-    const Eigen::Vector3f along = end - from;
-    const float range = along.norm();
-    const auto limit = static_cast<float>(config.free_range_m);
-    GridRay<3> ray{from, end, shorter <= 0.0F && range <= limit, false};
-    if (!ray.hit) ray.end = from + along * (std::clamp(range - shorter, 0.0F, limit) / range);
-    return ray;
-  }
-
-  /// One beam for each voxel with points, the ground only as the end of free space.
-  std::vector<GridRay<3>> raysOf(const Voxels& voxels, const Voxels& ground) const {
-    const Eigen::Vector3f lidar = result.pose.translation().cast<float>();
-    std::vector<GridRay<3>> rays;
-    rays.reserve(voxels.sums.size() + ground.sums.size());
-    for (const PointSums& sums : voxels.sums) {
-      rays.push_back(rayTo(lidar, sums.mean.cast<float>(), 0.0F));
-    }
-    const auto shorter = static_cast<float>(config.grid.resolution_m);
-    for (const PointSums& sums : ground.sums) {
-      rays.push_back(rayTo(lidar, sums.mean.cast<float>(), shorter));
-    }
-    return rays;
-  }
-
-  /// Beams without return [Siew 2018, sec. V].
-  void addUnanswered(const LidarSweep& sweep, const SweepPoints& usable, const Ground& ground,
-                     std::vector<GridRay<3>>& rays) const {
-    const Eigen::Isometry3f pose = result.pose.cast<float>();
-    if (!sweep.unanswered.empty()) {
-      VoxelTable directions;
-      for (const Eigen::Vector3f& direction : sweep.unanswered) {
-        if (!direction.allFinite()) continue;
-        const std::size_t known = directions.size();
-        directions.numberOf(voxelIndexOf(direction * kUnansweredRange, kUnanswered_m));
-        if (directions.size() == known) continue;
-        const Eigen::Vector3f end =
-            pose * (direction * static_cast<float>(config.free_range_m)).eval();
-        rays.push_back({pose.translation(), end, false, true});
-      }
-      return;
-    }
-    VisitationConfig visitation;
-    visitation.resolution_m = config.grid.resolution_m;
-    visitation.ring_step_rad = degToRad(config.ring_step_deg);
-    for (const auto& cell : unvisitedCells(usable.points, ground, result.pose, visitation)) {
-      const Eigen::Vector3f center = grid.centerOf(cell);
-      const Eigen::Vector3f next =
-          center + Eigen::Vector3f::UnitX() * static_cast<float>(config.grid.resolution_m);
-      rays.push_back({center, next, false, true});
-    }
-  }
-
   void impose(double seconds) {
     grid.impose(
         [&](const Eigen::Vector3f& cell) -> Eigen::Vector3f {
@@ -157,22 +102,21 @@ struct CloudTracker::State {
         config.max_speed* seconds);
   }
 
-  /// Voxels with what moves, and with what has stopped where a track is.
-  std::vector<MovingVoxel> movingVoxels(const Voxels& voxels, const std::vector<Motion>& motion,
+  /// Voxels with what moves, and with what belongs to a track.
+  std::vector<MovingVoxel> movingVoxels(const Voxels& voxels, const MotionGrid<3>::Result& inserted,
                                         const std::vector<Eigen::Vector3f>& points) {
     std::vector<MovingVoxel> moving;
     std::vector<std::uint32_t> slot(voxels.sums.size(), VoxelTable::kNone);
     for (std::uint32_t v = 0; v < voxels.sums.size(); ++v) {
       const Eigen::Vector3d& centroid = voxels.sums[v].mean;
-      const bool wanted = motion[v] == Motion::kMoving ||
-                          (motion[v] == Motion::kStopped && tracks.covers(centroid));
+      const bool wanted = inserted.motion[v] == Motion::kMoving || tracks.claims(centroid, grid);
       if (!wanted) continue;
       if (moving.size() == config.max_moving_voxels) {
         result.saturated = true;
         break;
       }
       slot[v] = static_cast<std::uint32_t>(moving.size());
-      moving.push_back({v, centroid, {}});
+      moving.push_back({v, centroid, {}, inserted.was_free[v]});
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
       const std::uint32_t v = voxels.voxel_of[i];
@@ -221,9 +165,23 @@ struct CloudTracker::State {
       const Eigen::Vector2d size = tracks.sizeAt(center.head<2>());
       // Over the places where it may be: the share of them that is visible.
       const double sigma = std::sqrt(component.covariance.topLeftCorner<2, 2>().trace() / 2.0);
+      if (sigma > config.lost_sigma_m) return 0.0;
       const double width = size.x() + std::max(0.0, 2.0 * sigma - kSharpSigma);
       return config.detection * view.visibleShare(center, width, size.y());
     };
+  }
+
+  /// A target whose place is not known any more would explain whatever appears around it.
+  void forgetLost() {
+    std::map<TargetLabel, double> variance;
+    for (const PhdComponent<7>& component : filter.components()) {
+      const double own = component.covariance.topLeftCorner<2, 2>().trace() / 2.0;
+      const auto [known, is_new] = variance.emplace(component.label, own);
+      if (!is_new) known->second = std::min(known->second, own);
+    }
+    for (const auto& [label, least] : variance) {
+      if (least > config.lost_sigma_m * config.lost_sigma_m) filter.forget(label);
+    }
   }
 
   void follow(double seconds, const std::vector<MovingVoxel>& moving, const LidarView& view) {
@@ -238,17 +196,21 @@ struct CloudTracker::State {
     filter.add(new_targets);
     filter.predict(seconds, {});
     filter.update(observations);
+    forgetLost();
     tracks.update(filter, objects, moving, view, grid);
     result.tracks = tracks.tracks();
   }
 
   /// What does not move becomes a part of the map for the localization.
   void extendSurfaces(const std::vector<Eigen::Vector3f>& points, const Voxels& voxels,
-                      const std::vector<Motion>& motion) {
+                      const std::vector<Motion>& motion, const std::vector<MovingVoxel>& moving) {
+    std::vector<bool> stands;
+    for (const Motion of_voxel : motion) stands.push_back(of_voxel == Motion::kStatic);
+    for (const MovingVoxel& voxel : moving) stands[voxel.number] = false;
     std::vector<bool> is_static(points.size(), true);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const std::uint32_t v = voxels.voxel_of[i];
-      if (v != VoxelTable::kNone) is_static[i] = motion[v] == Motion::kStatic;
+      if (v != VoxelTable::kNone) is_static[i] = stands[v];
     }
     const Voxels cells = voxelize(points, is_static, config.surface_resolution_m);
     surfaces.add(cells, std::vector<bool>(cells.index.size(), true));
@@ -273,15 +235,18 @@ struct CloudTracker::State {
     const std::vector<Eigen::Vector3f> points = transformed(usable.points, result.pose);
     const double resolution = config.grid.resolution_m;
     const Voxels voxels = voxelize(points, inverted(ground.is_ground), resolution);
-    std::vector<GridRay<3>> rays = raysOf(voxels, voxelize(points, ground.is_ground, resolution));
-    addUnanswered(sweep, usable, ground, rays);
+    const SweepRays beams(grid, config, result.pose);
+    std::vector<GridRay<3>> rays =
+        beams.measured(voxels, voxelize(points, ground.is_ground, resolution));
+    beams.addUnanswered(sweep.unanswered, usable.points, ground, rays);
     tracks.predict(seconds);
     impose(seconds);
     const auto& inserted = grid.insert(rays, seconds);
     result.saturated = usable.thinned || inserted.full;
     const LidarView view(usable.points, result.pose);
-    follow(seconds, movingVoxels(voxels, inserted.motion, points), view);
-    extendSurfaces(points, voxels, inserted.motion);
+    const std::vector<MovingVoxel> moving = movingVoxels(voxels, inserted, points);
+    follow(seconds, moving, view);
+    extendSurfaces(points, voxels, inserted.motion, moving);
     forgetFar();
     markMovingPoints({sweep.cloud.points.size(), usable, ground, points}, result.tracks,
                      result.moving, result.ground);
@@ -321,6 +286,8 @@ const CloudTracker::Result& CloudTracker::process(
   return state.result;
 }
 
+const Eigen::Isometry3d& CloudTracker::pose() const { return state_->result.pose; }
+std::optional<double> CloudTracker::stamp() const { return state_->time; }
 const SurfaceMap& CloudTracker::surfaces() const { return state_->surfaces; }
 const MotionGrid<3>& CloudTracker::grid() const { return state_->grid; }
 std::size_t CloudTracker::memoryBytes() const {

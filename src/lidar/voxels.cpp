@@ -14,7 +14,7 @@ std::uint64_t keyOf(const GridIndex<3>& index) {
   return key;
 }
 
-/// Mixes the bits of a key [Stafford 2011, variant 13 of the finalizer of MurmurHash3].
+/// Mixes the bits of a key: the finalizer of MurmurHash3 with the constants of its variant 13.
 std::uint64_t mixed(std::uint64_t key) {
   key = (key ^ (key >> 30U)) * 0xbf58476d1ce4e5b9ULL;
   key = (key ^ (key >> 27U)) * 0x94d049bb133111ebULL;

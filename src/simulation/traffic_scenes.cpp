@@ -154,29 +154,28 @@ void buildCrossing(World::Parts& parts) {
     }
   }
   builder.turn(false);
-  builder.parkedRow(24.0, 70.0, 6.0);
-  builder.parkedRow(-70.0, -24.0, -6.0);
+  builder.parkedRow(32.0, 70.0, -6.0);
 }
 
 void addCrossingVehicles(TrafficScene& scene) {
   // The traffic light: east-west has green until 7 s, north-south from 8 s to 15 s.
-  addVehicle(scene, kCar, {{-75, -2.2}, {75, -2.2}}, {{0, 11}});
-  addVehicle(scene, kCar, {{-75, -2.2}, {75, -2.2}}, {{3, 10}, {7, 8}, {11, 0}, {16, 0}, {20, 7}});
-  addVehicle(scene, kVan, {{75, 2.2}, {-75, 2.2}}, {{0, 10}});
-  addVehicle(scene, kCar, {{75, 2.2}, {-75, 2.2}}, {{2.5, 12}});
-  addVehicle(scene, kBus, {{75, 5.4}, {-75, 5.4}}, {{1, 9}, {4, 9}});
+  addVehicle(scene, kCar, {{-75, -3.0}, {75, -3.0}}, {{0, 11}});
+  addVehicle(scene, kCar, {{-75, -3.0}, {75, -3.0}}, {{3, 10}, {7, 8}, {11, 0}, {16, 0}, {20, 7}});
+  addVehicle(scene, kVan, {{75, 3.0}, {-75, 3.0}}, {{0, 10}});
+  addVehicle(scene, kCar, {{75, 3.0}, {-75, 3.0}}, {{2.5, 12}});
+  addVehicle(scene, kBus, {{75, 6.0}, {-75, 6.0}}, {{1, 9}, {4, 9}});
   // Turns right, from the west to the south.
-  addVehicle(scene, kCar, turnPath({-75, -5.4}, {-2.6, -5.4}, {-2.6, -75}, 5.0),
+  addVehicle(scene, kCar, turnPath({-75, -6.0}, {-3.0, -6.0}, {-3.0, -75}, 5.0),
              {{0.5, 11}, {5, 10}, {7.5, 5}, {10, 5}, {12, 9}});
   // Wait at the red light and start.
-  addVehicle(scene, kCar, {{2.2, -12.0}, {2.2, 75}}, {{-1, 0}, {8, 0}, {12, 9}});
-  addVehicle(scene, kCar, {{2.2, -19.0}, {2.2, 75}}, {{-1, 0}, {9, 0}, {13, 9}});
-  addVehicle(scene, kVan, {{-2.2, 75}, {-2.2, -75}}, {{2, 10}, {5, 9}, {8, 6}, {10, 9}});
+  addVehicle(scene, kCar, {{3.0, -12.0}, {3.0, 75}}, {{-1, 0}, {8, 0}, {12, 9}});
+  addVehicle(scene, kCar, {{3.0, -19.0}, {3.0, 75}}, {{-1, 0}, {9, 0}, {13, 9}});
+  addVehicle(scene, kVan, {{-3.0, 75}, {-3.0, -75}}, {{2, 10}, {5, 9}, {8, 6}, {10, 9}});
   // Turns left, from the north to the east.
-  addVehicle(scene, kCar, turnPath({-5.4, 75}, {-5.4, -2.2}, {75, -2.2}, 7.0),
+  addVehicle(scene, kCar, turnPath({-6.0, 75}, {-6.0, -3.0}, {75, -3.0}, 7.0),
              {{4, 11}, {9, 9}, {11, 6}, {14, 6}, {16, 10}});
   // A parked car that starts.
-  addVehicle(scene, kCar, {{14, -5.6}, {22, -5.6}, {28, -2.4}, {75, -2.2}},
+  addVehicle(scene, kCar, {{14, -5.6}, {22, -5.6}, {28, -3.2}, {75, -3.0}},
              {{-1, 0}, {5, 0}, {9, 7}});
 }
 
@@ -202,7 +201,8 @@ void buildStreet(World::Parts& parts) {
     builder.furniture(-70.0, 88.0, side * 7.2);
     builder.furniture(104.0, 290.0, side * 7.2);
     builder.parkedRow(-60.0, 84.0, side * 5.3);
-    builder.parkedRow(108.0, 280.0, side * 5.3);
+    builder.parkedRow(108.0, 130.0, side * 5.3);
+    builder.parkedRow(156.0, 280.0, side * 5.3);
   }
   builder.turn(true);
   for (const double side : {-1.0, 1.0}) {

@@ -21,7 +21,8 @@ struct CloudTrack {
   double z = 0.0, climb = 0.0;     ///< of its middle, m and m/s
   double bottom = 0.0, top = 0.0;  ///< of its visible points, m
 
-  bool isShown() const { return plane.isShown(); }
+  /// Sweeps are slow: a track without observations is shown for two of them.
+  bool isShown() const { return plane.isShown() && plane.unseen_s < 0.25; }
 };
 
 /// One sweep of a 3D lidar.
@@ -60,6 +61,8 @@ class CloudTracker {
   const Result& process(const LidarSweep& sweep,
                         const std::optional<Eigen::Isometry3d>& predicted = std::nullopt);
 
+  const Eigen::Isometry3d& pose() const;  ///< map_T_lidar of the last sweep that was used
+  std::optional<double> stamp() const;    ///< of this sweep, s
   const SurfaceMap& surfaces() const;
   const MotionGrid<3>& grid() const;
   /// Of both maps.

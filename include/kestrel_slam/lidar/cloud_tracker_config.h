@@ -15,8 +15,9 @@ namespace kestrel {
 inline MotionGridConfig voxelGridConfig() {
   MotionGridConfig config;
   config.resolution_m = 0.4;
-  config.tolerance_m = 0.1;
+  config.tolerance_m = 0.25;
   config.tolerance_rad = 0.003;
+  config.new_s = 1.0;
   config.keep_radius_m = 80.0;
   config.memory_limit_mb = 350.0;
   return config;
@@ -36,7 +37,7 @@ struct CloudTrackerConfig {
   double ring_step_deg = 1.33;  ///< between the rings, for the visitation grid
 
   // Clusters of moving points.
-  double bandwidth_m = 1.0;    ///< of the mean shift; the paper has 2.2 m, which joins pedestrians
+  double bandwidth_m = 0.6;    ///< of the mean shift; the paper has 2.2 m, which joins pedestrians
   double join_gap_m = 0.7;     ///< voxels with gaps up to this are one object
   std::size_t min_points = 5;  ///< of a cluster
   double max_height_m = 4.5;   ///< of the lowest point of an object above the lidar
@@ -58,10 +59,11 @@ struct CloudTrackerConfig {
   PhdLimits phd{1e-4, 4.0, 300, true};
 
   // Tracks.
-  double coast_s = 1.0;     ///< a visible track without observation is deleted after this time
-  double hidden_s = 3.0;    ///< the same for a track that is hidden
-  double confirm_s = 0.25;  ///< a track is confirmed after this time with observations
-  double moved_m = 0.6;     ///< an object moves if it has left its place by more than this
+  double coast_s = 1.0;       ///< a visible track without observation is deleted after this time
+  double hidden_s = 3.0;      ///< the same for a track that is hidden
+  double lost_sigma_m = 2.5;  ///< a target is forgotten if its place is known worse than this
+  double confirm_s = 0.25;    ///< a track is confirmed after this time with observations
+  double moved_m = 0.7;       ///< an object moves if it has left its place by more than this
 
   // Bounds on the work of one sweep. If one is reached, the result says so.
   std::size_t max_points = 150000;

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/lidar/cloud_tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "kestrel_slam/experiments/lidar_measurement.h"
+#include "kestrel_slam/geometry/random.h"
+
+namespace kestrel {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+LidarSweep sweepAt(double stamp, std::size_t points) {
+  Random random(5);
+  LidarSweep sweep;
+  sweep.cloud.stamp = stamp;
+  for (std::size_t i = 0; i < points; ++i) {
+    sweep.cloud.points.push_back(
+        {static_cast<float>(random.uniform(-30.0, 30.0)),
+         static_cast<float>(random.uniform(-30.0, 30.0)),
+         i % 3 == 0 ? static_cast<float>(random.uniform(-1.7, 3.0)) : -1.7F, 0.0F});
+  }
+  return sweep;
+}
+
+TEST(CloudTrackerTest, BadSweepsAreRefusedWithAReason) {
+  CloudTracker tracker;
+  EXPECT_FALSE(tracker.process(sweepAt(0.0, 0)).used);
+  EXPECT_NE(tracker.process(sweepAt(0.0, 0)).problem.find("no points"), std::string::npos);
+  EXPECT_NE(tracker.process(sweepAt(0.0, 20)).problem.find("only"), std::string::npos);
+  LidarSweep invalid = sweepAt(0.0, 500);
+  for (PointCloud::Point& point : invalid.cloud.points) point.x = kNaN;
+  EXPECT_FALSE(tracker.process(invalid).used);
+  EXPECT_TRUE(tracker.process(sweepAt(1.0, 5000)).used);
+  EXPECT_NE(tracker.process(sweepAt(1.0, 5000)).problem.find("not newer"), std::string::npos);
+  EXPECT_FALSE(tracker.process(sweepAt(0.5, 5000)).used);
+  LidarSweep no_stamp = sweepAt(std::numeric_limits<double>::quiet_NaN(), 5000);
+  EXPECT_FALSE(tracker.process(no_stamp).used);
+  EXPECT_TRUE(tracker.process(sweepAt(1.1, 5000)).used);
+}
+
+TEST(CloudTrackerTest, AMillionPointsAreThinned) {
+  CloudTracker tracker;
+  const CloudTracker::Result& result = tracker.process(sweepAt(0.0, 1000000));
+  EXPECT_TRUE(result.used);
+  EXPECT_TRUE(result.saturated);
+  EXPECT_NE(result.problem.find("1000000"), std::string::npos);
+  EXPECT_EQ(result.moving.size(), 1000000U);
+}
+
+/// The crossing with fewer columns and frames.
+TrafficScene shortCrossing() {
+  TrafficScene scene = crossingScene();
+  scene.lidar.columns = 720;
+  scene.frames = 25;
+  return scene;
+}
+
+TEST(CloudTrackerTest, CrossingIsTrackedAndTheLidarStands) {
+  const LidarMeasurement m = measureScene(shortCrossing(), CloudTrackerConfig());
+  EXPECT_LT(m.largest_step_m, 0.01);
+  EXPECT_LT(m.largest_turn_deg, 0.05);
+  EXPECT_GT(m.objects.matches, 25U);
+  EXPECT_LT(m.objects.false_tracks, m.objects.matches / 4);
+  EXPECT_GT(m.points.right, 4 * m.points.wrong);
+}
+
+TEST(CloudTrackerTest, TheSameSweepsGiveTheSameTracks) {
+  const auto pathOf = [] {
+    TrafficScene scene = shortCrossing();
+    scene.frames = 12;
+    std::vector<double> values;
+    LidarMeasurementOptions options;
+    options.observer = [&](const LabeledSweep&, const CloudTracker::Result& result) {
+      values.push_back(result.pose.translation().x());
+      for (const CloudTrack& track : result.tracks) values.push_back(track.plane.position.x());
+    };
+    measureScene(scene, CloudTrackerConfig(), options);
+    return values;
+  };
+  EXPECT_EQ(pathOf(), pathOf());
+}
+
+}  // namespace
+}  // namespace kestrel
