@@ -66,17 +66,4 @@ Trajectory inWorld(const MappedVehicle& mapped, const MergeResult& merged, std::
   return result;
 }
 
-MapSnapshot mapOf(const std::vector<VehicleMap>& vehicles, const MergeResult& merged,
-                  std::size_t vehicle, const OccupancyGridConfig& config) {
-  OccupancyGrid grid(config);
-  for (std::size_t v = 0; v < vehicles.size(); ++v) {
-    if (merged.group[v] != merged.group[vehicle]) continue;
-    for (std::size_t i = 0; i < vehicles[v].keyframes.size(); ++i) {
-      const Keyframe& keyframe = *vehicles[v].keyframes[i].keyframe;
-      grid.insert(keyframe.planarScan(), merged.poses[v][i], keyframe.new_view);
-    }
-  }
-  return grid.snapshot();
-}
-
 }  // namespace kestrel
