@@ -12,6 +12,8 @@
 
 #include "kestrel_slam/graph/submap_graph.h"
 #include "kestrel_slam/offline/arrival_order.h"
+#include "kestrel_slam/offline/saved_session.h"
+#include "kestrel_slam/session/graph_session.h"
 
 namespace kestrel {
 namespace {
@@ -93,6 +95,10 @@ class Runner {
     pipeline_.on_scan = [this](const MappedSweep& sweep) { record(sweep); };
     pipeline_.on_drop = [this](const DroppedSweep& sweep) { drop(sweep); };
     pipeline_.on_filter = options_.filter_observer;
+    if (options_.session) {
+      const double resolution_m = config.mapper.grid.resolution_m;
+      pipeline_.continueWith(graphRecordOf(*options_.session, resolution_m), options_.start);
+    }
     pipeline_.on_problem = [this](const ImuFault& problem, double time) { warn(problem, time); };
   }
 
@@ -244,12 +250,16 @@ class Runner {
   /// Corrects the poses and the map by the loops that were found.
   void correct(SubmapGraph& graph) {
     graph.finish();
-    if (options_.graph_observer) options_.graph_observer(graph);
     run_.graph = resultOf(graph, run_.trajectory);
     run_.trajectory = corrected(run_.trajectory, keyframes_, graph);
     for (std::size_t i = 0; i < run_.scans.size(); ++i)
       run_.scans[i].uncertain = placedAt(run_.trajectory[i].pose, run_.scans[i].uncertain);
     run_.map = mapOf(graph, config_.slam.mapper.grid);
+    run_.session = savedSession(graph, config_.slam, options_.session.get(), run_);
+    if (!options_.session || run_.session->keyframes.empty() || graph.isJoined(0)) return;
+    run_.warnings.push_back(
+        "the flight was not found in the map of the session: map and trajectory show the new part "
+        "only, and the session keeps both apart; --start says where it begins");
   }
 
   void finishFilter() {
@@ -316,31 +326,6 @@ class Runner {
 };
 
 }  // namespace
-
-std::size_t OfflineRun::droppedCount() const {
-  std::size_t count = 0;
-  for (const auto& entry : dropped) count += entry.second;
-  return count;
-}
-
-std::string OfflineRun::mainProblem() const {
-  if (dropped.empty()) return warnings.empty() ? "it has no scans" : warnings.front();
-  const auto is_rarer = [](const auto& a, const auto& b) { return a.second < b.second; };
-  const auto& [reason, count] = *std::max_element(dropped.begin(), dropped.end(), is_rarer);
-  const std::string start =
-      std::to_string(count) + " of " + std::to_string(droppedCount()) + " dropped (" + reason + ")";
-  const auto message = drop_messages.find(reason);
-  if (message != drop_messages.end()) return start + ": " + message->second;
-  // The recording itself skipped them, and its warnings say why.
-  for (const std::string& warning : warnings) {
-    if (warning.find(reason) != std::string::npos) return start + ": " + warning;
-  }
-  return start + (warnings.empty() ? "" : ": " + warnings.front());
-}
-
-double OfflineRun::speedFactor() const {
-  return processing_s > 0.0 ? duration_s / processing_s : 0.0;
-}
 
 OfflineRun runOffline(Recording& recording, const SlamConfig& config, const RunOptions& options,
                       const ProgressCallback& progress) {

@@ -2,6 +2,7 @@
 #include "kestrel_slam/pipeline/pipeline.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "kestrel_slam/graph/submap_graph.h"
@@ -181,6 +182,14 @@ void Pipeline::reset(const Pose2& map_T_base) {
   poses_.clear();
   mapping_.reset(map_T_base);
   startGraph();
+}
+
+void Pipeline::continueWith(GraphRecord record, const std::optional<GaussianPose2>& map_T_base) {
+  if (!graph_) throw std::invalid_argument("a session needs the parameter graph");
+  reset(map_T_base ? map_T_base->mean : Pose2());
+  graph_ =
+      std::make_unique<SubmapGraph>(config_.slam.mapper, config_.slam.loops, std::move(record));
+  graph_->beginPart(map_T_base);
 }
 
 }  // namespace kestrel

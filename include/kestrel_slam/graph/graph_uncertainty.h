@@ -13,6 +13,8 @@ struct RelativeUncertainty {
   double position_m2 = 1e9;  ///< variance of the position, sum of x and y
   double yaw_rad2 = 1e9;     ///< variance of the yaw
 
+  /// false: no path of edges leads there.
+  bool isKnown() const { return position_m2 < 1e9; }
   /// Standard deviation of the position of a point at a distance from that vertex, m.
   double sigmaAt(double distance_m) const;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
 #include "kestrel_slam/geometry/pose_covariance.h"
 #include "kestrel_slam/graph/pose_graph.h"
@@ -48,7 +49,7 @@ struct Loop {
   double radius_m = 0.0;         ///< of the search; 0: only matched where the graph expected it
   double correction_m = 0.0;     ///< distance from where the graph expected the query
   LoopState state = LoopState::kRefused;
-  const char* reason = "";  ///< why it is pending or refused
+  std::string reason;  ///< why it is pending, refused or undone
 };
 
 /// The edge of an accepted loop.

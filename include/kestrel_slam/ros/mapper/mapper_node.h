@@ -22,6 +22,7 @@
 #include "kestrel_slam/ros/mapper/mapper_parameters.h"
 #include "kestrel_slam/ros/mapper/pose_publisher.h"
 #include "kestrel_slam/ros/mapper/scan_input.h"
+#include "kestrel_slam/ros/mapper/session_services.h"
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
 #include "kestrel_slam/ros/mapper/trajectory_log.h"
 #include "kestrel_slam/ros/mapper/trajectory_services.h"
@@ -51,6 +52,7 @@ class MapperNode {
   void drop(const std::string& reason, const std::string& sentence);
   void continueAfter(const ReadyScan& scan);
   void restart(const Pose2& map_T_base);
+  void onSession();
 
   void onCommand(const std_msgs::String& message);
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
@@ -80,6 +82,7 @@ class MapperNode {
   std::unique_ptr<MapPublisher> map_publisher_;
   std::unique_ptr<TrajectoryServices> trajectory_services_;
   std::unique_ptr<Diagnostics> diagnostics_;
+  std::unique_ptr<SessionServices> session_services_;
 };
 
 }  // namespace kestrel
