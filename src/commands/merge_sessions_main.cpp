@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -28,7 +29,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::vector<std::string> sessions, starts, settings;
+  std::vector<std::string> sessions, starts, separated, settings;
   std::string output;
 };
 
@@ -71,6 +72,21 @@ std::vector<VehicleMap> readVehicles(const Options& options) {
   const std::string problem = problemOf(vehicles);
   if (!problem.empty()) throw std::runtime_error(problem);
   return vehicles;
+}
+
+/// The numbers of the vehicles that "NAME,NAME" names.
+void separate(const std::string& text, MapMerger& merger) {
+  const std::size_t comma = text.find(',');
+  std::vector<std::size_t> numbers;
+  for (const std::string& name :
+       {text.substr(0, comma), text.substr(std::min(comma, text.size() - 1) + 1)}) {
+    for (std::size_t v = 0; v < merger.vehicles().size(); ++v) {
+      if (merger.vehicles()[v].name == name) numbers.push_back(v);
+    }
+  }
+  if (numbers.size() != 2 || numbers[0] == numbers[1])
+    throw std::runtime_error("--separate " + text + " does not name two of the vehicles");
+  merger.separate(numbers[0], numbers[1]);
 }
 
 Json jsonOf(const Pose2& pose) {
@@ -176,6 +192,7 @@ void run(const Options& options) {
   applySettings(options.settings, config);
   MapMerger merger(config.mapper, config.loops);
   for (VehicleMap& vehicle : readVehicles(options)) merger.update(std::move(vehicle));
+  for (const std::string& pair : options.separated) separate(pair, merger);
   prepareOutput(options.output);
   const MergeResult merged = merger.merge();
   const std::vector<VehicleMap>& vehicles = merger.vehicles();
@@ -216,6 +233,10 @@ int main(int argc, char** argv) {
   app.add_option("--output", options.output, "folder for the results")->required();
   app.add_option("--start", options.starts,
                  "NAME=x,y,yaw: about where the map of this vehicle begins in world, m and degrees")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+  app.add_option("--separate", options.separated, "NAME,NAME: never join these two directly")
       ->expected(1)
       ->take_all()
       ->allow_extra_args(false);

@@ -162,8 +162,10 @@ void check(const Options& options) {
   if (!options.make_keys.empty()) return;
   if (options.send.empty() && options.receive.empty())
     throw CLI::RequiredError("--send or --receive");
-  if (options.host.bind.empty() && options.host.peers.empty())
-    throw CLI::RequiredError("--listen or --connect");
+  if (!options.send.empty() && options.host.peers.empty())
+    throw CLI::RequiredError("--connect (--send sends to these hosts)");
+  if (!options.receive.empty() && options.host.bind.empty())
+    throw CLI::RequiredError("--listen (--receive is for what arrives there)");
 }
 
 }  // namespace
