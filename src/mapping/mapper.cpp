@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kestrel_slam/mapping/jump_check.h"
 #include "kestrel_slam/mapping/local_map.h"
 #include "kestrel_slam/mapping/match_reason.h"
 #include "kestrel_slam/mapping/motion_model.h"
@@ -31,6 +32,9 @@ constexpr int kSettlingScans = 10;
 constexpr std::size_t kMatchPoints = 1100;
 /// Fewer than one out of this many beams are few.
 constexpr std::size_t kMostBeams = 2;
+/// If fewer than one out of this many beams have a hit, they may fit at several places, and the
+/// prediction by an IMU is worth more.
+constexpr std::size_t kFewHits = 2;
 /// The match shows the errors of the odometry if this share of the points constrains the weakest
 /// direction.
 constexpr double kWellConstrained = 0.1;
@@ -92,6 +96,8 @@ struct Mapper::State {
   LocalMap map;
   std::unique_ptr<Matcher> matcher;
   MotionModel motion;
+  JumpCheck jumps;
+  bool few_hits = false;        ///< the scan has hits in a small part of its beams
   UncertainPose inserted_pose;  ///< pose of the last inserted scan
   PoseUncertainty uncertainty;
   int unsettled_scans = 0;  ///< scans that have to fit before the state is ok again
@@ -111,9 +117,9 @@ struct Mapper::State {
   bool isBlank(const Points& points, const PlanarScan& scan,
                const std::optional<Pose2>& odom_T_base) const;
   bool isLikely(const MatchResult& match, const MatchRequest& request,
-                const PredictionError& error) const;
+                const PredictionError& error);
   MatchState judge(const MatchResult& match, const MatchRequest& request,
-                   const PredictionError& error) const;
+                   const PredictionError& error);
   void settle(MapperResult& result);
   void insert(const PlanarScan& scan, bool has_odometry, MapperResult& result);
   bool movedEnough() const;
@@ -239,20 +245,24 @@ void Mapper::State::settle(MapperResult& result) {
 
 /// A poor fit far from where the vehicle is predicted is worth less than the prediction.
 bool Mapper::State::isLikely(const MatchResult& match, const MatchRequest& request,
-                             const PredictionError& error) const {
+                             const PredictionError& error) {
   const MatcherConfig& limits = config.matcher;
   if (request.prior) {
     return match.score >= limits.search_score || request.prior->isPlausible(match.pose);
   }
+  const Pose2& predicted = request.initial_guesses.front();
+  const bool sure = match.score >= limits.search_score && match.known >= kSureKnownShare;
+  if (!request.lost && !jumps.accepts(predicted, match.pose, error) && (few_hits || !sure))
+    return false;
   if (!request.lost && !motion.isCarried()) return true;
-  if (match.score >= limits.search_score && match.known >= kSureKnownShare) return true;
-  const double away = (request.initial_guesses.front().inverse() * match.pose).distance();
+  if (sure) return true;
+  const double away = predicted.between(match.pose).distance();
   return match.score >= kFoundScore && match.known >= kFoundKnownShare &&
          away <= kFoundSigmas * error.position_m();
 }
 
 MatchState Mapper::State::judge(const MatchResult& match, const MatchRequest& request,
-                                const PredictionError& error) const {
+                                const PredictionError& error) {
   if (match.score < config.lost_score || match.known < config.min_known_share ||
       !isLikely(match, request, error))
     return MatchState::kLost;
@@ -303,6 +313,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   const Points points = thinned(hitsOf(scan), kMatchPoints);
   const PredictionError error = s.motion.errorAt(scan, odom_T_base);
   result.blank = s.isBlank(points, scan, odom_T_base);
+  s.few_hits = scan.integrated_acceleration && hitsOf(scan).size() * kFewHits < scan.rays.size();
   if (s.map.scans() > 0) {
     if (result.blank) {
       s.carry(scan, odom_T_base, error, result);
