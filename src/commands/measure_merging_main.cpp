@@ -10,6 +10,7 @@
 #include "kestrel_slam/evaluation/evaluation.h"
 #include "kestrel_slam/experiments/merging_measurement.h"
 #include "kestrel_slam/map/map_io.h"
+#include "kestrel_slam/merging/merged_session.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
 
 namespace kestrel {

@@ -5,7 +5,6 @@
 #include <memory>
 #include <stdexcept>
 
-#include "kestrel_slam/graph/submap_graph.h"
 #include "kestrel_slam/offline/offline_run.h"
 #include "kestrel_slam/recording/recording.h"
 
@@ -41,17 +40,16 @@ MappedVehicle mapVehicle(const VehicleRecording& vehicle, SlamConfig config) {
   options.use_odometry = vehicle.use_odometry && recording->hasOdometry();
   options.perturbation.skip_scans = vehicle.first;
   options.max_scans = vehicle.last;
-  options.graph_observer = [&](const SubmapGraph& graph) {
-    mapped.map = vehicleMapOf(vehicle.name, graph);
-  };
   const OfflineRun run = runOffline(*recording, config, options);
   if (run.scans.empty()) throw std::runtime_error(vehicle.path + ": " + run.mainProblem());
-  mapped.map.name = vehicle.name;
+  if (!run.session) throw std::runtime_error(vehicle.path + ": nothing was mapped");
+  mapped.map = vehicleMapOf(vehicle.name, *run.session);
   mapped.trajectory = run.trajectory;
-  std::size_t keyframes = 0;
-  for (std::size_t i = 0; i < run.scans.size(); ++i) {
-    if (run.scans[i].inserted) ++keyframes;
-    mapped.keyframe_before.push_back(keyframes == 0 ? 0 : keyframes - 1);
+  const std::vector<LocalKeyframe>& keyframes = mapped.map.keyframes;
+  std::size_t next = 0;  // keyframe
+  for (const StampedPose& scan : run.trajectory) {
+    if (next < keyframes.size() && keyframes[next].keyframe->stamp == scan.stamp) ++next;
+    mapped.keyframe_before.push_back(next == 0 ? 0 : next - 1);
   }
   return mapped;
 }
@@ -64,19 +62,6 @@ Trajectory inWorld(const MappedVehicle& mapped, const MergeResult& merged, std::
                      mapped.map.keyframes[keyframe].local_T_base.between(result[i].pose);
   }
   return result;
-}
-
-MapSnapshot mapOf(const std::vector<VehicleMap>& vehicles, const MergeResult& merged,
-                  std::size_t vehicle, const OccupancyGridConfig& config) {
-  OccupancyGrid grid(config);
-  for (std::size_t v = 0; v < vehicles.size(); ++v) {
-    if (merged.group[v] != merged.group[vehicle]) continue;
-    for (std::size_t i = 0; i < vehicles[v].keyframes.size(); ++i) {
-      const Keyframe& keyframe = *vehicles[v].keyframes[i].keyframe;
-      grid.insert(keyframe.planarScan(), merged.poses[v][i], keyframe.new_view);
-    }
-  }
-  return grid.snapshot();
 }
 
 }  // namespace kestrel

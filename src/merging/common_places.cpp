@@ -6,18 +6,32 @@
 #include <cmath>
 
 #include "kestrel_slam/matching/place_match.h"
+#include "kestrel_slam/matching/thinned.h"
 
 namespace kestrel {
 namespace {
 
 /// Work of the search in one place, see WorkBudget. Enough for a place of 60 m.
 constexpr std::int64_t kWork = 1'000'000'000;
+constexpr std::size_t kQueryPoints = 1000;
 /// The query may be this far outside of the path through a place.
 constexpr double kAroundM = 4.0;
 /// Poses in neighboring places that differ by less are the same explanation.
 constexpr double kSameM = 1.0, kSameRad = 0.35;
 /// Half size of the window in which the best pose is verified.
 constexpr double kVerifyRad = 0.35;
+
+/// The hits of a query in the frame of its middle keyframe.
+Points pointsOf(const std::vector<LocalKeyframe>& keyframes, const LoopQuery& query) {
+  const Pose2 middle_T_local = keyframes[query.middle()].local_T_base.inverse();
+  Points points;
+  for (std::size_t i = query.first; i < query.last; ++i) {
+    const Pose2 middle_T_base = middle_T_local * keyframes[i].local_T_base;
+    for (const Eigen::Vector2f& hit : keyframes[i].keyframe->scan.hits())
+      points.push_back((middle_T_base * hit.cast<double>()).cast<float>());
+  }
+  return sampled(points, kQueryPoints);
+}
 
 bool isSame(const Pose2& a, const Pose2& b) {
   const Pose2 difference = a.between(b);
@@ -55,7 +69,7 @@ double CommonPlaces::secondScore(const std::vector<Found>& found, const Found& b
 }
 
 Loop CommonPlaces::search(JointMap& joint, std::size_t part, const LoopQuery& query) const {
-  const Points points = queryPoints(joint.keyframes(), query);
+  const Points points = pointsOf(joint.keyframes(), query);
   std::vector<Found> found;
   Found best;
   bool complete = true;

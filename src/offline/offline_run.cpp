@@ -256,7 +256,6 @@ class Runner {
   /// Corrects the poses and the map by the loops that were found.
   void correct(SubmapGraph& graph) {
     graph.finish();
-    if (options_.graph_observer) options_.graph_observer(graph);
     run_.graph = resultOf(graph, run_.trajectory);
     run_.trajectory = corrected(run_.trajectory, keyframes_, graph);
     for (std::size_t i = 0; i < run_.scans.size(); ++i)

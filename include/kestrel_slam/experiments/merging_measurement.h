@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "kestrel_slam/map/map_snapshot.h"
 #include "kestrel_slam/merging/map_merger.h"
 #include "kestrel_slam/parameters/parameters.h"
 #include "kestrel_slam/recording/trajectory.h"
@@ -29,7 +28,7 @@ std::vector<VehicleRecording> cutRecording(const std::string& path, std::size_t 
 struct MappedVehicle {
   VehicleMap map;
   Trajectory trajectory;                     ///< of all scans, in the vehicle's map
-  std::vector<std::size_t> keyframe_before;  /// of every scan
+  std::vector<std::size_t> keyframe_before;  ///< of every scan
 };
 
 /// Maps the part, with loops. Throws std::runtime_error if it cannot be read.
@@ -38,9 +37,5 @@ MappedVehicle mapVehicle(const VehicleRecording& recording, SlamConfig config);
 /// The poses of all scans of vehicle number `vehicle` in `world`: each scan moves with the keyframe
 /// before it.
 Trajectory inWorld(const MappedVehicle& mapped, const MergeResult& merged, std::size_t vehicle);
-
-/// The map of all keyframes of the group of vehicle `vehicle`.
-MapSnapshot mapOf(const std::vector<VehicleMap>& vehicles, const MergeResult& merged,
-                  std::size_t vehicle, const OccupancyGridConfig& config);
 
 }  // namespace kestrel

@@ -23,7 +23,7 @@ struct MergingConfig {
   std::size_t min_places = 2;    ///< at so many places
   double place_m = 8.0;          ///< that are this far apart
   double min_agreement = 0.7;    ///< share of the keyframes in both maps that fit
-  double max_contradiction_m = 4.0;  ///< length of the way along which none fits
+  double max_contradiction_m = 2.0;  ///< length of the way along which none fits
 };
 
 /// How two maps belong together.

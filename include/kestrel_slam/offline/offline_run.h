@@ -23,8 +23,6 @@
 
 namespace kestrel {
 
-class SubmapGraph;
-
 /// Data of one processed scan for the report.
 struct ScanRecord {
   double time = 0.0;  ///< on the repaired time base, s
@@ -94,8 +92,6 @@ struct RunOptions {
   std::function<void(const PlanarScan&, const MapperResult&)> observer;
   /// The same with everything that the pipeline knows of the scan, also its odometry.
   std::function<void(const MappedSweep&)> sweep_observer;
-  /// Called at the end with the corrected graph, if loops were searched for.
-  std::function<void(const SubmapGraph&)> graph_observer;
   /// Called for every state of the pose filter.
   std::function<void(const FilterOutput&)> filter_observer;
 };

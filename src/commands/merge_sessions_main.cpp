@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/commands/mapping_command.h"
+#include "kestrel_slam/commands/run_tool.h"
+#include "kestrel_slam/map/map_folder.h"
+#include "kestrel_slam/merging/merged_session.h"
+#include "kestrel_slam/offline/stats.h"
+#include "kestrel_slam/offline/version.h"
+#include "kestrel_slam/parameters/parameters_yaml.h"
+#include "kestrel_slam/recording/trajectory.h"
+#include "kestrel_slam/report/map_image.h"
+#include "kestrel_slam/report/plot.h"
+#include "kestrel_slam/session/session_file.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::vector<std::string> sessions, starts, separated, settings;
+  std::string output;
+};
+
+/// "uav0=file" or "file": then the name is that of the file, without its ending.
+std::pair<std::string, std::string> nameAndFile(const std::string& argument) {
+  const std::size_t equal = argument.find('=');
+  if (equal == std::string::npos || fs::exists(argument))
+    return {fs::path(argument).stem().string(), argument};
+  return {argument.substr(0, equal), argument.substr(equal + 1)};
+}
+
+/// "uav0=x,y,yaw", m and degrees.
+std::map<std::string, Pose2> startsOf(const Options& options) {
+  std::map<std::string, Pose2> starts;
+  for (const std::string& text : options.starts) {
+    double x = 0.0, y = 0.0, yaw = 0.0;
+    const std::size_t equal = text.find('=');
+    char rest = 0;
+    if (equal == std::string::npos ||
+        std::sscanf(text.c_str() + equal + 1, "%lf,%lf,%lf%c", &x, &y, &yaw, &rest) != 3)
+      throw CLI::ValidationError("--start", "'" + text + "' is not NAME=x,y,yaw");
+    starts[text.substr(0, equal)] = Pose2(x, y, degToRad(yaw));
+  }
+  return starts;
+}
+
+std::vector<VehicleMap> readVehicles(const Options& options) {
+  std::map<std::string, Pose2> starts = startsOf(options);
+  std::vector<VehicleMap> vehicles;
+  for (const std::string& argument : options.sessions) {
+    const auto [name, file] = nameAndFile(argument);
+    vehicles.push_back(vehicleMapOf(name, loadSession(file)));
+    const auto start = starts.find(name);
+    if (start == starts.end()) continue;
+    vehicles.back().world_T_map = start->second;
+    starts.erase(start);
+  }
+  if (!starts.empty())
+    throw std::runtime_error("--start names " + starts.begin()->first + ", which is no session");
+  const std::string problem = problemOf(vehicles);
+  if (!problem.empty()) throw std::runtime_error(problem);
+  return vehicles;
+}
+
+/// The numbers of the vehicles that "NAME,NAME" names.
+void separate(const std::string& text, MapMerger& merger) {
+  const std::size_t comma = text.find(',');
+  std::vector<std::size_t> numbers;
+  for (const std::string& name :
+       {text.substr(0, comma), text.substr(std::min(comma, text.size() - 1) + 1)}) {
+    for (std::size_t v = 0; v < merger.vehicles().size(); ++v) {
+      if (merger.vehicles()[v].name == name) numbers.push_back(v);
+    }
+  }
+  if (numbers.size() != 2 || numbers[0] == numbers[1])
+    throw std::runtime_error("--separate " + text + " does not name two of the vehicles");
+  merger.separate(numbers[0], numbers[1]);
+}
+
+Json jsonOf(const Pose2& pose) {
+  return {{"x", rounded(pose.x, 4)}, {"y", rounded(pose.y, 4)}, {"yaw", rounded(pose.yaw, 5)}};
+}
+
+Json statusOf(const std::vector<VehicleMap>& vehicles, const MergeResult& merged) {
+  Json status;
+  for (std::size_t v = 0; v < vehicles.size(); ++v) {
+    status["vehicles"].push_back({{"name", vehicles[v].name},
+                                  {"keyframes", vehicles[v].keyframes.size()},
+                                  {"group", vehicles[merged.group[v]].name},
+                                  {"world_T_map", jsonOf(merged.world_T_map[v])}});
+  }
+  status["pairs"] = Json::array();
+  for (const PairResult& pair : merged.pairs) {
+    Json entry = {{"a", vehicles[pair.a].name},
+                  {"b", vehicles[pair.b].name},
+                  {"state", toString(pair.state)},
+                  {"reason", pair.reason},
+                  {"confidence", rounded(pair.confidence, 3)},
+                  {"searched", pair.searched},
+                  {"found", pair.found},
+                  {"agreeing", pair.first},
+                  {"second_explanation", pair.second},
+                  {"places", pair.places},
+                  {"common_keyframes", pair.compared},
+                  {"contradicting_keyframes", pair.contradicting},
+                  {"longest_contradiction_m", rounded(pair.longest_contradiction_m, 2)}};
+    if (pair.isJoined()) entry["a_T_b"] = jsonOf(pair.a_T_b);
+    status["pairs"].push_back(entry);
+  }
+  status["loops_between"] = merged.loops_between;
+  return status;
+}
+
+Trajectory trajectoryOf(const VehicleMap& vehicle, const std::vector<Pose2>& poses) {
+  Trajectory trajectory;
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    trajectory.push_back({vehicle.keyframes[i].keyframe->stamp, poses[i]});
+  return trajectory;
+}
+
+/// The walls and the way of each vehicle.
+void drawMerged(const fs::path& folder, const std::vector<VehicleMap>& vehicles,
+                const MergeResult& merged, const MapSnapshot& map) {
+  PlotPanel panel;
+  panel.title = "merged map and the ways of the vehicles";
+  panel.x_label = "x in world, m";
+  panel.y_label = "y in world, m";
+  panel.equal_axes = true;
+  PlotSeries walls{"walls", {}, PlotSeries::Style::kDots, kPlotBlack};
+  for (int row = 0; row < map.height; ++row) {
+    for (int column = 0; column < map.width; ++column) {
+      if (map.at(column, row) != MapSnapshot::kOccupied) continue;
+      walls.points.emplace_back(map.origin_x + (column + 0.5) * map.resolution_m,
+                                map.origin_y + (row + 0.5) * map.resolution_m);
+    }
+  }
+  panel.series.push_back(std::move(walls));
+  for (std::size_t v = 0; v < vehicles.size(); ++v) {
+    if (merged.group[v] != merged.group[0]) continue;
+    PlotSeries way{vehicles[v].name, {}, PlotSeries::Style::kLine, v};
+    for (const Pose2& pose : merged.poses[v]) way.points.push_back(pose.translation());
+    panel.series.push_back(std::move(way));
+  }
+  writePlot((folder / "merged.png").string(), {panel});
+}
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) result += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
+  return result;
+}
+
+std::string reportOf(const std::vector<VehicleMap>& vehicles, const MergeResult& merged,
+                     const MapSnapshot& map) {
+  std::ostringstream html;
+  html << "<!DOCTYPE html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Merged "
+          "sessions</title><style>body{font-family:sans-serif;margin:2em}td,th{padding:.2em "
+          ".8em;text-align:left}img{max-width:100%}</style></head><body><h1>Merged sessions</h1>"
+          "<table><tr><th>a</th><th>b</th><th>result</th><th>confidence</th><th>reason</th></tr>";
+  for (const PairResult& pair : merged.pairs) {
+    html << "<tr><td>" << escaped(vehicles[pair.a].name) << "</td><td>"
+         << escaped(vehicles[pair.b].name) << "</td><td>" << toString(pair.state) << "</td><td>"
+         << rounded(pair.confidence, 2) << "</td><td>" << escaped(pair.reason) << "</td></tr>";
+  }
+  html << "</table><p>" << kVersion << "</p><img alt=\"map\" src=\"data:image/png;base64,"
+       << base64(renderMap(map).png) << "\"></body></html>\n";
+  return html.str();
+}
+
+void printPairs(const std::vector<VehicleMap>& vehicles, const MergeResult& merged) {
+  for (const PairResult& pair : merged.pairs) {
+    std::printf("%s and %s: %s, confidence %.2f (%s)\n", vehicles[pair.a].name.c_str(),
+                vehicles[pair.b].name.c_str(), toString(pair.state), pair.confidence,
+                pair.reason.c_str());
+  }
+}
+
+void run(const Options& options) {
+  SlamConfig config;
+  applySettings(options.settings, config);
+  MapMerger merger(config.mapper, config.loops);
+  for (VehicleMap& vehicle : readVehicles(options)) merger.update(std::move(vehicle));
+  for (const std::string& pair : options.separated) separate(pair, merger);
+  prepareOutput(options.output);
+  const MergeResult merged = merger.merge();
+  const std::vector<VehicleMap>& vehicles = merger.vehicles();
+  const MapSnapshot map = mapOf(vehicles, merged, 0, config.mapper.grid);
+  Session session = mergedSession(vehicles, merged, 0);
+  session.written_by = std::string("kestrel_slam ") + kVersion;
+  session.resolution_m = config.mapper.grid.resolution_m;
+  session.parameters = parametersYaml(config);
+  std::vector<NamedContent> files = {
+      {"merged.session", encodeSession(session)},
+      {"merge_status.json", statusOf(vehicles, merged).dump(2) + "\n"},
+      {"report.html", reportOf(vehicles, merged, map)}};
+  for (std::size_t v = 0; v < vehicles.size(); ++v)
+    files.push_back({"trajectory_" + vehicles[v].name + ".tum",
+                     tumText(trajectoryOf(vehicles[v], merged.poses[v]))});
+  writeMapFolder(options.output, map, files);
+  drawMerged(options.output, vehicles, merged, map);
+  printPairs(vehicles, merged);
+}
+
+}  // namespace
+}  // namespace kestrel
+
+int main(int argc, char** argv) {
+  using namespace kestrel;
+  CLI::App app(
+      "Merges the sessions of several vehicles into one map, where they have mapped the same "
+      "place.\n"
+      "Writes merged.session, map.pgm, map.yaml, trajectory_NAME.tum for every vehicle (one that "
+      "is not joined with the first one keeps its own frame), merge_status.json, merged.png and "
+      "report.html.\n"
+      "Exit code 0: done, also if nothing was joined; 1: bad input; 2: wrong usage.");
+  Options options;
+  app.add_option("SESSION", options.sessions,
+                 "two or more session files, or NAME=FILE; NAME is that of the vehicle")
+      ->required()
+      ->expected(2, 1000);
+  app.add_option("--output", options.output, "folder for the results")->required();
+  app.add_option("--start", options.starts,
+                 "NAME=x,y,yaw: about where the map of this vehicle begins in world, m and degrees")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+  app.add_option("--separate", options.separated, "NAME,NAME: never join these two directly")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+  app.add_option("--set", options.settings, "name=value: sets a parameter")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+  return runTool("merge_sessions", app, argc, argv, [&] { run(options); });
+}

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/link/session_chunks.h"
+
+#include <gtest/gtest.h>
+
+#include "../session/session_samples.h"
+#include "kestrel_slam/session/session_file.h"
+
+namespace kestrel {
+namespace {
+
+/// A flight along the room, with a graph of keyframes.
+Session flight(std::size_t keyframes) {
+  Session session;
+  session.resolution_m = 0.05;
+  for (std::size_t i = 0; i < keyframes; ++i) {
+    const Pose2 pose(0.01 * static_cast<double>(i), 0.2, 0.1);
+    session.keyframes.push_back(sampleKeyframe(i, pose, Pose2(), 30));
+    session.vertices.push_back({VertexKind::kKeyframe, i, {pose, i == 0}});
+    if (i > 0)
+      session.edges.push_back(
+          {i - 1, i, Pose2(0.01, 0.0, 0.0), sampleMatrix(1e4), EdgeKind::kOdometry});
+  }
+  return session;
+}
+
+TEST(SessionChunks, AGrowingSessionArrives) {
+  ChunkJournal journal("", {"uav0", 1});
+  SessionCutter cutter(journal);
+  for (std::size_t count = 5; count <= 200; count += 5) cutter.update(flight(count));
+  const Session session = assembledSession(journal);
+  EXPECT_EQ(problemOf(session), "");
+  ASSERT_EQ(session.keyframes.size(), 200U);
+  EXPECT_EQ(session.edges.size(), 199U);
+  const std::vector<Pose2> sent = keyframePoses(flight(200)), received = keyframePoses(session);
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    EXPECT_LT(sent[i].between(received[i]).distance(), 1e-9);
+    EXPECT_TRUE(session.keyframes[i]->scan == flight(200).keyframes[i]->scan);
+  }
+}
+
+TEST(SessionChunks, TheTrafficIsProportionalToTheKeyframes) {
+  ChunkJournal journal("", {"uav0", 1});
+  SessionCutter cutter(journal);
+  std::size_t poses = 0;
+  for (std::size_t count = 5; count <= 400; count += 5) cutter.update(flight(count));
+  std::size_t chunks = 0;
+  for (std::uint64_t i = 1; i <= journal.last(); ++i) {
+    if (journal.get(i)->key != 0) ++poses;
+    ++chunks;
+  }
+  EXPECT_LT(poses, 20U) << "of " << chunks;
+}
+
+TEST(SessionChunks, ARestartedCutterGoesOn) {
+  ChunkJournal journal("", {"uav0", 1});
+  SessionCutter(journal).update(flight(50));
+  const std::uint64_t before = journal.last();
+  SessionCutter(journal).update(flight(50));
+  EXPECT_EQ(journal.last(), before);
+  SessionCutter(journal).update(flight(60));
+  EXPECT_EQ(journal.last(), before + 1);
+}
+
+TEST(SessionChunks, MissingChunksLeaveTheRest) {
+  ChunkJournal all("", {"uav0", 1}), some("", {"uav0", 1});
+  SessionCutter(all).update(flight(100), true);
+  for (std::uint64_t i = 1; i <= all.last(); ++i) {
+    if (i % 3 != 1) some.add(*all.get(i));
+  }
+  some.add({all.last() + 1, 0, "no session"});
+  std::size_t damaged = 0;
+  const Session session = assembledSession(some, &damaged);
+  EXPECT_EQ(problemOf(session), "");
+  EXPECT_GT(session.keyframes.size(), 50U);
+  EXPECT_LT(session.keyframes.size(), 100U);
+  EXPECT_EQ(damaged, 1U);
+}
+
+TEST(SessionChunks, OneFlightHasOneEpoch) {
+  EXPECT_EQ(epochOf(flight(10)), epochOf(flight(20)));
+  Session other = flight(10);
+  other.keyframes.erase(other.keyframes.begin());
+  EXPECT_NE(epochOf(other), epochOf(flight(10)));
+}
+
+}  // namespace
+}  // namespace kestrel
