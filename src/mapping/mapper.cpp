@@ -22,8 +22,10 @@ namespace {
 
 /// A vehicle that was not matched is found if the scan fits well (search_score) and this share of
 /// it is in known space; in a large window half of a scan fits at many places. Near the prediction
-/// less is enough.
-constexpr double kSureKnownShare = 0.5, kFoundScore = 0.6, kFoundKnownShare = 0.3;
+/// less is enough, above all if a part of the scan is in new space: the second score is that of a
+/// scan in known space.
+constexpr double kSureKnownShare = 0.5, kFoundScore = 0.5, kKnownFoundScore = 0.7,
+                 kFoundKnownShare = 0.3;
 constexpr double kFoundSigmas = 3.0;
 /// After a lost or ambiguous pose this many scans must fit before the state is ok.
 constexpr int kSettlingScans = 10;
@@ -256,9 +258,11 @@ bool Mapper::State::isLikely(const MatchResult& match, const MatchRequest& reque
     return false;
   if (!request.lost && !motion.isCarried()) return true;
   if (sure) return true;
-  const double away = predicted.between(match.pose).distance();
-  return match.score >= kFoundScore && match.known >= kFoundKnownShare &&
-         away <= kFoundSigmas * error.position_m();
+  const Pose2 away = predicted.between(match.pose);
+  const double least = kFoundScore + (kKnownFoundScore - kFoundScore) * match.known;
+  return match.score >= least && match.known >= kFoundKnownShare &&
+         away.distance() <= kFoundSigmas * error.position_m() &&
+         std::abs(away.yaw) <= kFoundSigmas * error.yaw_rad();
 }
 
 MatchState Mapper::State::judge(const MatchResult& match, const MatchRequest& request,

@@ -14,6 +14,11 @@ MatchedPose matchedPoseOf(const MapperResult& result, double stamp) {
   return pose;
 }
 
+Eigen::Vector2d knownVelocity(const MapperResult& result) {
+  if (!result.isMatched()) return Eigen::Vector2d::Zero();
+  return result.velocity;
+}
+
 bool fuse(const MatchedPose& pose, PoseFilter& filter) {
   if (pose.state == MatchState::kLost) return false;
   return filter.addPose({pose.stamp, pose.pose, pose.covariance, pose.unobservable});

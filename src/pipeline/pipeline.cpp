@@ -134,7 +134,7 @@ void Pipeline::map(const PipelineScan& scan, bool level) {
   const MapperResult result = mapping_.process(projection.scan, scan.odom_T_base, scan.time);
   if (graph_) graph_->add(projection.scan, result);
   const MatchedPose pose = matchedPoseOf(result, stamp);
-  projection_.addVelocity(stamp, pose.velocity);
+  projection_.addVelocity(stamp, knownVelocity(result));
   if (config_.use_filter) poses_.push_back({now_ + config_.coupling.match_s, pose});
   if (on_scan) on_scan({scan, projected, projection.scan, result});
 }

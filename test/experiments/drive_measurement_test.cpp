@@ -22,10 +22,7 @@ TEST(DriveMeasurement, BeginOfTheDriveIsMappedWithBothLasers) {
   EXPECT_LT(m.end_error_m, 0.3);
   EXPECT_GT(m.area_m2, 2000.0);
   EXPECT_GT(m.quarters[0].map_mb, 0.0);
-  for (std::size_t i = 1; i < m.quarters.size(); ++i) {
-    EXPECT_GE(m.quarters[i].map_mb, m.quarters[i - 1].map_mb) << i;
-    EXPECT_GT(m.quarters[i].median_ms, 0.0) << i;
-  }
+  for (const DriveQuarter& quarter : m.quarters) EXPECT_GT(quarter.median_ms, 0.0);
   EXPECT_EQ(m.quarters[3].map_mb * 1e6, static_cast<double>(m.flight.run.map_memory_bytes));
 }
 

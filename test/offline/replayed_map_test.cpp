@@ -23,7 +23,8 @@ OfflineRun fly(const SlamConfig& config, ReplayedMap& map, bool use_filter) {
 
 TEST(ReplayedMap, IsTheMapOfTheMapper) {
   for (const bool use_filter : {false, true}) {
-    const SlamConfig config;
+    SlamConfig config;
+    config.mapper.window.enabled = false;
     ReplayedMap map(config.mapper);
     const OfflineRun run = fly(config, map, use_filter);
     const MapSnapshot replayed = map.map().grid().snapshot();
@@ -36,6 +37,7 @@ TEST(ReplayedMap, IsTheMapOfTheMapper) {
 
 TEST(ReplayedMap, IsTheSameForAStitchingMatcher) {
   SlamConfig config;
+  config.mapper.window.enabled = false;
   config.mapper.matcher.method = "icp";
   config.mapper.matcher.icp.stitching = true;
   ReplayedMap map(config.mapper);

@@ -135,14 +135,14 @@ TEST(Places, AreFoundByName) {
     EXPECT_EQ(&kestrel::place(place.name), &place);
     EXPECT_GT(place.quadrotor.gust_m_s2, 0.0);
   }
-  EXPECT_EQ(names.size(), 11u);
+  EXPECT_EQ(names.size(), 12u);
   try {
     place("moon");
     FAIL() << "found the moon";
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(),
                  "unknown world 'moon'; known: laboratory, ring, corridor, hall, cluttered, "
-                 "glass, people, doors, town, large_town, sparse_town");
+                 "glass, people, doors, town, large_town, sparse_town, twins");
   }
 }
 

@@ -22,6 +22,10 @@ struct MatchedPose {
 
 MatchedPose matchedPoseOf(const MapperResult& result, double stamp);
 
+/// The velocity that corrects the next scan for the motion during the sweep: zero while the vehicle
+/// is lost.
+Eigen::Vector2d knownVelocity(const MapperResult& result);
+
 /// Gives the pose to the filter, unless the mapper is lost. Returns false if the pose is not used.
 bool fuse(const MatchedPose& pose, PoseFilter& filter);
 

@@ -13,6 +13,7 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/planar_scan_message.h"
 #include "kestrel_slam/messages/sensor_messages.h"
+#include "kestrel_slam/pipeline/matched_pose.h"
 #include "kestrel_slam/ros/common/guarded.h"
 #include "kestrel_slam/ros/common/names.h"
 #include "kestrel_slam/ros/common/wall_throttle.h"
@@ -141,7 +142,7 @@ void MapperNode::match(const ReadyScan& scan) {
   const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
   if (!result.pose.isFinite()) throw std::runtime_error("the pose is not finite");
   statistics_.used(result, ms.count());
-  projection_.addVelocity(planar->stamp, result.velocity);
+  projection_.addVelocity(planar->stamp, knownVelocity(result));
   trajectory_.add(scan.stamp, result.pose);
   pose_publisher_.publish(scan.stamp, result, *planar, scan.odom_T_base);
 }
