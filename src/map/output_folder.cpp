@@ -118,7 +118,27 @@ void OutputFolder::requireReplaceable(const std::string& name) const {
   fail(pathOf(name), "a pipe, socket or device has this name; choose another one");
 }
 
+/// Writes a file without a name, of which nothing is left if the process is killed, and gives it a
+/// temporary name when it is whole. Returns "" where the file system cannot do this.
+std::string OutputFolder::writeNameless(const std::string& content) {
+  const int file = ::openat(folder_, ".", O_WRONLY | O_TMPFILE | O_CLOEXEC, kFileMode);
+  if (file < 0) return "";
+  const std::string link = "/proc/self/fd/" + std::to_string(file);
+  bool named = false;
+  std::string temporary;
+  const bool written = writeAll(file, content) == 0;
+  for (int n = 0; written && !named && n < kMaxNames; ++n) {
+    temporary = temporaryName(n, kFileEnding);
+    named = ::linkat(AT_FDCWD, link.c_str(), folder_, temporary.c_str(), AT_SYMLINK_FOLLOW) == 0;
+    if (!named && errno != EEXIST) break;
+  }
+  ::close(file);
+  return named ? temporary : "";
+}
+
 std::string OutputFolder::writeTemporary(const std::string& name, const std::string& content) {
+  const std::string nameless = writeNameless(content);
+  if (!nameless.empty()) return nameless;
   std::string temporary;
   int file = -1;
   for (int n = 0; file < 0 && n < kMaxNames; ++n) {

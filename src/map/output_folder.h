@@ -52,6 +52,7 @@ class OutputFolder {
  private:
   void lock();
   void removeStale();
+  std::string writeNameless(const std::string& content);
   std::string writeTemporary(const std::string& name, const std::string& content);
 
   HeldSignals signals_;
