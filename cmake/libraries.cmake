@@ -72,7 +72,7 @@ kestrel_library(evaluation LINKS kestrel_recording kestrel_mapping kestrel_track
   PRIVATE nlohmann_json::nlohmann_json)
 kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfig::CAIRO geotiff TIFF::TIFF)
 kestrel_library(experiments LINKS kestrel_report)
-kestrel_library(commands LINKS kestrel_experiments PRIVATE CLI11::CLI11)
+kestrel_library(commands LINKS kestrel_report PRIVATE CLI11::CLI11)
 
 # ---- nodes
 if(KESTREL_WITH_ROS)

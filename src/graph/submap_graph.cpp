@@ -56,7 +56,12 @@ void SubmapGraph::add(const PlanarScan& scan, const MapperResult& result) {
   if (!isQuery({searched_, keyframes_.size()})) return;
   const LoopQuery query{searched_, keyframes_.size()};
   searched_ = keyframes_.size();
-  search(query);
+  if (config_.enabled) search(query);
+}
+
+void SubmapGraph::configure(const LoopConfig& config) {
+  config_ = config;
+  matcher_.configure(config);
 }
 
 /// Whether these keyframes are enough to search for.

@@ -12,8 +12,8 @@
 #include "kestrel_slam/matching/ambiguity.h"
 #include "kestrel_slam/matching/fit.h"
 #include "kestrel_slam/matching/thinned.h"
-#include "kestrel_slam/matching/weak_motion.h"
 #include "kestrel_slam/sensor/projection.h"
+#include "unobservable.h"
 #include "usable_scan.h"
 
 namespace kestrel {
@@ -43,48 +43,19 @@ bool isUnobservable(const MatchResult& match, PredictionSource source) {
          (source != PredictionSource::kVelocity || match.constraint < kNoConstraint);
 }
 
-WeakMotion weakMotionOf(const MatchResult& match) {
-  return {match.degenerate_direction, match.degenerate_turn, match.constraint};
-}
-
-/// Replaces the match along the unobservable direction by the motion prediction. There the match
-/// only shows the discretization error of the cells.
-void keepPredictionAlong(const Pose2& motion_prediction, MatchResult& match) {
-  const Eigen::Vector2d missing = motion_prediction.translation() - match.pose.translation();
-  match.pose = weakMotionOf(match).moved(match.pose, match.degenerate_direction.dot(missing));
-}
-
-/// Corrects the predicted position along the unobservable direction by the few beams that show it.
-/// `variance`: of the prediction, m².
-void correctAlong(const AlongFit& fit, double variance, double seconds, MatchResult& match) {
-  // The scans of this time see the same noise of the map, so their errors do not average out.
-  constexpr double kCorrelationTime = 0.25;  // s
-  const double correlated =
-      fit.variance_m2 * std::max(1.0, kCorrelationTime / std::max(seconds, 1e-3));
-  // What differs more than both errors explain is not what the map shows, but floor or people.
-  match.along_variance = std::max(correlated, fit.distance_m * fit.distance_m - variance);
-  const double gain = variance / (variance + match.along_variance);
-  match.pose = weakMotionOf(match).moved(match.pose, gain * fit.distance_m);
+/// With known poses there is one map that grows, because nothing corrects it later.
+WindowConfig windowOf(const MapperConfig& config) {
+  WindowConfig window = config.window;
+  window.enabled = config.usesGraph();
+  return window;
 }
 
 }  // namespace
 
-const char* toString(MatchState state) {
-  switch (state) {
-    case MatchState::kOk:
-      return "ok";
-    case MatchState::kDegraded:
-      return "degraded";
-    case MatchState::kLost:
-      return "lost";
-  }
-  return "unknown";
-}
-
 struct Mapper::State {
   explicit State(const MapperConfig& c, const Pose2& map_T_base = Pose2())
       : config(c),
-        map(c.grid, submapOptions(c.matcher), c.window),
+        map(c.grid, submapOptions(c.matcher), windowOf(c)),
         matcher(makeMatcher(c.matcher)),
         motion(c, map_T_base) {}
 
@@ -97,6 +68,8 @@ struct Mapper::State {
   int unsettled_scans = 0;  ///< scans that have to fit before the state is ok again
 
   void begin(MapperResult& result);
+  void follow(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& map_T_base,
+              MapperResult& result);
   void match(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
   void followAlong(const Points& points, const PlanarScan& scan, const Pose2& motion_prediction,
@@ -138,6 +111,23 @@ void Mapper::State::begin(MapperResult& result) {
   result.match.converged = true;
   result.state = MatchState::kOk;
   uncertainty.begin(motion.pose());
+}
+
+/// The pose is known. The fit only shows whether it agrees with the map. Without a pose the state
+/// stays lost.
+void Mapper::State::follow(const Points& points, const PlanarScan& scan,
+                           const std::optional<Pose2>& map_T_base, MapperResult& result) {
+  const bool first = map.scans() == 0;
+  if (!map_T_base || (first && points.empty())) return;
+  motion.move(*map_T_base, *map_T_base, false, scan);
+  begin(result);
+  if (first || points.empty()) return;
+  const Fit fit = fitOf(map.current(), points, motion.pose(), config.matcher.score_scale_m);
+  result.match.score = fit.score;
+  result.match.known = fit.known;
+  const bool contradicts =
+      fit.known >= config.min_known_share && fit.score < config.matcher.search_score;
+  if (contradicts) result.state = MatchState::kDegraded;
 }
 
 /// Along an unobservable direction: the prediction, and what little the scan shows.
@@ -303,7 +293,9 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   const Points points = thinned(hitsOf(scan), kMatchPoints);
   const PredictionError error = s.motion.errorAt(scan, odom_T_base);
   result.blank = s.isBlank(points, scan, odom_T_base);
-  if (s.map.scans() > 0) {
+  if (s.config.known_poses) {
+    s.follow(points, scan, odom_T_base, result);
+  } else if (s.map.scans() > 0) {
     if (result.blank) {
       s.carry(scan, odom_T_base, error, result);
     } else {
@@ -324,6 +316,11 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   result.searched = result.match.searched;
   result.reason = reasonOf(result, s.config);
   return result;
+}
+
+void Mapper::configure(const MapperConfig& config) {
+  state_->config = config;
+  state_->matcher = makeMatcher(config.matcher);
 }
 
 void Mapper::reset(const Pose2& map_T_base) {

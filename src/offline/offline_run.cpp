@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -12,6 +13,7 @@
 
 #include "kestrel_slam/graph/submap_graph.h"
 #include "kestrel_slam/offline/arrival_order.h"
+#include "stage_clock.h"
 
 namespace kestrel {
 namespace {
@@ -81,6 +83,12 @@ PipelineConfig pipelineConfigOf(const Recording& recording, const SlamConfig& co
   return result;
 }
 
+FilterSample sampleOf(const FilterOutput& output) {
+  const double up = output.map_T_base.linear()(2, 2);
+  return {output.height(), std::acos(std::clamp(up, -1.0, 1.0)), output.gyro_bias.norm(),
+          output.accelerometer_bias.norm()};
+}
+
 class Runner {
  public:
   Runner(Recording& recording, const SlamConfig& config, const RunOptions& options)
@@ -93,6 +101,7 @@ class Runner {
     pipeline_.on_scan = [this](const MappedSweep& sweep) { record(sweep); };
     pipeline_.on_drop = [this](const DroppedSweep& sweep) { drop(sweep); };
     pipeline_.on_filter = options_.filter_observer;
+    pipeline_.on_stage = [this](PipelineStage stage) { stages_.begin(stage); };
     pipeline_.on_problem = [this](const ImuFault& problem, double time) { warn(problem, time); };
   }
 
@@ -135,12 +144,14 @@ class Runner {
       return;
     }
     const Clock::time_point start = work_start_ = Clock::now();
+    stages_.resume();
     if (const auto* sample = std::get_if<ImuSample>(&message.message)) {
       pipeline_.addImu(*sample, recording_.imu().base_T_imu, message.arrival);
     } else {
       pipeline_.addRange(std::get<HeightSample>(message.message), message.arrival);
     }
     if (work_start_ == start) work_s_ += secondsSince(start);
+    stages_.begin(PipelineStage::kFilter);
   }
 
   void addScan(RecordedScan& scan, double arrival) {
@@ -148,6 +159,9 @@ class Runner {
     if (!first_time_) first_time_ = scan.time;
     if (!first_stamp_) first_stamp_ = arrival;
     run_.duration_s = scan.time - *first_time_;
+    if (!options_.odometry.empty())
+      scan.odom_T_base =
+          poseAt(options_.odometry, scan.cloud ? scan.cloud->stamp : scan.scan.stamp);
     if (scan.odom_T_base) scan.odom_T_base = odometry_.next(*scan.odom_T_base);
     if (!perturb(options_.perturbation, read_, scan)) {
       ++run_.left_out;
@@ -164,6 +178,7 @@ class Runner {
     input.time = scan.time;
     input.number = read_;
     work_start_ = Clock::now();
+    stages_.resume();
     pipeline_.addScan(std::move(input), arrival);
   }
 
@@ -202,6 +217,7 @@ class Runner {
     const MapperResult& result = sweep.result;
     ScanRecord entry;
     entry.ms = takeWork();
+    entry.stage_ms = stages_.take();
     entry.time = sweep.scan.time;
     entry.state = result.state;
     entry.score = result.match.score;
@@ -219,6 +235,8 @@ class Runner {
     entry.ambiguous = result.match.ambiguous;
     entry.reason = result.reason;
     entry.odom_T_base = sweep.input.odom_T_base;
+    const std::optional<FilterOutput>& filter = pipeline_.filter().output();
+    if (config_.use_filter && filter) entry.filter = sampleOf(*filter);
     run_.scans.push_back(entry);
     run_.trajectory.push_back({sweep.scan.stamp, result.pose});
     if (const SubmapGraph* graph = pipeline_.graph())
@@ -231,6 +249,7 @@ class Runner {
     noteWarnings(sweep);
     if (options_.observer) options_.observer(sweep.scan, result);
     if (options_.sweep_observer) options_.sweep_observer(sweep);
+    stages_.resume();
   }
 
   void addDistance(const Pose2& pose) {
@@ -286,7 +305,10 @@ class Runner {
     limit << config_.slam.mapper.grid.memory_limit_mb;
     warn(full_, "came after the map was full, so that it is not complete",
          "the memory limit is " + limit.str() + " MB; raise map_memory_limit_mb or map_resolution");
-    warn(without_odometry_, "had no odometry and were matched with the laser only", "");
+    warn(without_odometry_,
+         config_.slam.mapper.known_poses ? "had no known pose and were not mapped"
+                                         : "had no odometry and were matched with the laser only",
+         "");
     run_.map = pipeline_.mapper().snapshot();
     if (SubmapGraph* graph = pipeline_.graph()) correct(*graph);
     run_.map_memory_bytes = pipeline_.mapper().memoryBytes();
@@ -300,6 +322,7 @@ class Runner {
   Pipeline pipeline_;
   RunOptions options_;
   OdometryDistortion odometry_;
+  StageClock stages_;
   Clock::time_point work_start_;  ///< start time of the current pipeline call
   double work_s_ = 0.0;           ///< time in earlier calls since the last scan
 
@@ -315,31 +338,6 @@ class Runner {
 };
 
 }  // namespace
-
-std::size_t OfflineRun::droppedCount() const {
-  std::size_t count = 0;
-  for (const auto& entry : dropped) count += entry.second;
-  return count;
-}
-
-std::string OfflineRun::mainProblem() const {
-  if (dropped.empty()) return warnings.empty() ? "it has no scans" : warnings.front();
-  const auto is_rarer = [](const auto& a, const auto& b) { return a.second < b.second; };
-  const auto& [reason, count] = *std::max_element(dropped.begin(), dropped.end(), is_rarer);
-  const std::string start =
-      std::to_string(count) + " of " + std::to_string(droppedCount()) + " dropped (" + reason + ")";
-  const auto message = drop_messages.find(reason);
-  if (message != drop_messages.end()) return start + ": " + message->second;
-  // The recording itself skipped them, and its warnings say why.
-  for (const std::string& warning : warnings) {
-    if (warning.find(reason) != std::string::npos) return start + ": " + warning;
-  }
-  return start + (warnings.empty() ? "" : ": " + warnings.front());
-}
-
-double OfflineRun::speedFactor() const {
-  return processing_s > 0.0 ? duration_s / processing_s : 0.0;
-}
 
 OfflineRun runOffline(Recording& recording, const SlamConfig& config, const RunOptions& options,
                       const ProgressCallback& progress) {

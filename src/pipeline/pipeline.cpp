@@ -16,6 +16,11 @@ ProjectionStageConfig projectionConfigOf(const PipelineConfig& config) {
 
 }  // namespace
 
+const char* toString(PipelineStage stage) {
+  constexpr const char* kNames[kPipelineStages] = {"filter", "projection", "matching", "graph"};
+  return kNames[static_cast<std::size_t>(stage)];
+}
+
 Pipeline::Pipeline(const PipelineConfig& config)
     : config_(config),
       projection_(projectionConfigOf(config)),
@@ -39,7 +44,7 @@ void Pipeline::deliverPoses() {
 Pipeline::~Pipeline() = default;
 
 void Pipeline::startGraph() {
-  if (!config_.slam.mapper.window.enabled) return;
+  if (!config_.slam.mapper.usesGraph()) return;
   graph_ = std::make_unique<SubmapGraph>(config_.slam.mapper, config_.slam.loops);
 }
 
@@ -119,6 +124,7 @@ bool Pipeline::handle(const WaitingScan& waiting) {
 }
 
 void Pipeline::map(const PipelineScan& scan, bool level) {
+  begin(PipelineStage::kProjection);
   ProjectedSweep projected =
       projection_.project(scan.data, scan.base_T_laser, level, scan.odom_T_base);
   Projection& projection = projected.projection;
@@ -130,8 +136,11 @@ void Pipeline::map(const PipelineScan& scan, bool level) {
     drop(scan, toString(projection.error), projection.message);
     return;
   }
+  begin(PipelineStage::kMapping);
   const MapperResult result = mapping_.process(projection.scan, scan.odom_T_base, scan.time);
+  begin(PipelineStage::kGraph);
   if (graph_) graph_->add(projection.scan, result);
+  begin(PipelineStage::kFilter);
   const MatchedPose pose = matchedPoseOf(result, stamp);
   // As mapper.launch, which has no projector: a level laser is not corrected for its motion.
   if (!config_.level) projection_.addVelocity(stamp, pose.velocity);

@@ -28,6 +28,9 @@ class SubmapGraph {
   /// Adds the scan if the mapper inserted it. `result.pose` is in the local frame.
   void add(const PlanarScan& scan, const MapperResult& result);
 
+  /// Uses these parameters from the next search on.
+  void configure(const LoopConfig& config);
+
   /// Matches all keyframes with the places that they overlap, and optimizes once more. For the end
   /// of a recording.
   void finish();

@@ -41,6 +41,11 @@ void GraphWorker::add(const PlanarScan& scan, const MapperResult& result) {
   arrived_.notify_one();
 }
 
+void GraphWorker::configure(const LoopConfig& loops) {
+  const std::lock_guard<std::mutex> lock(queue_mutex_);
+  new_loops_ = loops;
+}
+
 void GraphWorker::reset() {
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
@@ -58,6 +63,7 @@ void GraphWorker::run() {
     std::unique_lock<std::mutex> lock(queue_mutex_);
     arrived_.wait(lock, [this] { return closed_ || reset_ || !queue_.empty(); });
     if (closed_) return;
+    takeParameters();
     if (std::exchange(reset_, false)) {
       lock.unlock();
       start();
@@ -68,6 +74,13 @@ void GraphWorker::run() {
     lock.unlock();
     handle(work);
   }
+}
+
+/// The caller holds the lock of the queue.
+void GraphWorker::takeParameters() {
+  if (!new_loops_) return;
+  loops_ = *std::exchange(new_loops_, std::nullopt);
+  graph_->configure(loops_);
 }
 
 /// Begins an empty graph and map.

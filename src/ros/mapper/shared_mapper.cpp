@@ -24,7 +24,7 @@ MapperResult inMap(MapperResult result, const Pose2& map_T_local) {
 
 SharedMapper::SharedMapper(const MapperConfig& config, const LoopConfig& loops)
     : mapping_(config),
-      graph_(config.window.enabled ? std::make_unique<GraphWorker>(config, loops) : nullptr) {}
+      graph_(config.usesGraph() ? std::make_unique<GraphWorker>(config, loops) : nullptr) {}
 
 MapperResult SharedMapper::process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                                    const ros::Time& stamp) {
@@ -37,6 +37,12 @@ MapperResult SharedMapper::process(PlanarScan& scan, const std::optional<Pose2>&
   if (!graph_) return result;
   graph_->add(scan, result);
   return inMap(std::move(result), graph_->mapTLocal());
+}
+
+void SharedMapper::configure(const MapperConfig& config, const LoopConfig& loops) {
+  const Lock lock(mutex_);
+  mapping_.configure(config);
+  if (graph_) graph_->configure(loops);
 }
 
 void SharedMapper::reset(const Pose2& map_T_base) {

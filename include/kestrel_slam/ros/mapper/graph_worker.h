@@ -7,6 +7,7 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -37,6 +38,9 @@ class GraphWorker {
   /// Takes the scan if the mapper inserted it. `result.pose` is in the local frame.
   void add(const PlanarScan& scan, const MapperResult& result);
 
+  /// See SubmapGraph::configure. Does not wait for a search that runs.
+  void configure(const LoopConfig& loops);
+
   /// Deletes the graph and the map.
   void reset();
 
@@ -62,15 +66,17 @@ class GraphWorker {
 
   void run();
   void handle(const Work& work);
+  void takeParameters();
   void start();
 
   MapperConfig mapper_;
-  LoopConfig loops_;
+  LoopConfig loops_;  ///< only the thread uses it
 
   mutable std::mutex queue_mutex_;  ///< for the queue, and what is asked for often
   std::condition_variable arrived_;
   std::deque<Work> queue_;
   bool closed_ = false, reset_ = false;
+  std::optional<LoopConfig> new_loops_;  ///< parameters that the thread does not have yet
   Pose2 map_T_local_;
   GraphView view_;
 

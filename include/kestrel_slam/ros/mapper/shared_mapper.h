@@ -35,6 +35,9 @@ class SharedMapper {
   MapperResult process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                        const ros::Time& stamp);
 
+  /// Uses these parameters from the next scan on, see Mapper::configure and SubmapGraph::configure.
+  void configure(const MapperConfig& config, const LoopConfig& loops);
+
   /// Deletes the map. The next scan starts a new map at `map_T_base`.
   void reset(const Pose2& map_T_base);
 
