@@ -40,6 +40,7 @@ target_include_directories(kestrel_session SYSTEM PRIVATE ${PROJECT_BINARY_DIR})
 set_source_files_properties(${session_format_sources} PROPERTIES COMPILE_OPTIONS -w)
 kestrel_library(filter LINKS kestrel_sensor)
 kestrel_library(tracking LINKS kestrel_map)
+kestrel_library(lidar LINKS kestrel_tracking PRIVATE $<BUILD_INTERFACE:nanoflann::nanoflann>)
 kestrel_library(pipeline LINKS kestrel_session kestrel_filter)
 kestrel_library(parameters LINKS kestrel_pipeline PRIVATE yaml-cpp)
 
@@ -68,7 +69,7 @@ add_custom_target(built_commit BYPRODUCTS ${COMMIT_FILE} COMMAND ${CMAKE_COMMAND
   -DSOURCE=${PROJECT_SOURCE_DIR} -DOUTPUT=${COMMIT_FILE} -P ${PROJECT_SOURCE_DIR}/cmake/commit.cmake)
 add_dependencies(kestrel_offline built_commit)
 target_sources(kestrel_offline PRIVATE ${COMMIT_FILE})
-kestrel_library(evaluation LINKS kestrel_recording kestrel_mapping kestrel_tracking
+kestrel_library(evaluation LINKS kestrel_recording kestrel_mapping kestrel_lidar
   PRIVATE nlohmann_json::nlohmann_json)
 kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfig::CAIRO geotiff TIFF::TIFF)
 kestrel_library(experiments LINKS kestrel_report)

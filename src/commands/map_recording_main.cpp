@@ -27,13 +27,14 @@ void declareOptions(CLI::App& app, Arguments& arguments) {
       "--output", arguments.output,
       "output folder for map, trajectory, statistics and report (default: ./<name>_map)");
   addMappingOptions(app, arguments.mapping);
+  addSessionOptions(app, arguments.mapping);
   app.add_flag("--list-parameters", arguments.list_parameters,
                "print all parameters as YAML, with the values of --config and --set or else their "
                "defaults, and exit");
   app.add_flag("--version", arguments.version, "print the version and exit");
 }
 
-void printSummary(const fs::path& folder, const OfflineRun& run) {
+void printSummary(const fs::path& folder, const std::string& session, const OfflineRun& run) {
   const std::size_t scans = run.scans.size();
   const MatchSummary match = summarize(run.scans);
   std::printf("%-12s%zu processed, %zu dropped, %zu lost\n", "scans", scans, run.droppedCount(),
@@ -49,6 +50,7 @@ void printSummary(const fs::path& folder, const OfflineRun& run) {
                                    {"report", "report.html"}}) {
     std::printf("%-12s%s\n", what, (folder / file).string().c_str());
   }
+  if (!session.empty()) std::printf("%-12s%s\n", "session", session.c_str());
 }
 
 void mapRecording(const Arguments& arguments) {
@@ -62,8 +64,9 @@ void mapRecording(const Arguments& arguments) {
   prepareOutput(folder);
   const OfflineRun run = mapWithProgress(*recording, config, mapping);
   writeOutputs(folder, run, info);
+  saveSessionOf(run, mapping);
   printWarnings("warning: ", run);
-  if (!mapping.quiet) printSummary(folder, run);
+  if (!mapping.quiet) printSummary(folder, mapping.save_session, run);
 }
 
 std::string parametersText(const MappingArguments& mapping) {

@@ -103,8 +103,8 @@ void addRunOptions(CLI::App& app, RunOptions& run) {
 
 /// The options on the command line that change the result, except parameters.
 std::vector<std::pair<std::string, std::string>> optionsOf(const CLI::App& app) {
-  static const std::set<std::string> kOthers = {"RECORDING", "--config", "--set",
-                                                "--output",  "--quiet",  "--no-timing"};
+  static const std::set<std::string> kOthers = {
+      "RECORDING", "--config", "--set", "--output", "--quiet", "--no-timing", "--save-session"};
   std::vector<std::pair<std::string, std::string>> options;
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0 || kOthers.count(option->get_name()) > 0) continue;
@@ -200,6 +200,11 @@ SlamConfig configOf(const MappingArguments& arguments) {
   if (!arguments.config.empty()) loadParameters(arguments.config, config);
   applySettings(arguments.settings, config);
   if (!arguments.loops.empty()) config.mapper.window.enabled = arguments.loops == "use";
+  if (!arguments.session.empty() || !arguments.save_session.empty()) {
+    if (arguments.loops == "none")
+      throw std::runtime_error("--loops none has no session; leave it out, or the session");
+    config.mapper.window.enabled = true;
+  }
   return config;
 }
 
@@ -269,6 +274,7 @@ OfflineRun mapWithProgress(Recording& recording, const SlamConfig& config,
   options.use_imu = arguments.imu == "use";
   options.use_filter = arguments.filter == "use" && !options.use_odometry;
   options.base_T_laser = laserPoseOf(arguments.laser_pose);
+  loadSessionFor(arguments, config, options);
   ProgressBar bar(stderr, ::isatty(STDERR_FILENO) == 1);
   OfflineRun run = runOffline(recording, config, options, [&](const OfflineProgress& progress) {
     if (!arguments.quiet) bar.update(progress);

@@ -38,7 +38,13 @@ nlohmann::ordered_json jsonOf(const SeedResult& r) {
           {"worst_short_m", r.worst_short_m},
           {"first_quarter_ms", r.first_quarter_ms},
           {"last_quarter_ms", r.last_quarter_ms},
-          {"area_m2", r.area_m2}};
+          {"area_m2", r.area_m2},
+          {"loops",
+           {{"accepted", r.loops.accepted},
+            {"wrong", r.loops.wrong},
+            {"worst_m", r.loops.worst_m},
+            {"revisits", r.loops.revisits},
+            {"found", r.loops.found}}}};
 }
 
 void printRow(const std::string& name, const std::vector<SeedResult>& results) {
@@ -51,15 +57,21 @@ void printRow(const std::string& name, const std::vector<SeedResult>& results) {
     sum.degraded += r.degraded;
     sum.silent_jumps += r.silent_jumps;
     sum.wrong_and_ok += r.wrong_and_ok;
+    sum.loops.accepted += r.loops.accepted;
+    sum.loops.wrong += r.loops.wrong;
+    sum.loops.revisits += r.loops.revisits;
+    sum.loops.found += r.loops.found;
     sum.largest_silent_jump_m = std::max(sum.largest_silent_jump_m, r.largest_silent_jump_m);
   }
   const ErrorStatistics ate = statisticsOf(errors);
   const double percent = kPercent / static_cast<double>(std::max<std::size_t>(sum.scans, 1));
-  std::printf("| %s | %zu | %.1f mm | %.1f mm | %zu, %.0f mm | %.2f %% | %.2f %% | %zu |\n",
-              name.c_str(), results.size(), kMillimeters * ate.median, kMillimeters * ate.max,
-              sum.silent_jumps, kMillimeters * sum.largest_silent_jump_m,
-              percent * static_cast<double>(sum.lost), percent * static_cast<double>(sum.degraded),
-              sum.wrong_and_ok);
+  std::printf(
+      "| %s | %zu | %.1f mm | %.1f mm | %zu, %.0f mm | %.2f %% | %.2f %% | %zu | "
+      "%zu of %zu | %zu of %zu |\n",
+      name.c_str(), results.size(), kMillimeters * ate.median, kMillimeters * ate.max,
+      sum.silent_jumps, kMillimeters * sum.largest_silent_jump_m,
+      percent * static_cast<double>(sum.lost), percent * static_cast<double>(sum.degraded),
+      sum.wrong_and_ok, sum.loops.wrong, sum.loops.accepted, sum.loops.found, sum.loops.revisits);
   std::fflush(stdout);
 }
 
@@ -95,7 +107,8 @@ void run(const Options& options) {
   }
   std::printf(
       "| flight | seeds | ATE rmse, median | worst | silent jumps above 30 mm, largest | lost | "
-      "degraded | wrong and ok |\n|---|---|---|---|---|---|---|---|\n");
+      "degraded | wrong and ok | wrong loops | revisits with a loop |\n"
+      "|---|---|---|---|---|---|---|---|---|---|\n");
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (const FlightSeries& series : all) {
     const std::vector<SeedResult> results = measure(series, options);

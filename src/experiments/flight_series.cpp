@@ -107,6 +107,7 @@ FlightTrial fastTurnDrive(std::uint64_t seed) {
 std::vector<FlightSeries> flightSeries() {
   std::vector<FlightSeries> series;
   for (const FlightTrial& trial : standardFlights()) series.push_back(seriesOf(trial));
+  series.push_back(seriesOf(flightIn("twin corridors with identical rooms", "twins")));
   series.push_back({"random flights of 30 s", randomFlight});
   series.push_back({"fast turns, SICK at 5 Hz", fastTurnDrive});
   for (const FlightTrial& trial : {townDrive(), largeTownDrive(), sparseTownDrive()}) {
@@ -133,6 +134,7 @@ SeedResult resultOf(const FlightMeasurement& flight) {
   result.first_quarter_ms = scanTimes(flight.run, 0.0, kQuarter).median;
   result.last_quarter_ms = scanTimes(flight.run, 1.0 - kQuarter, 1.0).median;
   result.area_m2 = knownArea(flight.run.map);
+  if (flight.run.graph) result.loops = qualityOf(*flight.run.graph, flight.error.reference);
   return result;
 }
 

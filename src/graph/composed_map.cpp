@@ -15,6 +15,8 @@ constexpr double kVisibleRad = 0.005;
 
 bool ComposedMap::isOutdated(const SubmapGraph& graph) const {
   for (std::size_t i = 0; i < poses_.size(); ++i) {
+    if (shown_[i] != graph.isJoined(i)) return true;
+    if (!shown_[i]) continue;
     const Pose2 moved = poses_[i].between(graph.poseOf(i));
     if (moved.distance() > 0.5 * config_.resolution_m || std::abs(moved.yaw) > kVisibleRad)
       return true;
@@ -25,8 +27,9 @@ bool ComposedMap::isOutdated(const SubmapGraph& graph) const {
 void ComposedMap::add(const SubmapGraph& graph) {
   for (std::size_t i = poses_.size(); i < graph.keyframes().size(); ++i) {
     const Keyframe& keyframe = *graph.keyframes()[i].keyframe;
-    grid_.insert(keyframe.planarScan(), graph.poseOf(i), keyframe.new_view);
     poses_.push_back(graph.poseOf(i));
+    shown_.push_back(graph.isJoined(i));
+    if (shown_[i]) grid_.insert(keyframe.planarScan(), graph.poseOf(i), keyframe.new_view);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <queue>
 #include <utility>
 
@@ -33,33 +34,58 @@ class Neighbors {
   std::vector<std::size_t> first_, edges_;
 };
 
+/// A vertex at the end of the shortest path.
+struct Reached {
+  double length = std::numeric_limits<double>::infinity();  ///< m²
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();     ///< x, y in the axes of the map, yaw
+};
+
+/// The covariance after a step, to which the edge adds the variances of `edge`.
+Eigen::Matrix3d moved(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& step,
+                      const Eigen::Matrix3d& edge) {
+  Eigen::Matrix3d turned = Eigen::Matrix3d::Identity();
+  turned.topRightCorner<2, 1>() = Eigen::Vector2d(-step.y(), step.x());
+  Eigen::Matrix3d result = turned * covariance * turned.transpose();
+  // The axes of the edge do not matter: only the sum of x and y is used.
+  result.diagonal() += edge.diagonal();
+  return result;
+}
+
 }  // namespace
 
 double RelativeUncertainty::sigmaAt(double distance_m) const {
   return std::sqrt(position_m2 + yaw_rad2 * distance_m * distance_m);
 }
 
-/// The shortest path [Dijkstra 1959], with the variance of the position as length.
+/// The shortest path [Dijkstra 1959], with the sum of the edges' position variances as length.
 std::vector<RelativeUncertainty> uncertaintiesFrom(const PoseGraph& graph, std::size_t from) {
   const Neighbors neighbors(graph);
-  std::vector<RelativeUncertainty> result(graph.vertices.size());
-  using Entry = std::pair<double, std::size_t>;  // variance, vertex
+  std::vector<Reached> reached(graph.vertices.size());
+  using Entry = std::pair<double, std::size_t>;  // length, vertex
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  result[from] = {0.0, 0.0};
+  reached[from].length = 0.0;
   open.emplace(0.0, from);
   while (!open.empty()) {
-    const auto [variance, at] = open.top();
+    const auto [length, at] = open.top();
     open.pop();
-    if (variance > result[at].position_m2) continue;
-    neighbors.forEachEdge(at, [&, variance = variance, at = at](std::size_t i) {
+    if (length > reached[at].length) continue;
+    neighbors.forEachEdge(at, [&, length = length, at = at](std::size_t i) {
       const PoseEdge& edge = graph.edges[i];
       const std::size_t to = edge.from == at ? edge.to : edge.from;
       const Eigen::Matrix3d covariance = edge.information.inverse();
-      const double next = variance + covariance(0, 0) + covariance(1, 1);
-      if (next >= result[to].position_m2) return;
-      result[to] = {next, result[at].yaw_rad2 + covariance(2, 2)};
+      const double next = length + covariance(0, 0) + covariance(1, 1);
+      if (next >= reached[to].length) return;
+      const Eigen::Vector2d step =
+          graph.vertices[to].pose.translation() - graph.vertices[at].pose.translation();
+      reached[to] = {next, moved(reached[at].covariance, step, covariance)};
       open.emplace(next, to);
     });
+  }
+  std::vector<RelativeUncertainty> result(reached.size());
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    const Eigen::Matrix3d& covariance = reached[i].covariance;
+    if (std::isfinite(reached[i].length))
+      result[i] = {covariance(0, 0) + covariance(1, 1), covariance(2, 2)};
   }
   return result;
 }

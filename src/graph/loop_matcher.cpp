@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/graph/loop_matcher.h"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -23,7 +25,7 @@ constexpr double kSameM = 0.15, kSameRad = 0.035, kSingleFit = 0.6, kSingleKnown
 /// A scan with fewer hits says nothing.
 constexpr std::size_t kLeastHits = 10;
 /// Limits where the graph already expects the place.
-constexpr double kExpectedFit = 0.75, kExpectedConstraint = 0.02, kExpectedRad = 0.1;
+constexpr double kExpectedFit = 0.75, kExpectedRad = 0.1;
 
 Points pointsOf(const std::vector<LocalKeyframe>& keyframes, const LoopQuery& query) {
   const Pose2 middle_T_local = keyframes[query.middle()].local_T_base.inverse();
@@ -45,6 +47,20 @@ std::size_t nearestKeyframe(const Place& place, const std::vector<LocalKeyframe>
     if (distance < least) least = distance, nearest = i;
   }
   return nearest;
+}
+
+/// Covariance of the match. If only a few points show the weakest direction, one moved object among
+/// them has a large effect: the loop then gives little information about this direction.
+Eigen::Matrix3d covarianceOf(const MatchResult& match, double min_constraint) {
+  constexpr double kLeastConstraint = 1e-3;
+  Eigen::Matrix3d result = kMatchFactor * match.covariance;
+  const double constraint = std::max(match.constraint, kLeastConstraint);
+  if (constraint >= min_constraint) return result;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(result.topLeftCorner<2, 2>());
+  const Eigen::Vector2d weakest =
+      axes.eigenvectors().col(1) * kPlaceM * min_constraint / constraint;
+  result.topLeftCorner<2, 2>() += weakest * weakest.transpose();
+  return result;
 }
 
 /// `away` without the part along an unobservable direction.
@@ -69,13 +85,19 @@ const char* toString(LoopState state) {
   return "unknown";
 }
 
+PoseEdge graphEdgeOf(const Loop& loop) {
+  return {loop.anchor, loop.query, loop.anchor_T_query.mean,
+          loop.anchor_T_query.covariance.inverse(), EdgeKind::kLoop};
+}
+
 Loop LoopMatcher::loopAt(const Place& place, const std::vector<LocalKeyframe>& keyframes,
                          std::size_t query, const MatchResult& match) const {
   Loop loop;
   loop.anchor = nearestKeyframe(place, keyframes, match.pose);
   loop.query = query;
   loop.anchor_T_query.mean = keyframes[loop.anchor].local_T_base.between(match.pose);
-  loop.anchor_T_query.covariance = kMatchFactor * tangentCovariance(match.covariance, match.pose);
+  loop.anchor_T_query.covariance =
+      tangentCovariance(covarianceOf(match, config_.min_constraint), match.pose);
   loop.anchor_T_query.covariance.diagonal() +=
       Eigen::Vector3d(kPlaceM, kPlaceM, kPlaceRad).cwiseAbs2();
   loop.fit = match.score;
@@ -87,7 +109,7 @@ Loop LoopMatcher::loopAt(const Place& place, const std::vector<LocalKeyframe>& k
 const char* LoopMatcher::problemOf(const Loop& loop) const {
   if (loop.fit < config_.min_fit) return "it does not fit";
   if (loop.known < config_.min_known) return "too little of it is known";
-  if (loop.constraint < config_.min_constraint) return "a direction is unobservable";
+  if (loop.constraint < matcher_.degenerate_share) return "a direction is unobservable";
   if (loop.margin < config_.min_margin) return "it fits in several places";
   if (loop.correction_m > loop.radius_m) return "it is too far away";
   return "";
@@ -104,7 +126,7 @@ Loop LoopMatcher::search(const Submap& map, const Place& place,
   loop.radius_m = radius_m;
   loop.correction_m = expected.between(found.match.pose).distance();
   loop.reason = problemOf(loop);
-  if (*loop.reason != '\0') return loop;
+  if (!loop.reason.empty()) return loop;
   loop.agreement = agreementAt(map, keyframes, query, found.match);
   if (loop.agreement < config_.min_agreement) {
     loop.reason = "its scans do not agree";
@@ -131,7 +153,7 @@ Loop LoopMatcher::matchExpected(const Submap& map, const Place& place,
     loop.reason = "it does not fit";
   } else if (loop.known < config_.min_known) {
     loop.reason = "too little of it is known";
-  } else if (loop.constraint < kExpectedConstraint) {
+  } else if (loop.constraint < matcher_.degenerate_share) {
     loop.reason = "a direction is unobservable";
   } else if (loop.correction_m > radius_m || std::abs(correction.yaw) > kExpectedRad) {
     loop.reason = "it is too far away";

@@ -25,6 +25,8 @@ constexpr double kAroundM = 2.0;
 constexpr double kSamePlaceM = 15.0;
 /// Smallest errors of the motion from one keyframe to the next.
 constexpr double kMotionM = 0.003, kMotionRad = 0.001;
+/// So many loops must confirm a loop for each one that contradicts it.
+constexpr std::size_t kMajority = 2;
 /// Expected loops do not change the poses much, so they wait for the next optimization.
 constexpr double kMuchChi2 = 7.815;  // 95 % of three degrees of freedom
 constexpr std::size_t kMostUnsolved = 20;
@@ -34,15 +36,14 @@ constexpr double kLeastWeight = 0.2;
 constexpr std::size_t kRefineEvery = 3;
 constexpr int kRefinePlaces = 3;
 constexpr double kRefineM = 3.0, kRefineRadiusM = 0.3;
-/// Neighbors of a place are not matched with it: they were inserted relative to it.
+/// Keyframes before and after a place that are its neighbors.
 constexpr std::size_t kNeighbors = 30;
 
 /// Not a loop.
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
-PoseEdge edgeOf(const Loop& loop) {
-  return {loop.anchor, loop.query, loop.anchor_T_query.mean,
-          loop.anchor_T_query.covariance.inverse(), EdgeKind::kLoop};
+Eigen::Matrix3d symmetric(const Eigen::Matrix3d& matrix) {
+  return 0.5 * (matrix + matrix.transpose());
 }
 
 }  // namespace
@@ -59,11 +60,6 @@ void SubmapGraph::add(const PlanarScan& scan, const MapperResult& result) {
   if (config_.enabled) search(query);
 }
 
-void SubmapGraph::configure(const LoopConfig& config) {
-  config_ = config;
-  matcher_.configure(config);
-}
-
 /// Whether these keyframes are enough to search for.
 bool SubmapGraph::isQuery(const LoopQuery& query) const {
   const auto most = static_cast<std::size_t>(config_.query_keyframes);
@@ -75,34 +71,36 @@ bool SubmapGraph::isQuery(const LoopQuery& query) const {
 void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result) {
   const std::size_t number = keyframes_.size();
   auto keyframe = std::make_shared<Keyframe>();
-  keyframe->id = number;
+  const bool first = number == part_begin_;
+  const std::uint32_t submap = submap_offset_ + result.submap;
+  const Pose2 motion = first ? Pose2() : keyframes_.back().local_T_base.between(result.pose);
+  keyframe->id = number == 0 ? 0 : keyframes_.back().keyframe->id + 1;
   keyframe->stamp = scan.stamp;
   keyframe->time = scan.time;
+  keyframe->submap_T_base = result.pose;
+  keyframe->covariance = symmetric(result.covariance);
+  if (!first)
+    keyframe->motion_covariance = symmetric(tangentCovariance(result.keyframe_covariance, motion));
   keyframe->new_view = result.new_view;
   keyframe->scan = CompactScan(scan.rays);
-  const bool begins = !keyframes_.empty() && keyframes_.back().submap != result.submap;
-  if (begins) {
-    std::size_t first = number;
-    while (first > 0 && keyframes_[first - 1].submap == keyframes_.back().submap) --first;
-    const auto overlap = static_cast<std::size_t>(mapper_.window.overlap_scans);
-    places_.add(keyframes_.back().submap, first - std::min(first, overlap), number);
-  }
+  if (!first && keyframes_.back().submap != submap) addPlace();
   graph_.vertices.push_back({mapTLocal() * result.pose, number == 0});
-  keyframes_.push_back({std::move(keyframe), result.submap, result.pose});
-  path_.push_back(number == 0
-                      ? 0.0
-                      : path_.back() +
-                            keyframes_[number - 1].local_T_base.between(result.pose).distance());
-  if (number > 0) addOdometry(result.keyframe_covariance);
+  keyframes_.push_back({std::move(keyframe), submap, result.pose});
+  path_.push_back((number == 0 ? 0.0 : path_.back()) + motion.distance());
+  joined_.push_back(first ? number : joined_.back());
+  if (first) {
+    startGuess();
+  } else {
+    addOdometry();
+  }
   odometry_.vertices.emplace_back();
   chain_.grow(odometry_);
 }
 
-/// `covariance`: of the motion, in the axes of the keyframe before.
-void SubmapGraph::addOdometry(const Eigen::Matrix3d& covariance) {
+void SubmapGraph::addOdometry() {
   const std::size_t to = keyframes_.size() - 1;
   const Pose2 motion = keyframes_[to - 1].local_T_base.between(keyframes_[to].local_T_base);
-  Eigen::Matrix3d tangent = tangentCovariance(covariance, motion);
+  Eigen::Matrix3d tangent = keyframes_[to].keyframe->motion_covariance;
   tangent.diagonal() += Eigen::Vector3d(kMotionM, kMotionM, kMotionRad).cwiseAbs2();
   const PoseEdge edge{to - 1, to, motion, tangent.inverse(), EdgeKind::kOdometry};
   odometry_.edges.push_back(edge);
@@ -110,9 +108,19 @@ void SubmapGraph::addOdometry(const Eigen::Matrix3d& covariance) {
   loop_of_edge_.push_back(kNone);
 }
 
-/// Length of the path between two keyframes, m.
+/// Length of the path between two keyframes of one part, m.
 double SubmapGraph::pathBetween(std::size_t a, std::size_t b) const {
   return std::abs(path_[a] - path_[b]);
+}
+
+bool SubmapGraph::areNear(std::size_t a, std::size_t b) const {
+  return chain_.partOf(a) == chain_.partOf(b) && pathBetween(a, b) <= kSamePlaceM;
+}
+
+/// Neighbors of a place are not matched with it: they were inserted relative to it.
+bool SubmapGraph::isNeighbor(const Place& place, std::size_t keyframe) const {
+  return chain_.partOf(place.first) == chain_.partOf(keyframe) &&
+         keyframe + kNeighbors >= place.first && keyframe < place.last + kNeighbors;
 }
 
 Pose2 SubmapGraph::mapTLocal(std::size_t keyframe) const {
@@ -120,7 +128,7 @@ Pose2 SubmapGraph::mapTLocal(std::size_t keyframe) const {
 }
 
 Pose2 SubmapGraph::mapTLocal() const {
-  return keyframes_.empty() ? Pose2() : mapTLocal(keyframes_.size() - 1);
+  return keyframes_.size() == part_begin_ ? Pose2() : mapTLocal(keyframes_.size() - 1);
 }
 
 /// A place with its keyframe that is nearest to the query.
@@ -136,13 +144,14 @@ SubmapGraph::Candidate SubmapGraph::candidateAt(std::size_t place, std::size_t q
 
 /// Finished submaps in which the query may be, nearest first.
 std::vector<SubmapGraph::Candidate> SubmapGraph::candidatesFor(std::size_t query) const {
-  const std::vector<RelativeUncertainty> uncertain = uncertaintiesFrom(graph_, query);
+  const std::vector<RelativeUncertainty> uncertain = uncertainties(query);
   std::vector<Candidate> result;
   for (std::size_t p = 0; p < places_.all().size(); ++p) {
     const Place& place = places_.all()[p];
-    if (place.last + kNeighbors > query) continue;
+    if (isNeighbor(place, query)) continue;
     Candidate candidate = candidateAt(p, query);
     const RelativeUncertainty& error = uncertain[candidate.anchor];
+    if (!error.isKnown()) continue;
     candidate.sigma_m = error.sigmaAt(candidate.distance_m);
     candidate.sigma_rad = std::sqrt(error.yaw_rad2);
     const double radius = std::max(config_.wide_radius_m, kSigmas * candidate.sigma_m);
@@ -201,16 +210,14 @@ void SubmapGraph::searchAt(const Candidate& candidate, const LoopQuery& query, d
 /// Decides on the last loop, which fits: by what other loops of the same place say.
 void SubmapGraph::judge(const Loop& found) {
   const std::size_t number = loops_.size() - 1;
-  const std::size_t own = consistency_.add(edgeOf(found), chain_);
+  const std::size_t own = consistency_.add(graphEdgeOf(found), chain_);
   verified_.push_back(number);
   std::vector<std::size_t> confirming;
   std::size_t contradicting = 0;
   for (std::size_t i = 0; i < own; ++i) {
     const Loop& other = loops_[verified_[i]];
     if (other.state != LoopState::kAccepted && other.state != LoopState::kPending) continue;
-    if (pathBetween(other.query, found.query) > kSamePlaceM ||
-        pathBetween(other.anchor, found.anchor) > kSamePlaceM)
-      continue;
+    if (!areNear(other.query, found.query) || !areNear(other.anchor, found.anchor)) continue;
     if (consistency_.areConsistent(own, i)) {
       confirming.push_back(verified_[i]);
     } else {
@@ -219,8 +226,7 @@ void SubmapGraph::judge(const Loop& found) {
   }
   Loop& loop = loops_[number];
   const bool certain = loop.radius_m <= config_.least_radius_m;
-  if (contradicting > 0 && contradicting >= confirming.size()) {
-    loop.state = LoopState::kRefused;
+  if (contradicting > 0 && confirming.size() < kMajority * contradicting) {
     loop.reason = "another loop contradicts it";
   } else if (!certain && confirming.empty()) {
     loop.reason = "no other loop confirms it yet";
@@ -236,8 +242,9 @@ void SubmapGraph::accept(std::size_t number) {
   Loop& loop = loops_[number];
   loop.state = LoopState::kAccepted;
   loop.reason = "";
-  graph_.edges.push_back(edgeOf(loop));
+  graph_.edges.push_back(graphEdgeOf(loop));
   loop_of_edge_.push_back(number);
+  if (joined_[loop.anchor] != joined_[loop.query]) join(loop);
   optimizeIfNeeded(loop);
 }
 
@@ -272,11 +279,38 @@ bool SubmapGraph::takeBack(const std::vector<double>& weights) {
   const bool any = kept < graph_.edges.size();
   loop_of_edge_.resize(kept);
   graph_.edges.resize(kept);
+  if (any) joined_ = connectedParts(graph_);
   return any;
 }
 
+/// The finished submap of a keyframe.
+std::size_t SubmapGraph::placeOf(std::size_t keyframe) const {
+  const auto found =
+      std::find_if(places_.all().begin(), places_.all().end(),
+                   [&](const Place& place) { return place.submap == keyframes_[keyframe].submap; });
+  return static_cast<std::size_t>(found - places_.all().begin());
+}
+
+/// Looks for loops that confirm the pending ones, with the keyframes before and after each query:
+/// with others, because a query agrees with itself.
+void SubmapGraph::searchAround() {
+  const auto length = static_cast<std::size_t>(config_.query_keyframes);
+  const std::vector<Loop> found = loops_;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (loops_[i].state != LoopState::kPending || found[i].query < loaded_) continue;
+    const std::size_t begin = found[i].query - std::min(found[i].query, length / 2);
+    for (const std::size_t first : {begin - std::min(begin, length), begin + length}) {
+      const LoopQuery query{first, std::min(first + length, keyframes_.size())};
+      if (query.last < query.first + length / 2 || query.first == begin) continue;
+      if (chain_.partOf(query.first) != chain_.partOf(query.last - 1)) continue;
+      searchAt(candidateAt(placeOf(found[i].anchor), query.middle()), query, found[i].radius_m);
+    }
+  }
+}
+
 void SubmapGraph::finish() {
-  if (graph_.edges.size() + 1 <= keyframes_.size()) return;
+  searchAround();
+  if (graph_.edges.size() == odometry_.edges.size()) return;  // no loop
   solve();
   std::vector<int> matched(keyframes_.size(), 0);
   unsolved_ = 0;
@@ -288,8 +322,8 @@ void SubmapGraph::finish() {
 void SubmapGraph::refineAt(std::size_t number, std::vector<int>& matched) {
   const Place& place = places_.all()[number];
   for (std::size_t query = 0; query < keyframes_.size(); query += kRefineEvery) {
-    if (query + kNeighbors >= place.first && query < place.last + kNeighbors) continue;
-    if (matched[query] >= kRefinePlaces) continue;
+    if (isNeighbor(place, query) || joined_[place.first] != joined_[query]) continue;
+    if (matched[query] >= kRefinePlaces || std::max(place.last, query + 1) <= loaded_) continue;
     const Candidate candidate = candidateAt(number, query);
     if (candidate.distance_m > kRefineM) continue;
     const Loop loop = matcher_.matchExpected(places_.mapOf(number, keyframes_), place, keyframes_,
@@ -297,7 +331,7 @@ void SubmapGraph::refineAt(std::size_t number, std::vector<int>& matched) {
     if (loop.state != LoopState::kAccepted) continue;
     ++matched[query];
     loops_.push_back(loop);
-    graph_.edges.push_back(edgeOf(loop));
+    graph_.edges.push_back(graphEdgeOf(loop));
     loop_of_edge_.push_back(loops_.size() - 1);
   }
 }

@@ -12,8 +12,7 @@ namespace kestrel {
 std::map<std::string, std::size_t> GraphResult::counts() const {
   std::map<std::string, std::size_t> result;
   for (const Loop& loop : loops) {
-    const std::string reason = loop.reason;
-    ++result[toString(loop.state) + (reason.empty() ? "" : ": " + reason)];
+    ++result[toString(loop.state) + (loop.reason.empty() ? "" : ": " + loop.reason)];
   }
   return result;
 }
@@ -23,7 +22,9 @@ Trajectory corrected(const Trajectory& trajectory, const std::vector<std::size_t
   Trajectory result = trajectory;
   if (graph.keyframes().empty()) return result;
   for (std::size_t i = 0; i < result.size(); ++i) {
-    const std::size_t keyframe = std::max<std::size_t>(keyframes[i], 1) - 1;
+    // Poses before the first keyframe of this run, which may go on from an older graph.
+    const std::size_t keyframe =
+        std::min(std::max(keyframes[i], graph.loadedCount() + 1), graph.keyframes().size()) - 1;
     result[i].pose = graph.mapTLocal(keyframe) * result[i].pose;
   }
   return result;
@@ -49,13 +50,16 @@ GraphResult resultOf(const SubmapGraph& graph, const Trajectory& before) {
 
 std::string loopsText(const GraphResult& result) {
   std::string text =
-      "query,anchor,state,reason,fit,known,constraint,margin,agreement,radius,correction\n";
+      "query,anchor,x,y,yaw,state,reason,fit,known,constraint,margin,agreement,radius,"
+      "correction\n";
   for (const Loop& loop : result.loops) {
+    const Pose2& pose = loop.anchor_T_query.mean;
     char line[256];
-    std::snprintf(line, sizeof line, "%.6f,%.6f,%s,%s,%.3f,%.3f,%.4f,%.3f,%.2f,%.2f,%.3f\n",
-                  result.stamps[loop.query], result.stamps[loop.anchor], toString(loop.state),
-                  loop.reason, loop.fit, loop.known, loop.constraint, loop.margin, loop.agreement,
-                  loop.radius_m, loop.correction_m);
+    std::snprintf(line, sizeof line,
+                  "%.6f,%.6f,%.4f,%.4f,%.5f,%s,%s,%.3f,%.3f,%.4f,%.3f,%.2f,%.2f,%.3f\n",
+                  result.stamps[loop.query], result.stamps[loop.anchor], pose.x, pose.y, pose.yaw,
+                  toString(loop.state), loop.reason.c_str(), loop.fit, loop.known, loop.constraint,
+                  loop.margin, loop.agreement, loop.radius_m, loop.correction_m);
     text += line;
   }
   return text;

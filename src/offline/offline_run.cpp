@@ -5,14 +5,16 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <fstream>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 
+#include "filter_sample.h"
 #include "kestrel_slam/graph/submap_graph.h"
 #include "kestrel_slam/offline/arrival_order.h"
+#include "kestrel_slam/offline/saved_session.h"
+#include "kestrel_slam/session/graph_session.h"
 #include "stage_clock.h"
 
 namespace kestrel {
@@ -83,12 +85,6 @@ PipelineConfig pipelineConfigOf(const Recording& recording, const SlamConfig& co
   return result;
 }
 
-FilterSample sampleOf(const FilterOutput& output) {
-  const double up = output.map_T_base.linear()(2, 2);
-  return {output.height(), std::acos(std::clamp(up, -1.0, 1.0)), output.gyro_bias.norm(),
-          output.accelerometer_bias.norm()};
-}
-
 class Runner {
  public:
   Runner(Recording& recording, const SlamConfig& config, const RunOptions& options)
@@ -102,6 +98,10 @@ class Runner {
     pipeline_.on_drop = [this](const DroppedSweep& sweep) { drop(sweep); };
     pipeline_.on_filter = options_.filter_observer;
     pipeline_.on_stage = [this](PipelineStage stage) { stages_.begin(stage); };
+    if (options_.session) {
+      const double resolution_m = config.mapper.grid.resolution_m;
+      pipeline_.continueWith(graphRecordOf(*options_.session, resolution_m), options_.start);
+    }
     pipeline_.on_problem = [this](const ImuFault& problem, double time) { warn(problem, time); };
   }
 
@@ -235,8 +235,7 @@ class Runner {
     entry.ambiguous = result.match.ambiguous;
     entry.reason = result.reason;
     entry.odom_T_base = sweep.input.odom_T_base;
-    const std::optional<FilterOutput>& filter = pipeline_.filter().output();
-    if (config_.use_filter && filter) entry.filter = sampleOf(*filter);
+    entry.filter = sampleOf(pipeline_.filter().output());
     run_.scans.push_back(entry);
     run_.trajectory.push_back({sweep.scan.stamp, result.pose});
     if (const SubmapGraph* graph = pipeline_.graph())
@@ -268,6 +267,11 @@ class Runner {
     for (std::size_t i = 0; i < run_.scans.size(); ++i)
       run_.scans[i].uncertain = placedAt(run_.trajectory[i].pose, run_.scans[i].uncertain);
     run_.map = mapOf(graph, config_.slam.mapper.grid);
+    run_.session = savedSession(graph, config_.slam, options_.session.get(), run_);
+    if (!options_.session || run_.session->keyframes.empty() || graph.isJoined(0)) return;
+    run_.warnings.push_back(
+        "the flight was not found in the map of the session: map and trajectory show the new part "
+        "only, and the session keeps both apart; --start says where it begins");
   }
 
   void finishFilter() {
@@ -305,10 +309,9 @@ class Runner {
     limit << config_.slam.mapper.grid.memory_limit_mb;
     warn(full_, "came after the map was full, so that it is not complete",
          "the memory limit is " + limit.str() + " MB; raise map_memory_limit_mb or map_resolution");
+    const bool known = config_.slam.mapper.known_poses;
     warn(without_odometry_,
-         config_.slam.mapper.known_poses ? "had no known pose and were not mapped"
-                                         : "had no odometry and were matched with the laser only",
-         "");
+         known ? "had no known pose" : "had no odometry and were matched with the laser only", "");
     run_.map = pipeline_.mapper().snapshot();
     if (SubmapGraph* graph = pipeline_.graph()) correct(*graph);
     run_.map_memory_bytes = pipeline_.mapper().memoryBytes();

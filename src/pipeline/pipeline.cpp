@@ -2,6 +2,7 @@
 #include "kestrel_slam/pipeline/pipeline.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "kestrel_slam/graph/submap_graph.h"
@@ -142,8 +143,7 @@ void Pipeline::map(const PipelineScan& scan, bool level) {
   if (graph_) graph_->add(projection.scan, result);
   begin(PipelineStage::kFilter);
   const MatchedPose pose = matchedPoseOf(result, stamp);
-  // As mapper.launch, which has no projector: a level laser is not corrected for its motion.
-  if (!config_.level) projection_.addVelocity(stamp, pose.velocity);
+  projection_.addVelocity(stamp, pose.velocity);
   if (config_.use_filter) poses_.push_back({now_ + config_.coupling.match_s, pose});
   if (on_scan) on_scan({scan, projected, projection.scan, result});
 }
@@ -191,6 +191,14 @@ void Pipeline::reset(const Pose2& map_T_base) {
   poses_.clear();
   mapping_.reset(map_T_base);
   startGraph();
+}
+
+void Pipeline::continueWith(GraphRecord record, const std::optional<GaussianPose2>& map_T_base) {
+  if (!graph_) throw std::invalid_argument("a session needs the parameter graph");
+  reset(map_T_base ? map_T_base->mean : Pose2());
+  graph_ =
+      std::make_unique<SubmapGraph>(config_.slam.mapper, config_.slam.loops, std::move(record));
+  graph_->beginPart(map_T_base);
 }
 
 }  // namespace kestrel

@@ -12,6 +12,7 @@ Place glassOffice();
 Place peopleRoom();
 Place fourRooms();
 Place corridorRing();
+Place twins();
 Place straightCorridor();
 Place hall();
 Place town();

@@ -111,6 +111,43 @@ LidarModel vlp16() {
   return lidar;
 }
 
+/// A lidar of Velodyne's HDL series.
+LidarModel hdl(const std::string& name, const std::string& description, int columns) {
+  LidarModel lidar;
+  lidar.name = name;
+  lidar.description = description;
+  lidar.columns = columns;
+  lidar.rate_hz = 10.0;
+  lidar.range_min = 1.0;
+  lidar.range_max = 100.0;
+  lidar.errors.sigma_m = 0.02;  // data sheet: +-2 cm
+  lidar.errors.dropout_probability = 0.005;
+  lidar.errors.min_cosine = kFlattestCosine;
+  return lidar;
+}
+
+LidarModel hdl32e() {
+  LidarModel lidar = hdl(
+      "hdl32e", "Velodyne HDL-32E: 32 rings from -30.67 to 10.67 deg, 2160 columns, 10 Hz", 2160);
+  for (int ring = 0; ring < 32; ++ring) {
+    lidar.elevations.push_back(degToRad(-30.67 + 4.0 / 3.0 * ring));
+  }
+  return lidar;
+}
+
+/// Two blocks of 32 lasers: steps of 1/2 degree below and of 1/3 degree above.
+LidarModel hdl64e() {
+  LidarModel lidar =
+      hdl("hdl64e", "Velodyne HDL-64E: 64 rings from -24.33 to 2 deg, 2083 columns, 10 Hz", 2083);
+  for (int ring = 0; ring < 32; ++ring) {
+    lidar.elevations.push_back(degToRad(-24.33 + 0.5 * ring));
+  }
+  for (int ring = 0; ring < 32; ++ring) {
+    lidar.elevations.push_back(degToRad(-8.33 + ring / 3.0));
+  }
+  return lidar;
+}
+
 }  // namespace
 
 const std::vector<LaserModel>& laserModels() {
@@ -120,7 +157,7 @@ const std::vector<LaserModel>& laserModels() {
 }
 
 const std::vector<LidarModel>& lidarModels() {
-  static const std::vector<LidarModel> lidars = {vlp16()};
+  static const std::vector<LidarModel> lidars = {vlp16(), hdl32e(), hdl64e()};
   return lidars;
 }
 

@@ -9,7 +9,7 @@ const std::vector<Place>& places() {
   static const std::vector<Place> all = {laboratory(), corridorRing(), straightCorridor(),
                                          hall(),       cluttered(),    glassOffice(),
                                          peopleRoom(), fourRooms(),    town(),
-                                         largeTown(),  sparseTown()};
+                                         largeTown(),  sparseTown(),   twins()};
   return all;
 }
 

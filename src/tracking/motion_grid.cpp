@@ -57,9 +57,12 @@ const typename MotionGrid<D>::Result& MotionGrid<D>::insert(const std::vector<Gr
   result_.full = false;
   result_.moving.clear();
   result_.motion.assign(rays.size(), Motion::kNone);
+  result_.was_free.assign(rays.size(), false);
   // All returns are classified by the grids of the last scan before the first cell changes.
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (rays[i].hit && isUsable(rays[i])) result_.motion[i] = classify(rays[i]);
+    if (!rays[i].hit || !isUsable(rays[i])) continue;
+    result_.motion[i] = classify(rays[i]);
+    result_.was_free[i] = staticState(indexOf(rays[i].end)) == CellState::kFree;
   }
   ++scan_;
   time_ += std::max(seconds, 0.0);
@@ -91,8 +94,9 @@ Motion MotionGrid<D>::classify(const GridRay<D>& ray) const {
   const CellData* own = cells_.find(indexOf(ray.end));
   const bool was_moving = own != nullptr && own->was_moving && state != CellState::kFree;
   if (near.has_stopped || was_moving) return Motion::kStopped;
-  return state == CellState::kFree || isImposed(indexOf(ray.end)) ? Motion::kMoving
-                                                                  : Motion::kStatic;
+  if (state == CellState::kFree || isImposed(indexOf(ray.end))) return Motion::kMoving;
+  const bool is_new = near.is_new || state == CellState::kUnobserved;
+  return is_new && scan_ > 0 && config_.new_s > 0.0 ? Motion::kNew : Motion::kStatic;
 }
 
 template <int D>
@@ -110,7 +114,9 @@ typename MotionGrid<D>::Surroundings MotionGrid<D>::surroundingsOf(const Vector&
     const Vector low = index.template cast<float>() - in_cells;
     const Vector gap = low.cwiseMax(-low - Vector::Ones()).cwiseMax(0.0F);
     if (gap.norm() > reach) return false;
-    (cell->was_moving ? result.has_stopped : result.is_static) = true;
+    (cell->was_moving ? result.has_stopped
+     : isNew(*cell)   ? result.is_new
+                      : result.is_static) = true;
     return result.is_static;
   });
   return result;
@@ -120,20 +126,13 @@ template <int D>
 void MotionGrid<D>::updateHit(const GridRay<D>& ray, std::size_t number) {
   const Motion motion = result_.motion[number];
   const Index index = indexOf(ray.end);
-  CellData* cell = cells_.obtain(index);
+  const bool is_moving = motion == Motion::kMoving;
+  CellData* cell = is_moving ? addMoving(index) : cells_.obtain(index);
   if (cell == nullptr) {
     result_.full = true;
     return;
   }
-  const bool is_moving = motion == Motion::kMoving;
-  if (is_moving) {
-    if (cell->moved_in != scan_) {
-      cell->moved_in = scan_;
-      cell->slot = static_cast<std::uint32_t>(result_.moving.size());
-      result_.moving.push_back({index, {}});
-    }
-    result_.moving[cell->slot].rays.push_back(number);
-  }
+  if (is_moving) result_.moving[cell->slot].rays.push_back(number);
   if (cell->scan == scan_) return;
   cell->scan = scan_;
   const auto now = static_cast<float>(time_);
@@ -142,6 +141,22 @@ void MotionGrid<D>::updateHit(const GridRay<D>& ray, std::size_t number) {
   cell->was_moving = is_moving || (cell->was_moving && motion == Motion::kStopped);
   const bool by_medium = is_moving || motion == Motion::kStopped;
   add(*cell, by_medium ? medium_ : high_, is_moving ? high_ : low_);
+}
+
+template <int D>
+typename MotionGrid<D>::CellData* MotionGrid<D>::addMoving(const Index& index) {
+  CellData* cell = cells_.obtain(index);
+  if (cell == nullptr || cell->moved_in == scan_) return cell;
+  cell->moved_in = scan_;
+  cell->slot = static_cast<std::uint32_t>(result_.moving.size());
+  result_.moving.push_back({index, {}});
+  return cell;
+}
+
+template <int D>
+void MotionGrid<D>::claim(const Vector& point) {
+  CellData* cell = addMoving(indexOf(point));
+  if (cell != nullptr) cell->was_moving = true;
 }
 
 /// The surface is wider than the returns: noise moves it into the neighboring cells, and at a
@@ -177,20 +192,21 @@ template <int D>
 void MotionGrid<D>::updateMiss(const GridRay<D>& ray) {
   const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
   traverse<D>(ray.origin * inverse, ray.end * inverse,
-              [&](const Index& index) { return passCell(index, ray.stops_at_walls); });
+              [&](const Index& index) { return passCell(index, ray.presumed); });
 }
 
 template <int D>
-bool MotionGrid<D>::passCell(const Index& index, bool stops_at_walls) {
+bool MotionGrid<D>::passCell(const Index& index, bool presumed) {
   CellData* cell = cells_.obtain(index);
   if (cell == nullptr) {
     result_.full = true;
     return false;
   }
-  if (stops_at_walls && cell->static_odds > 0.0F) return false;
   if (cell->scan == scan_) return true;
   cell->scan = scan_;
-  add(*cell, low_, low_);
+  cell->last_pass = static_cast<float>(time_);
+  const float low = presumed ? std::clamp(-cell->static_odds / scale_, low_, 0.0F) : low_;
+  add(*cell, low, low_);
   if (cell->static_odds < free_) cell->was_moving = false;
   return true;
 }
@@ -198,7 +214,11 @@ bool MotionGrid<D>::passCell(const Index& index, bool stops_at_walls) {
 /// [Siew 2018, eq. 6] with the prior 0.5, within the bounds.
 template <int D>
 void MotionGrid<D>::add(CellData& cell, float static_change, float dynamic_change) const {
+  const bool was_occupied = cell.static_odds > occupied_;
   cell.static_odds = std::clamp(cell.static_odds + scale_ * static_change, min_, max_);
+  if (!was_occupied && cell.static_odds > occupied_) {
+    cell.occupied_since = static_cast<float>(time_);
+  }
   cell.dynamic_odds = std::clamp(cell.dynamic_odds + scale_ * dynamic_change, min_, max_);
 }
 
@@ -208,7 +228,9 @@ void MotionGrid<D>::impose(const std::function<Vector(const Vector&)>& displacem
   const double limit = reach / config_.resolution_m + 0.5;
   for (const MovingCell& moving : result_.moving) {
     const Vector center = centerOf(moving.index);
-    const Index moved = indexOf(center + displacement(center));
+    const Vector displaced = center + displacement(center);
+    if (!displaced.allFinite()) continue;
+    const Index moved = indexOf(displaced);
     anyAround<D>(radius, [&](const Index& offset) {
       if (offset.template cast<double>().norm() > limit) return false;
       if (CellData* cell = cells_.obtain(moved + offset)) cell->imposed = scan_ + 1;
@@ -233,6 +255,19 @@ template <int D>
 CellState MotionGrid<D>::staticState(const Index& index) const {
   const CellData* cell = cells_.find(index);
   return cell != nullptr ? stateOf(*cell) : CellState::kUnobserved;
+}
+
+/// What the first scan shows is static.
+template <int D>
+bool MotionGrid<D>::isNew(const CellData& cell) const {
+  return cell.occupied_since > 0.0F &&
+         time_ - static_cast<double>(cell.occupied_since) < config_.new_s;
+}
+
+template <int D>
+bool MotionGrid<D>::wasPassed(const Index& index) const {
+  const CellData* cell = cells_.find(index);
+  return cell != nullptr && cell->last_pass > cell->last_hit;
 }
 
 template <int D>

@@ -48,8 +48,10 @@ ObjectCluster objectOf(std::vector<Eigen::Vector2d> points, const Visibility& vi
 
 }  // namespace
 
-std::vector<ObjectCluster> findObjects(const std::vector<Eigen::Vector2d>& points,
+std::vector<ObjectCluster> findObjects(const std::vector<MovingPoint>& moving,
                                        const Visibility& visibility, const TrackerConfig& config) {
+  std::vector<Eigen::Vector2d> points;
+  for (const MovingPoint& point : moving) points.push_back(point.position);
   std::vector<ObjectCluster> objects;
   const auto clusters =
       joinConnected<2>(points, meanShift<2>(points, config.bandwidth_m), config.join_gap_m);
@@ -57,8 +59,13 @@ std::vector<ObjectCluster> findObjects(const std::vector<Eigen::Vector2d>& point
     const double range = visibility.rangeOf(cluster.mode);
     if (cluster.points.size() < pointsNeeded(range, visibility, config)) continue;
     std::vector<Eigen::Vector2d> own;
-    for (const std::size_t i : cluster.points) own.push_back(points[i]);
+    double free = 0.0;
+    for (const std::size_t i : cluster.points) {
+      own.push_back(points[i]);
+      if (moving[i].was_free) free += 1.0;
+    }
     objects.push_back(objectOf(std::move(own), visibility, config));
+    objects.back().free_share = free / static_cast<double>(cluster.points.size());
   }
   return objects;
 }

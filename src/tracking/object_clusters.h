@@ -11,15 +11,23 @@
 
 namespace kestrel {
 
+/// A return of something that may move, in the frame of the grids.
+struct MovingPoint {
+  Eigen::Vector2d position;
+  bool was_free = false;  ///< its cell was free before
+};
+
 /// A cluster of moving points: an observation of the PHD filter.
 struct ObjectCluster {
   Observation<2> observation;  ///< of the middle
   OrientedBox box;
   std::vector<Eigen::Vector2d> points;
+  /// Share of the points in space that was free before: something has come here.
+  double free_share = 0.0;
 };
 
 /// Clusters of the points, without those that have too few points for their range.
-std::vector<ObjectCluster> findObjects(const std::vector<Eigen::Vector2d>& points,
+std::vector<ObjectCluster> findObjects(const std::vector<MovingPoint>& points,
                                        const Visibility& visibility, const TrackerConfig& config);
 
 }  // namespace kestrel

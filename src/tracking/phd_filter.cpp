@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "kestrel_slam/geometry/angles.h"
@@ -97,6 +98,7 @@ void PhdFilter<N, M>::update(const std::vector<Observation<M>>& observations) {
   for (std::size_t i = 0; i < observations.size(); ++i) {
     addDetected(prepared, observations[i], static_cast<int>(i));
   }
+  if (limits_.keep_identities) limitLabels();
   findTargets();
   noteReported();
   reduce();
@@ -178,6 +180,25 @@ template <int N, int M>
 void PhdFilter<N, M>::append(const Component& component, int observation) {
   updated_.push_back(component);
   observation_of_.push_back(observation);
+}
+
+/// A label is one target, which is either detected or missed: what it was detected with leaves no
+/// weight for its missed part, and all its weights together are at most 1. Otherwise the weight of
+/// a target that is seen again and again with a low P_D would grow in its missed part.
+template <int N, int M>
+void PhdFilter<N, M>::limitLabels() {
+  std::map<TargetLabel, LabelWeight> labels;
+  for (std::size_t i = 0; i < updated_.size(); ++i) {
+    LabelWeight& label = labels[updated_[i].label];
+    (observation_of_[i] < 0 ? label.missed : label.detected) += updated_[i].weight;
+  }
+  for (std::size_t i = 0; i < updated_.size(); ++i) {
+    const LabelWeight& label = labels[updated_[i].label];
+    const double left = std::max(0.0, 1.0 - label.detected);
+    const double missed_scale = label.missed > left ? left / label.missed : 1.0;
+    updated_[i].weight *=
+        observation_of_[i] < 0 ? missed_scale : 1.0 / std::max(1.0, label.detected);
+  }
 }
 
 /// The heaviest pair of label and observation is a target, then the heaviest of the others, ... The

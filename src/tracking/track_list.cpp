@@ -2,7 +2,9 @@
 #include "track_list.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <utility>
 
 namespace kestrel {
 namespace {
@@ -13,10 +15,36 @@ constexpr double kMargin = 0.25;
 /// A place is left if it gave no return for this time, s, and for this share of the time since the
 /// object was seen there: thin objects are not hit by every scan.
 constexpr double kLeftTime = 0.2, kLeftShare = 0.25;
-constexpr int kStepsNeeded = 2;
+constexpr double kNotFinite = std::numeric_limits<double>::quiet_NaN();
+constexpr double kPathTime = 2.0;  ///< s, of the path that shows whether an object moves
+constexpr std::size_t kPathPoints = 5;
+/// Smallest sigma of the positions, m: the errors of successive scans are not independent.
+constexpr double kPathSigma = 0.03;
 constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
 
 }  // namespace
+
+/// Velocity of the straight path with the least squares, in its sigmas.
+double TrackList::speedSignificance(const std::deque<Sample>& samples) {
+  const auto count = static_cast<double>(samples.size());
+  if (samples.size() < kPathPoints) return 0.0;
+  double time = 0.0, time2 = 0.0, residual2 = 0.0;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero(), velocity = Eigen::Vector2d::Zero();
+  for (const Sample& sample : samples) {
+    time += sample.time / count;
+    mean += sample.position / count;
+  }
+  for (const Sample& sample : samples) {
+    time2 += (sample.time - time) * (sample.time - time);
+    velocity += (sample.time - time) * (sample.position - mean);
+  }
+  velocity /= time2;
+  for (const Sample& sample : samples) {
+    residual2 += (sample.position - mean - (sample.time - time) * velocity).squaredNorm();
+  }
+  const double variance = std::max(residual2 / (2.0 * (count - 2.0)), kPathSigma * kPathSigma);
+  return velocity.norm() * std::sqrt(time2 / variance);
+}
 
 void TrackList::predict(double seconds) {
   seconds_ = seconds;
@@ -38,12 +66,11 @@ void TrackList::update(PhdFilter<5, 2>& filter, const std::vector<ObjectCluster>
       Entry created;
       created.label = target.label;
       created.track.id = next_id_++;
-      startAt(created, object, grid);
       entry = entries_.insert(entries_.end(), created);
       seen.push_back(false);
     }
     seen[static_cast<std::size_t>(entry - entries_.begin())] = true;
-    see(*entry, target, object, grid);
+    see(*entry, target, object, visibility, grid);
   }
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     if (!seen[i]) miss(entries_[i], filter, visibility);
@@ -57,8 +84,9 @@ void TrackList::update(PhdFilter<5, 2>& filter, const std::vector<ObjectCluster>
 }
 
 void TrackList::see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster& object,
-                    const MotionGrid<2>& grid) {
+                    const Visibility& visibility, const MotionGrid<2>& grid) {
   Track& track = entry.track;
+  if (!track.moved) noteMove(entry, object, visibility, grid);
   setState(target.mean, target.covariance, track);
   track.standing = target.modes.size() > 1 ? target.modes[1] : 0.0;
   track.unseen_s = entry.hidden_s = 0.0;
@@ -69,49 +97,50 @@ void TrackList::see(Entry& entry, const LabeledTarget<5>& target, const ObjectCl
   if (track.state != TrackState::kTentative || entry.seen_s >= config_.confirm_s) {
     track.state = TrackState::kConfirmed;
   }
-  if (!track.moved) noteMove(entry, object, grid);
 }
 
-void TrackList::startAt(Entry& entry, const ObjectCluster& object, const MotionGrid<2>& grid) {
-  entry.first = object.observation.value;
-  entry.first_time = grid.time();
-  entry.first_cells.clear();
-  for (const Eigen::Vector2d& point : object.points) {
-    entry.first_cells.push_back(grid.indexOf(point.cast<float>()));
-  }
-}
-
-/// An object moves if it has left its place twice, in about the same direction: a track may jump
-/// once between two things that stand, but rarely goes on.
-void TrackList::noteMove(Entry& entry, const ObjectCluster& object,
+/// Does it move? A straight path is fitted to its last positions: the velocity must be significant,
+/// measured by how well the path fits. A track that jumps between things that stand has none.
+void TrackList::noteMove(Entry& entry, const ObjectCluster& object, const Visibility& visibility,
                          const MotionGrid<2>& grid) const {
-  if (!hasMoved(entry, object, grid)) return;
-  const Eigen::Vector2d step = object.observation.value - entry.first;
-  entry.steps = entry.steps > 0 && step.dot(entry.last_step) > 0.0 ? entry.steps + 1 : 1;
-  entry.last_step = step;
-  entry.track.moved = entry.steps >= kStepsNeeded;
-  startAt(entry, object, grid);
+  Sample sample{grid.time(), object.observation.value, {}};
+  for (const Eigen::Vector2d& point : object.points) {
+    sample.cells.push_back(grid.indexOf(point.cast<float>()));
+  }
+  std::deque<Sample>& samples = entry.samples;
+  samples.push_back(std::move(sample));
+  while (grid.time() - samples.front().time > kPathTime) samples.pop_front();
+  if (speedSignificance(samples) < config_.motion_significance) return;
+  entry.track.moved = hasLeft(entry, object, visibility, grid);
 }
 
-/// It is elsewhere, the place where it was first seen gives no returns any more (it is empty, or
-/// the object hides it), and the place where it is now was empty then. So walls do not move, though
+/// It is elsewhere; the place where it was first seen is empty now, or the object hides it and came
+/// through free space; and the place where it is now was empty then. So walls do not move, though
 /// their visible part does when the sensor moves, and neither do thin objects that are seen by
 /// turns.
-bool TrackList::hasMoved(const Entry& entry, const ObjectCluster& object,
-                         const MotionGrid<2>& grid) const {
-  const double moved = (object.observation.value - entry.first).norm();
+bool TrackList::hasLeft(const Entry& entry, const ObjectCluster& object,
+                        const Visibility& visibility, const MotionGrid<2>& grid) const {
+  const Sample& first = entry.samples.front();
+  const double moved = (object.observation.value - first.position).norm();
   if (moved < std::max(config_.moved_m, 0.5 * entry.length)) return false;
-  const double since = grid.time() - entry.first_time;
+  const double since = grid.time() - first.time;
   const double left_before = grid.time() - std::max(kLeftTime, kLeftShare * since);
-  const auto left =
-      std::count_if(entry.first_cells.begin(), entry.first_cells.end(),
-                    [&](const auto& cell) { return grid.lastReturn(cell) < left_before; });
+  std::size_t passed = 0, hidden = 0;
+  for (const GridIndex<2>& cell : first.cells) {
+    if (grid.lastReturn(cell) >= left_before) continue;
+    if (grid.wasPassed(cell)) {
+      ++passed;
+    } else if (visibility.isHidden(grid.centerOf(cell).cast<double>())) {
+      ++hidden;
+    }
+  }
+  if (2 * (passed + hidden) <= first.cells.size()) return false;
+  if (2 * passed <= first.cells.size() && object.free_share <= 0.5) return false;
   const auto arrived =
       std::count_if(object.points.begin(), object.points.end(), [&](const auto& p) {
-        return grid.cameAfter(grid.indexOf(p.template cast<float>()), entry.first_time);
+        return grid.cameAfter(grid.indexOf(p.template cast<float>()), first.time);
       });
-  return 2 * static_cast<std::size_t>(left) > entry.first_cells.size() &&
-         2 * static_cast<std::size_t>(arrived) > object.points.size();
+  return 2 * static_cast<std::size_t>(arrived) > object.points.size();
 }
 
 void TrackList::miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility) {
@@ -146,6 +175,12 @@ std::vector<Track> TrackList::tracks() const {
   return result;
 }
 
+bool TrackList::hasMoved(TargetLabel label) const {
+  return std::any_of(entries_.begin(), entries_.end(), [label](const Entry& entry) {
+    return entry.label == label && entry.track.moved;
+  });
+}
+
 const TrackList::Entry* TrackList::at(const Eigen::Vector2d& point) const {
   const Entry* nearest = nullptr;
   double best = std::numeric_limits<double>::infinity();
@@ -163,7 +198,8 @@ bool TrackList::covers(const Eigen::Vector2d& point) const { return at(point) !=
 
 Eigen::Vector2d TrackList::velocityAt(const Eigen::Vector2d& point) const {
   const Entry* entry = at(point);
-  return entry != nullptr ? entry->track.velocity : Eigen::Vector2d::Zero().eval();
+  if (entry == nullptr || !entry->track.moved) return Eigen::Vector2d::Constant(kNotFinite);
+  return entry->track.velocity;
 }
 
 double TrackList::widthAt(const Eigen::Vector2d& point) const {

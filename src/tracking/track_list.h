@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <deque>
 #include <vector>
 
 #include "kestrel_slam/tracking/phd_filter.h"
@@ -27,34 +28,41 @@ class TrackList {
 
   /// True if the point belongs to the predicted place of a track.
   bool covers(const Eigen::Vector2d& point) const;
-  /// Velocity of the track at the point; zero if there is none.
+  /// Velocity of what moves at the point; NaN if nothing does.
   Eigen::Vector2d velocityAt(const Eigen::Vector2d& point) const;
   /// Width of the track at the point; that of a person if there is none, m.
   double widthAt(const Eigen::Vector2d& point) const;
+
+  /// True if the object of this label has moved.
+  bool hasMoved(TargetLabel label) const;
 
   long nextId() const { return next_id_; }
   void continueFrom(long id) { next_id_ = id; }
 
  private:
+  /// An observed place and the cells that the object filled.
+  struct Sample {
+    double time;  ///< of the grid, s
+    Eigen::Vector2d position;
+    std::vector<GridIndex<2>> cells;
+  };
   struct Entry {
     Track track;
     TargetLabel label = 0;
-    Eigen::Vector2d first = Eigen::Vector2d::Zero();      ///< where it was seen first
-    double first_time = 0.0;                              ///< of the grid, s
-    std::vector<GridIndex<2>> first_cells;                ///< that it filled then
-    Eigen::Vector2d last_step = Eigen::Vector2d::Zero();  ///< of a move that was noticed
-    int steps = 0;                                        ///< such moves in about one direction
-    double length = 0.0;                                  ///< largest length that was seen, m
-    double seen_s = 0.0;                                  ///< time with observations
+    std::deque<Sample> samples;  ///< last places; until it has moved
+    double length = 0.0;         ///< largest length that was seen, m
+    double seen_s = 0.0;         ///< time with observations
     double hidden_s = 0.0;
   };
 
   const Entry* at(const Eigen::Vector2d& point) const;
   void see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster& object,
-           const MotionGrid<2>& grid);
-  static void startAt(Entry& entry, const ObjectCluster& object, const MotionGrid<2>& grid);
-  void noteMove(Entry& entry, const ObjectCluster& object, const MotionGrid<2>& grid) const;
-  bool hasMoved(const Entry& entry, const ObjectCluster& object, const MotionGrid<2>& grid) const;
+           const Visibility& visibility, const MotionGrid<2>& grid);
+  static double speedSignificance(const std::deque<Sample>& samples);
+  void noteMove(Entry& entry, const ObjectCluster& object, const Visibility& visibility,
+                const MotionGrid<2>& grid) const;
+  bool hasLeft(const Entry& entry, const ObjectCluster& object, const Visibility& visibility,
+               const MotionGrid<2>& grid) const;
   void miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility);
   static void setState(const Eigen::Matrix<double, 5, 1>& mean,
                        const Eigen::Matrix<double, 5, 5>& covariance, Track& track);

@@ -18,7 +18,10 @@ constexpr double kMaxGap = 5.0;          ///< s; after a longer gap, the tracks 
 constexpr double kForgetEvery_m = 10.0;  ///< the grids forget what is far after this distance
 constexpr double kMaxPosition = 1e6;     ///< m; poses beyond this are wrong
 constexpr double kSharpSigma = 0.3;      ///< m; twice the sigma of a place that counts as known
-constexpr int kModes = 3;                ///< motion models: constant velocity, standing, turn
+/// At a grazing angle, the returns of neighboring beams on a wall are this many beam spacings
+/// apart.
+constexpr double kGrazing = 6.0;
+constexpr int kModes = 3;  ///< motion models: constant velocity, standing, turn
 constexpr double kStandingJitter =
     0.1;  ///< m/sqrt(s): the visible part of a person who stands changes
 
@@ -35,6 +38,26 @@ std::vector<GridRay<2>> raysOf(const PlanarScan& scan, const Pose2& odom_T_base)
     rays.push_back({toOdom(ray.origin), toOdom(ray.end), ray.hit, ray.no_return || ray.presumed});
   }
   return rays;
+}
+
+/// Rays that ended at something new which goes on in something static: most of it is a wall that
+/// comes into view.
+std::vector<bool> attachedToStatic(const std::vector<GridRay<2>>& rays,
+                                   const std::vector<Motion>& motion, double beam_step,
+                                   const TrackerConfig& config) {
+  std::vector<bool> attached(rays.size(), false);
+  const auto spread = [&](std::size_t i, std::size_t last) {
+    if (motion[i] != Motion::kNew) return;
+    const bool source = motion[last] == Motion::kStatic || attached[last];
+    const double range = static_cast<double>((rays[i].end - rays[i].origin).norm());
+    const double gap = std::max(config.join_gap_m, kGrazing * beam_step * range);
+    if (source && static_cast<double>((rays[i].end - rays[last].end).norm()) < gap) {
+      attached[i] = true;
+    }
+  };
+  for (std::size_t i = 1; i < rays.size(); ++i) spread(i, i - 1);
+  for (std::size_t i = rays.size(); i-- > 1;) spread(i - 1, i);
+  return attached;
 }
 
 PhdModel<5, 2> modelOf(const TrackerConfig& config) {
@@ -73,7 +96,7 @@ struct Tracker::State {
         [&](const Eigen::Vector2f& cell) -> Eigen::Vector2f {
           return (seconds * tracks.velocityAt(cell.cast<double>())).cast<float>();
         },
-        config.max_speed* seconds);
+        config.imposed_m);
   }
 
   void forgetFar(const Eigen::Vector2d& position) {
@@ -83,22 +106,34 @@ struct Tracker::State {
   }
 
   /// Points of what moves, and of what has stopped where a track is.
-  std::vector<Eigen::Vector2d> movingPoints(const std::vector<GridRay<2>>& rays,
-                                            const std::vector<bool>& is_vehicle) {
-    std::vector<Eigen::Vector2d> points;
+  std::vector<MovingPoint> movingPoints(const std::vector<GridRay<2>>& rays,
+                                        const MotionGrid<2>::Result& inserted,
+                                        const std::vector<bool>& is_vehicle, double beam_step) {
+    const std::vector<bool> attached = attachedToStatic(rays, inserted.motion, beam_step, config);
+    std::vector<MovingPoint> points;
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const Eigen::Vector2d end = rays[i].end.cast<double>();
       const Motion motion = result.motion[i];
-      const bool wanted =
-          motion == Motion::kMoving || (motion == Motion::kStopped && tracks.covers(end));
+      const bool wanted = motion == Motion::kMoving || (motion == Motion::kNew && !attached[i]) ||
+                          (motion == Motion::kStopped && tracks.covers(end));
       if (!wanted || is_vehicle[i]) continue;
       if (points.size() == config.max_points) {
         result.saturated = true;
         break;
       }
-      points.push_back(end);
+      points.push_back({end, inserted.was_free[i]});
     }
     return points;
+  }
+
+  /// What objects that move have in space that was not known belongs to the dynamic map.
+  void claimNew() {
+    for (const LabeledTarget<5>& target : filter.targets()) {
+      if (target.observation < 0 || !tracks.hasMoved(target.label)) continue;
+      for (const auto& point : objects[static_cast<std::size_t>(target.observation)].points) {
+        grid.claim(point.cast<float>());
+      }
+    }
   }
 
   /// The nearest objects, at most as many as the filter may get.
@@ -157,7 +192,9 @@ struct Tracker::State {
     result.saturated = inserted.full;
     forgetFar(pose.translation());
     const std::vector<PhdComponent<5>> new_targets = births();
-    objects = findObjects(movingPoints(rays, mask.update(scan, pose)), visibility, config);
+    objects =
+        findObjects(movingPoints(rays, inserted, mask.update(scan, pose), visibility.beamStep()),
+                    visibility, config);
     limitObjects(visibility);
     std::vector<Observation<2>> observations;
     for (const ObjectCluster& object : objects) observations.push_back(object.observation);
@@ -167,6 +204,7 @@ struct Tracker::State {
     filter.predict(seconds, {});
     filter.update(observations);
     tracks.update(filter, objects, visibility, grid);
+    claimNew();
     result.tracks = tracks.tracks();
     result.used = true;
   }

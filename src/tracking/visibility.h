@@ -19,6 +19,10 @@ class Visibility {
   /// True if something nearer hides the place beside the points, so that they may be only a part of
   /// an object.
   bool isCut(const std::vector<Eigen::Vector2d>& points) const;
+  /// True if a beam toward the point ended before it.
+  bool isHidden(const Eigen::Vector2d& point) const {
+    return isHiddenAt(bearingOf(point), rangeOf(point));
+  }
   /// Angle between two neighboring beams, rad; 0 without beams.
   double beamStep() const { return beam_step_; }
   Eigen::Vector2d directionTo(const Eigen::Vector2d& point) const {

@@ -24,17 +24,21 @@ TEST(GraphUncertainty, GrowsWithEachEdge) {
   const PoseGraph graph = chainOf(11);
   const auto from = uncertaintiesFrom(graph, 0);
   EXPECT_EQ(from[0].position_m2, 0.0);
-  EXPECT_NEAR(from[10].position_m2, 10 * 0.02, 1e-9);
+  double lever = 0.0;
+  for (int left = 0; left < 10; ++left) lever += left * left;
+  const double expected = 10 * 0.02 + lever * 0.0001;
+  EXPECT_NEAR(from[10].position_m2, expected, 1e-9);
   EXPECT_NEAR(from[10].yaw_rad2, 10 * 0.0001, 1e-9);
-  EXPECT_NEAR(from[10].sigmaAt(3.0), std::sqrt(0.2 + 9.0 * 0.001), 1e-9);
+  EXPECT_NEAR(from[10].sigmaAt(3.0), std::sqrt(expected + 9.0 * 0.001), 1e-9);
 }
 
 TEST(GraphUncertainty, ALoopIsAShorterPath) {
   PoseGraph graph = chainOf(11);
   graph.edges.push_back(step(1, 9, EdgeKind::kLoop));
   const auto from = uncertaintiesFrom(graph, 0);
-  EXPECT_NEAR(from[10].position_m2, 3 * 0.02, 1e-9);
-  EXPECT_NEAR(from[8].position_m2, 3 * 0.02, 1e-9);
+  const double levers = (81 + 1) * 0.0001;  // of the first edge and of the loop, m²
+  EXPECT_NEAR(from[10].position_m2, 3 * 0.02 + levers, 1e-9);
+  EXPECT_NEAR(from[8].position_m2, 3 * 0.02 + (49 + 1) * 0.0001, 1e-9);
 }
 
 TEST(GraphUncertainty, AnotherPartIsUnknown) {

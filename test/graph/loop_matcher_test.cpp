@@ -57,7 +57,7 @@ TEST(LoopMatcher, APlaceOutsideOfTheRadiusIsRefused) {
   const Loop loop = matcher.search(scene.map, scene.place, scene.keyframes, scene.query,
                                    Pose2(truth.x + 3.0, truth.y, truth.yaw), 1.5, 0.4);
   EXPECT_EQ(loop.state, LoopState::kRefused);
-  EXPECT_STREQ(loop.reason, "it is too far away");
+  EXPECT_EQ(loop.reason, "it is too far away");
 }
 
 /// A square room looks the same after a quarter turn.
@@ -71,7 +71,7 @@ TEST(LoopMatcher, AnAmbiguousPlaceIsRefused) {
   const Loop loop =
       matcher.search(scene.map, scene.place, scene.keyframes, scene.query, poses.back(), 1.5, kPi);
   EXPECT_EQ(loop.state, LoopState::kRefused);
-  EXPECT_STREQ(loop.reason, "it fits in several places");
+  EXPECT_EQ(loop.reason, "it fits in several places");
 }
 
 /// A corridor: the position along it is not observable.
@@ -83,7 +83,7 @@ TEST(LoopMatcher, ACorridorIsRefused) {
   const Loop loop =
       matcher.search(scene.map, scene.place, scene.keyframes, scene.query, poses[12], 1.5, 0.4);
   EXPECT_EQ(loop.state, LoopState::kRefused);
-  EXPECT_STREQ(loop.reason, "a direction is unobservable");
+  EXPECT_EQ(loop.reason, "a direction is unobservable");
 }
 
 TEST(LoopMatcher, AScanInAnotherRoomDoesNotFit) {
@@ -108,7 +108,7 @@ TEST(LoopMatcher, AScanWithoutHitsIsRefused) {
   const Loop loop =
       matcher.matchExpected(scene.map, scene.place, scene.keyframes, last, Pose2(), 0.3);
   EXPECT_EQ(loop.state, LoopState::kRefused);
-  EXPECT_STREQ(loop.reason, "too few hits");
+  EXPECT_EQ(loop.reason, "too few hits");
   EXPECT_EQ(loop.query, last);
 }
 

@@ -10,9 +10,10 @@ namespace kestrel::loop_world {
 
 /// A box, as a niche or a pillar.
 inline void addBox(std::vector<room::Segment>& walls, double x, double y, double w, double h) {
-  walls.insert(
-      walls.end(),
-      {{x, y, x + w, y}, {x + w, y, x + w, y + h}, {x + w, y + h, x, y + h}, {x, y + h, x, y}});
+  for (const room::Segment& side :
+       {room::Segment{x, y, x + w, y}, room::Segment{x + w, y, x + w, y + h},
+        room::Segment{x + w, y + h, x, y + h}, room::Segment{x, y + h, x, y}})
+    walls.push_back(side);
 }
 
 /// A ring of corridors: outer walls at ±12 m, inner walls at ±9 m, and boxes at irregular places.
@@ -50,8 +51,9 @@ inline std::vector<Pose2> laps(double count) {
 /// Feeds a graph as the mapper does, with poses that drift.
 class Drive {
  public:
-  Drive(std::vector<room::Segment> walls, double yaw_drift)
-      : walls_(std::move(walls)), yaw_drift_(yaw_drift) {}
+  /// `begin`: the first pose in the local frame of the mapper.
+  Drive(std::vector<room::Segment> walls, double yaw_drift, const Pose2& begin = Pose2())
+      : walls_(std::move(walls)), yaw_drift_(yaw_drift), local_(begin) {}
 
   void add(const Pose2& truth, SubmapGraph& graph) {
     if (!truths_.empty())

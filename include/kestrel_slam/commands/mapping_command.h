@@ -32,6 +32,9 @@ struct MappingArguments {
   RecordingOptions topics;
   std::vector<double> laser_pose;  ///< x, y (m), yaw (degrees) of the laser; may be empty
   RunOptions run;                  ///< without the choice of sensors, see `odometry` and `imu`
+  std::string session;             ///< session file that is continued; "": none
+  std::string start = "last";      ///< last, unknown or X,Y,YAW (m and degrees)
+  std::string save_session;        ///< file for the session after the run; "": none
   const CLI::App* app = nullptr;   ///< where the options were declared
   bool no_timing = false;
   bool quiet = false;
@@ -45,6 +48,14 @@ struct MappingArguments {
 /// Declares the options of `arguments`. RECORDING is optional; the tool must check whether it is
 /// needed.
 void addMappingOptions(CLI::App& app, MappingArguments& arguments);
+
+/// Declares `--session`, `--start` and `--save-session`.
+void addSessionOptions(CLI::App& app, MappingArguments& arguments);
+/// Reads the session that is continued into `run`. Throws std::runtime_error with the file and the
+/// reason, also if the session of this run could not be saved.
+void loadSessionFor(const MappingArguments& arguments, const SlamConfig& config, RunOptions& run);
+/// Saves the session of the run if that was asked for. Throws std::runtime_error.
+void saveSessionOf(const OfflineRun& run, const MappingArguments& arguments);
 
 /// Declares `--laser-pose x,y,yaw` (m and degrees).
 void addLaserPoseOption(CLI::App& app, std::vector<double>& x_y_yaw);

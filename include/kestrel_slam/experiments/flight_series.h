@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kestrel_slam/experiments/flight_measurement.h"
+#include "kestrel_slam/experiments/loop_quality.h"
 
 namespace kestrel {
 
@@ -43,6 +44,7 @@ struct SeedResult {
   double worst_long_m = 0.0, worst_long_sigmas = 0.0, worst_short_m = 0.0;
   double first_quarter_ms = 0.0, last_quarter_ms = 0.0;  ///< measured time per scan, median
   double area_m2 = 0.0;                                  ///< of the known cells
+  LoopQuality loops;                                     ///< with a pose graph
 };
 
 constexpr double kSilentJump = 0.03;  ///< m

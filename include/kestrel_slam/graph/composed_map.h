@@ -10,12 +10,13 @@ namespace kestrel {
 
 class SubmapGraph;
 
-/// The map of all keyframes at their corrected poses.
+/// The map of all keyframes that are joined with the newest one, at their corrected poses.
 class ComposedMap {
  public:
   explicit ComposedMap(const OccupancyGridConfig& config) : config_(config), grid_(config) {}
 
-  /// Whether a keyframe has moved so far since it was inserted that the map must be composed again.
+  /// Whether a keyframe has moved so far since it was inserted, or has been joined or separated,
+  /// that the map must be composed again.
   bool isOutdated(const SubmapGraph& graph) const;
 
   /// Inserts the keyframes that were added to `graph` since the last call.
@@ -28,6 +29,7 @@ class ComposedMap {
   OccupancyGridConfig config_;
   OccupancyGrid grid_;
   std::vector<Pose2> poses_;  ///< at which the keyframes were inserted
+  std::vector<bool> shown_;   ///< whether they were
 };
 
 }  // namespace kestrel

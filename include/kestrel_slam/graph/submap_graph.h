@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "kestrel_slam/graph/graph_uncertainty.h"
@@ -15,24 +17,49 @@
 
 namespace kestrel {
 
+/// What a graph consists of. All of it is saved, and a graph that is made of it goes on from there.
+struct GraphRecord {
+  std::vector<LocalKeyframe> keyframes;
+  std::vector<Place> places;
+  PoseGraph graph;          ///< its vertices are the keyframes
+  std::vector<Loop> loops;  ///< of the accepted ones, `graph` has edges
+};
+
 /// Keyframes, finished submaps and the pose graph between the keyframes. Finds loops, verifies them
 /// and corrects the poses of all keyframes. Deterministic: no clock, no thread.
 ///
 /// A loop is accepted if the query fits in one place only and its single scans agree. Where the
 /// graph is uncertain, a second loop must confirm it [Mangelson 2018], and none may contradict it.
 /// After each optimization, a loop that contradicts the others is taken back.
+///
+/// The flights of several days are parts of one graph: no odometry leads from one to the next. Only
+/// loops join them. Until then, poses of different parts say nothing about each other.
 class SubmapGraph {
  public:
   SubmapGraph(const MapperConfig& mapper, const LoopConfig& config);
+  /// Goes on from a record. Its indices must exist.
+  SubmapGraph(const MapperConfig& mapper, const LoopConfig& config, GraphRecord record);
 
   /// Adds the scan if the mapper inserted it. `result.pose` is in the local frame.
   void add(const PlanarScan& scan, const MapperResult& result);
 
   /// Uses these parameters from the next search on.
-  void configure(const LoopConfig& config);
+  void configure(const LoopConfig& config) {
+    config_ = config;
+    matcher_.configure(config);
+  }
+
+  /// The next keyframe begins a new part: nobody measured how the vehicle got there. The frame of
+  /// the mapper must be map, as far as it is known. `map_T_base`: where the vehicle may be. It only
+  /// says where to search; without it, nothing is searched for in the other parts.
+  void beginPart(const std::optional<GaussianPose2>& map_T_base);
+
+  /// Takes a loop that was found by other means and fits, for example by a search in the whole map.
+  /// It is judged as the others are. Returns whether it was accepted.
+  bool addLoop(const Loop& loop);
 
   /// Matches all keyframes with the places that they overlap, and optimizes once more. For the end
-  /// of a recording.
+  /// of a recording. What was already in a record is not matched with itself again.
   void finish();
 
   /// Corrected pose of a keyframe in map, and the correction of the local frame there.
@@ -44,6 +71,12 @@ class SubmapGraph {
   const std::vector<LocalKeyframe>& keyframes() const { return keyframes_; }
   const PoseGraph& graph() const { return graph_; }
   std::size_t submapCount() const { return places_.all().size(); }
+  const Places& places() const { return places_; }
+  GraphRecord record() const { return {keyframes_, places_.all(), graph_, loops_}; }
+  /// Keyframes before this one were in the record.
+  std::size_t loadedCount() const { return loaded_; }
+  /// Whether edges join the keyframe with the newest one. Only such keyframes belong to one map.
+  bool isJoined(std::size_t keyframe) const { return joined_[keyframe] == joined_.back(); }
   /// All loops of a search, accepted or not, and the accepted ones of other matches.
   const std::vector<Loop>& loops() const { return loops_; }
   std::size_t memoryBytes() const;
@@ -57,15 +90,24 @@ class SubmapGraph {
 
   void addKeyframe(const PlanarScan& scan, const MapperResult& result);
   bool isQuery(const LoopQuery& query) const;
+  void addPlace();
   double pathBetween(std::size_t a, std::size_t b) const;
-  void addOdometry(const Eigen::Matrix3d& covariance);
+  bool areNear(std::size_t a, std::size_t b) const;
+  bool isNeighbor(const Place& place, std::size_t keyframe) const;
+  void startGuess();
+  std::vector<RelativeUncertainty> uncertainties(std::size_t from) const;
+  void addOdometry();
   void search(const LoopQuery& query);
+  std::size_t placeOf(std::size_t keyframe) const;
+  void searchAround();
   Candidate candidateAt(std::size_t place, std::size_t query) const;
   std::vector<Candidate> candidatesFor(std::size_t query) const;
   bool confirm(const Candidate& candidate, std::size_t query);
   void searchAt(const Candidate& candidate, const LoopQuery& query, double radius_m);
   void judge(const Loop& loop);
   void accept(std::size_t loop);
+  void join(const Loop& loop);
+  void restore(const std::vector<Loop>& loops);
   Pose2 expectedAt(const Candidate& candidate, std::size_t query) const;
   void optimizeIfNeeded(const Loop& loop);
   void solve();
@@ -85,6 +127,12 @@ class SubmapGraph {
   std::vector<Loop> loops_;
   std::vector<std::size_t> loop_of_edge_;  ///< for every edge of `graph_`, the loop
   std::vector<std::size_t> verified_;      ///< numbers in `loops_` of those in `consistency_`
+  std::vector<std::size_t> joined_;        ///< see connectedParts()
+  std::size_t loaded_ = 0;                 ///< keyframes of the record
+  std::size_t part_begin_ = 0;             ///< first keyframe of the newest part
+  std::uint32_t submap_offset_ = 0;        ///< the mapper numbers the submaps of a part from 0
+  std::optional<GaussianPose2> start_;     ///< where the newest part may begin
+  std::optional<PoseEdge> guess_;          ///< the same, from the nearest keyframe of other parts
   std::size_t searched_ = 0;               ///< keyframes before this one were searched for
   std::size_t searches_ = 0;
   std::size_t unsolved_ = 0;  ///< accepted loops since the last optimization

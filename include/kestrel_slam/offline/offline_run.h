@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "kestrel_slam/pipeline/pipeline.h"
 #include "kestrel_slam/recording/recording.h"
 #include "kestrel_slam/recording/trajectory.h"
+#include "kestrel_slam/session/session.h"
 
 namespace kestrel {
 
@@ -69,6 +71,7 @@ struct OfflineRun {
   std::size_t map_memory_bytes = 0;
   MapSnapshot map;
   std::optional<GraphResult> graph;    ///< if loops were searched for
+  std::optional<Session> session;      ///< the same, with all that is needed to continue
   std::optional<FilterStatus> filter;  ///< status at the end; absent if the pose filter did not run
 
   std::size_t droppedCount() const;
@@ -90,6 +93,9 @@ struct RunOptions {
   std::optional<Eigen::Isometry3d> base_T_laser;  ///< replaces the mounting in the recording
   Perturbation perturbation;
   std::size_t max_scans = std::numeric_limits<std::size_t>::max();  ///< number to process
+  /// The older flight that is continued; null: none. Needs the pose graph.
+  std::shared_ptr<const Session> session;
+  std::optional<GaussianPose2> start;  ///< where the vehicle is in the map of `session`, if known
   /// Called for every scan that the mapper processed, with its result.
   std::function<void(const PlanarScan&, const MapperResult&)> observer;
   /// The same with everything that the pipeline knows of the scan, also its odometry.

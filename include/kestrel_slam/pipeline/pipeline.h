@@ -22,6 +22,8 @@
 
 namespace kestrel {
 
+struct GaussianPose2;
+struct GraphRecord;
 class SubmapGraph;
 
 /// Which data the pose filter exchanges with the projector and the mapper.
@@ -103,6 +105,11 @@ class Pipeline {
   void setPose(const Pose2& map_T_base, const Eigen::Matrix3d& covariance);
   /// Deletes the map. The next scan starts a new map at `map_T_base`.
   void reset(const Pose2& map_T_base = Pose2());
+
+  /// Continues an older flight: the next scan begins a new part of its graph. `map_T_base`: where
+  /// the vehicle may be (SubmapGraph::beginPart); without it, nobody knows. Throws
+  /// std::invalid_argument if there is no graph.
+  void continueWith(GraphRecord record, const std::optional<GaussianPose2>& map_T_base);
 
   const Mapper& mapper() const { return mapping_.mapper(); }
   /// Null if scans are matched against one map that grows.

@@ -56,7 +56,7 @@ struct Place {
 };
 
 /// The built-in places: laboratory, ring, corridor, hall, cluttered, glass, people, doors, town,
-/// large_town and sparse_town.
+/// large_town, sparse_town and twins.
 const std::vector<Place>& places();
 /// The built-in place called `name`. Throws std::invalid_argument, which lists the valid names.
 const Place& place(const std::string& name);

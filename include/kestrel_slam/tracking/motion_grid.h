@@ -33,7 +33,10 @@ struct MotionGridConfig {
   /// A return this near to something static belongs to it: noise of the laser and of the pose, m.
   double tolerance_m = 0.1;
   double tolerance_rad = 0.005;  ///< the same, for each meter of range: error of the yaw
-  double keep_radius_m = 60.0;   ///< the grids forget what is farther from the sensor
+  /// What is seen where nothing was known counts as new for this time, s: it may be an object that
+  /// moves in unknown space. 0: it is static at once, as in table 1.
+  double new_s = 0.0;
+  double keep_radius_m = 60.0;  ///< the grids forget what is farther from the sensor
   double memory_limit_mb = 256.0;
 };
 
@@ -42,14 +45,16 @@ template <int D>
 struct GridRay {
   Eigen::Matrix<float, D, 1> origin, end;
   bool hit = true;
-  /// Without a return: clear only up to the first static cell, because glass gives no return.
-  bool stops_at_walls = false;
+  /// Without a return: the space is only presumably free, because glass and dark surfaces give no
+  /// return. Such a beam can show that something has left its place, but not that a cell is free.
+  bool presumed = false;
 };
 
 /// What a return belongs to.
 enum class Motion : std::uint8_t {
   kNone,  ///< no return
   kStatic,
+  kNew,      ///< where nothing was known until a moment ago: most of it stands
   kStopped,  ///< in a cell that became static while something that moved stood there
   kMoving
 };
@@ -76,6 +81,7 @@ class MotionGrid {
   };
   struct Result {
     std::vector<Motion> motion;      ///< of each ray
+    std::vector<bool> was_free;      ///< of each ray: the return is in a cell that was free
     std::vector<MovingCell> moving;  ///< occupied cells of the new dynamic map
     bool full = false;               ///< cells are missing because of the memory limit
   };
@@ -87,8 +93,11 @@ class MotionGrid {
 
   /// The imposed dynamic map: the moving cells of the last scan are displaced by `displacement`
   /// (m, of a cell's center) and by every vector up to `reach` (m). What is seen for the first time
-  /// in these cells by the next scan is taken as moving.
+  /// in these cells by the next scan is taken as moving. A displacement that is not finite leaves
+  /// the cell out.
   void impose(const std::function<Vector(const Vector&)>& displacement, double reach);
+  /// What is seen here was new, and moves: the cell belongs to the dynamic map of this scan.
+  void claim(const Vector& point);
 
   /// What is farther than the configured radius from `position` is forgotten.
   void forgetFar(const Vector& position);
@@ -101,6 +110,8 @@ class MotionGrid {
   bool isImposed(const Index& index) const;
   /// Time since the first scan, s.
   double time() const { return time_; }
+  /// True if a beam has passed the cell since its last return.
+  bool wasPassed(const Index& index) const;
   /// Time of the last return in this cell or next to it, s; negative if there was none.
   double lastReturn(const Index& index) const;
   /// True if nothing was in this cell or next to it at `time` (s) or before: what is here now has
@@ -116,28 +127,32 @@ class MotionGrid {
   struct CellData {
     float static_odds = 0.0F, dynamic_odds = 0.0F;  ///< log odds; the prior of 0.5 is 0
     std::uint32_t scan = 0;                         ///< that updated it last
-    std::uint32_t imposed = 0;   ///< number of the scan for which it is in the imposed map
-    std::uint32_t moved_in = 0;  ///< last scan with something moving in it
-    std::uint32_t slot = 0;      ///< in Result::moving of that scan
-    float first_hit = -1.0F;     ///< time of the first of the returns without long gaps, s
-    float last_hit = -1.0F;      ///< negative: none yet
-    bool was_moving = false;     ///< it was free, and then filled by something that moved
+    std::uint32_t imposed = 0;    ///< number of the scan for which it is in the imposed map
+    std::uint32_t moved_in = 0;   ///< last scan with something moving in it
+    std::uint32_t slot = 0;       ///< in Result::moving of that scan
+    float first_hit = -1.0F;      ///< time of the first of the returns without long gaps, s
+    float last_hit = -1.0F;       ///< negative: none yet
+    float last_pass = -1.0F;      ///< time of the last beam that passed, s
+    float occupied_since = 0.0F;  ///< time when it became occupied, s
+    bool was_moving = false;      ///< it was free, and then filled by something that moved
   };
 
   /// What is occupied near a point.
   struct Surroundings {
-    bool is_static = false, has_stopped = false;
+    bool is_static = false, has_stopped = false, is_new = false;
   };
 
   bool isUsable(const GridRay<D>& ray) const;
   Surroundings surroundingsOf(const Vector& point, double distance) const;
   CellState stateOf(const CellData& cell) const;
   Motion classify(const GridRay<D>& ray) const;
+  CellData* addMoving(const Index& index);
   void updateHit(const GridRay<D>& ray, std::size_t number);
   void protectSurface(const std::vector<GridRay<D>>& rays);
   void protectCell(const Index& index);
   void updateMiss(const GridRay<D>& ray);
-  bool passCell(const Index& index, bool stops_at_walls);
+  bool passCell(const Index& index, bool presumed);
+  bool isNew(const CellData& cell) const;
   void add(CellData& cell, float static_change, float dynamic_change) const;
 
   MotionGridConfig config_;

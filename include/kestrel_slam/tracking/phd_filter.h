@@ -146,6 +146,9 @@ class PhdFilter {
     double weight;
     std::vector<std::size_t> components;  ///< in `updated_`
   };
+  struct LabelWeight {
+    double detected = 0.0, missed = 0.0;
+  };
   struct Prepared {
     ExpectedObservation<N, M> expected;
     double detection;
@@ -168,6 +171,7 @@ class PhdFilter {
                       const Candidate& candidate) const;
   void append(const Component& component, int observation);
 
+  void limitLabels();
   void findTargets();
   std::vector<Share> sortedShares();
   LabeledTarget<N> targetOf(const Share& share, double weight) const;

@@ -79,8 +79,8 @@ MarkerArray loopMarkers(const GraphView& graph, const std::string& map_frame,
     setColor(loop.state, text);
     char line[200];
     std::snprintf(line, sizeof line, "%s%s%s, fit %.2f, margin %.2f, correction %.2f m",
-                  toString(loop.state), *loop.reason == '\0' ? "" : ": ", loop.reason, loop.fit,
-                  loop.margin, loop.correction_m);
+                  toString(loop.state), loop.reason.empty() ? "" : ": ", loop.reason.c_str(),
+                  loop.fit, loop.margin, loop.correction_m);
     text.text = line;
     result.markers.push_back(text);
   }

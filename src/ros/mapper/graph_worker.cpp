@@ -18,7 +18,8 @@ constexpr int kNice = 10;
 
 GraphWorker::GraphWorker(const MapperConfig& mapper, const LoopConfig& loops)
     : mapper_(mapper), loops_(loops) {
-  start();
+  change(std::make_unique<SubmapGraph>(mapper_, loops_),
+         std::make_unique<ComposedMap>(mapper_.grid));
   thread_ = std::thread([this] { run(); });
   pthread_setname_np(thread_.native_handle(), "graph");
 }
@@ -43,51 +44,82 @@ void GraphWorker::add(const PlanarScan& scan, const MapperResult& result) {
 
 void GraphWorker::configure(const LoopConfig& loops) {
   const std::lock_guard<std::mutex> lock(queue_mutex_);
-  new_loops_ = loops;
+  loops_ = loops;
+  reconfigured_ = true;
 }
 
 void GraphWorker::reset() {
+  replace(std::make_unique<SubmapGraph>(mapper_, loops_),
+          std::make_unique<ComposedMap>(mapper_.grid));
+}
+
+void GraphWorker::replace(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<ComposedMap> map) {
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
     queue_.clear();
-    reset_ = true;
-    map_T_local_ = Pose2();
+    map_T_local_ = graph->mapTLocal();
     view_ = {};
+    next_graph_ = std::move(graph);
+    next_map_ = std::move(map);
   }
   arrived_.notify_one();
+}
+
+GraphSnapshot GraphWorker::snapshot() {
+  std::future<GraphSnapshot> result;
+  {
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    wanted_.emplace_back();
+    result = wanted_.back().get_future();
+  }
+  arrived_.notify_one();
+  return result.get();
+}
+
+/// The caller holds the lock.
+bool GraphWorker::isIdle() const {
+  return !closed_ && !next_graph_ && wanted_.empty() && queue_.empty();
 }
 
 void GraphWorker::run() {
   setpriority(PRIO_PROCESS, 0, kNice);  // of this thread
   for (;;) {
     std::unique_lock<std::mutex> lock(queue_mutex_);
-    arrived_.wait(lock, [this] { return closed_ || reset_ || !queue_.empty(); });
+    arrived_.wait(lock, [this] { return !isIdle(); });
     if (closed_) return;
-    takeParameters();
-    if (std::exchange(reset_, false)) {
-      lock.unlock();
-      start();
-      continue;
+    if (std::exchange(reconfigured_, false)) {
+      graph_->configure(loops_);
+      if (next_graph_) next_graph_->configure(loops_);
     }
-    const Work work = std::move(queue_.front());
-    queue_.pop_front();
-    lock.unlock();
-    handle(work);
+    if (next_graph_) {
+      std::unique_ptr<SubmapGraph> graph = std::move(next_graph_);
+      std::unique_ptr<ComposedMap> map = std::move(next_map_);
+      lock.unlock();
+      change(std::move(graph), std::move(map));
+    } else if (!wanted_.empty()) {
+      std::vector<std::promise<GraphSnapshot>> wanted;
+      wanted.swap(wanted_);
+      lock.unlock();
+      answer(std::move(wanted));
+    } else {
+      const Work work = std::move(queue_.front());
+      queue_.pop_front();
+      lock.unlock();
+      handle(work);
+    }
   }
 }
 
-/// The caller holds the lock of the queue.
-void GraphWorker::takeParameters() {
-  if (!new_loops_) return;
-  loops_ = *std::exchange(new_loops_, std::nullopt);
-  graph_->configure(loops_);
+void GraphWorker::answer(std::vector<std::promise<GraphSnapshot>> wanted) const {
+  const GraphSnapshot snapshot{graph_->record(), graph_->loadedCount()};
+  for (std::promise<GraphSnapshot>& promise : wanted) promise.set_value(snapshot);
 }
 
-/// Begins an empty graph and map.
-void GraphWorker::start() {
-  graph_ = std::make_unique<SubmapGraph>(mapper_, loops_);
+void GraphWorker::change(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<ComposedMap> map) {
+  graph_ = std::move(graph);
+  memory_bytes_ = graph_->memoryBytes() + map->grid().memoryBytes();
   const std::lock_guard<FairMutex> lock(map_mutex_);
-  map_ = std::make_unique<ComposedMap>(mapper_.grid);
+  map_ = std::move(map);
   ++map_number_;
   ++version_;
 }
@@ -110,7 +142,7 @@ void GraphWorker::handle(const Work& work) {
     view.keyframes.push_back(graph_->poseOf(i));
   view.loops = graph_->loops();
   const std::lock_guard<std::mutex> lock(queue_mutex_);
-  if (reset_) return;
+  if (next_graph_) return;
   map_T_local_ = graph_->mapTLocal();
   view_ = std::move(view);
   ++version_;

@@ -82,6 +82,8 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
   map_publisher_ = std::make_unique<MapPublisher>(nh, config_, mapper_, trajectory_);
   trajectory_services_ = std::make_unique<TrajectoryServices>(map_publisher_->nodeHandle(),
                                                               config_.map_frame, trajectory_);
+  session_services_ =
+      std::make_unique<SessionServices>(nh, config_, mapper_, [this] { onSession(); });
   input_ = std::make_unique<ScanInput>(nh, config_, statistics_,
                                        [this](ReadyScan scan) { enqueue(std::move(scan)); });
   diagnostics_ = std::make_unique<Diagnostics>(
@@ -96,6 +98,7 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
 }
 
 MapperNode::~MapperNode() {
+  session_services_.reset();
   queue_.close();
   match_thread_.join();
 }
@@ -166,6 +169,7 @@ void MapperNode::match(const ReadyScan& scan) {
   const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
   if (!result.pose.isFinite()) throw std::runtime_error("the pose is not finite");
   statistics_.used(result, ms.count());
+  projection_.addVelocity(planar->stamp, result.velocity);
   trajectory_.add(scan.stamp, result.pose);
   pose_publisher_.publish(scan.stamp, result, *planar, scan.odom_T_base);
 }
@@ -213,6 +217,13 @@ void MapperNode::restart(const Pose2& map_T_base) {
   trajectory_.clear();
   ROS_INFO("The map was deleted; the next scan starts a new map at %s.",
            textOf(map_T_base).c_str());
+}
+
+/// The mapper continues another session.
+void MapperNode::onSession() {
+  queue_.clear();
+  placed_ = true;
+  trajectory_.clear();
 }
 
 void MapperNode::onCommand(const std_msgs::String& message) {

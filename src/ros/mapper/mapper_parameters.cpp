@@ -161,13 +161,31 @@ std::vector<Parameter> outputParametersOf(MapperNodeConfig& config) {
   };
 }
 
+std::vector<Parameter> sessionParametersOf(MapperNodeConfig& config) {
+  constexpr double kDay = 1440.0;
+  return {
+      text("session", &config.session,
+           "Session file that the node continues from its start on; it turns graph on; empty: a "
+           "new map."),
+      choice("session_start", &config.session_start, {"last", "unknown"},
+             "last: the vehicle is where the session ended, up to some decimeters; unknown: old "
+             "and new map stay apart until the vehicle was found in the old one."),
+      text("session_folder", &config.session_folder,
+           "Folder that save_session, load_session and autosave cannot leave; empty: as with "
+           "save_folder."),
+      number("autosave_minutes", "min", &config.autosave_minutes, 0.0, kDay,
+             "Time between two times that the session is saved as autosave.session in "
+             "session_folder, if the map has changed; 0: never."),
+  };
+}
+
 }  // namespace
 
 std::vector<Parameter> parametersOf(MapperNodeConfig& config) {
-  return joined({group("Frames", frameParametersOf(config)),
-                 group("Inputs", inputParametersOf(config)),
-                 group("Outputs", outputParametersOf(config)), mappingParametersOf(config.slam),
-                 projectionParametersOf(config.slam)});
+  return joined(
+      {group("Frames", frameParametersOf(config)), group("Inputs", inputParametersOf(config)),
+       group("Outputs", outputParametersOf(config)), group("Sessions", sessionParametersOf(config)),
+       mappingParametersOf(config.slam), projectionParametersOf(config.slam)});
 }
 
 MapperNodeConfig loadParameters(const ros::NodeHandle& private_nh) {
@@ -175,6 +193,7 @@ MapperNodeConfig loadParameters(const ros::NodeHandle& private_nh) {
   readPrivateParameters(private_nh, parametersOf(config), unneededParameters(), hectorNumbers());
   tidyFrames(config);
   resolveFrames(config);
+  if (!config.session.empty()) config.slam.mapper.window.enabled = true;
   validate(config);
   return config;
 }

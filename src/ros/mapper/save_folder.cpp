@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>
+#include <utility>
 
 #include "kestrel_slam/map/map_path.h"
 
@@ -63,7 +64,7 @@ void requireReplaceable(const fs::path& stem) {
 
 }  // namespace
 
-SaveFolder::SaveFolder(const std::string& folder) {
+SaveFolder::SaveFolder(const std::string& folder, Words words) : words_(std::move(words)) {
   if (!folder.empty()) {
     folders_ = {resolved(folder)};
     return;
@@ -84,6 +85,19 @@ std::string SaveFolder::stemOf(const std::string& path) const {
   return real.string();
 }
 
+std::string SaveFolder::fileOf(const std::string& path, bool create) const {
+  if (path.empty() || path.back() == '/') {
+    throw std::runtime_error("the path '" + path + "' has no file name");
+  }
+  if (path.find('\0') != std::string::npos) throw std::runtime_error("the path has a zero byte");
+  const bool is_relative = path[0] != '/' && path[0] != '~';
+  const fs::path wanted = is_relative ? folders_.front() / path : resolved(path);
+  const fs::path real = fs::weakly_canonical(wanted);
+  requireInside(real, is_relative);
+  if (create) createFolderOf(real.string());
+  return real.string();
+}
+
 void SaveFolder::requireInside(const fs::path& stem, bool is_relative) const {
   const auto contains = [&stem](const fs::path& folder) { return isInside(folder, stem); };
   const auto end = is_relative ? folders_.begin() + 1 : folders_.end();
@@ -92,7 +106,7 @@ void SaveFolder::requireInside(const fs::path& stem, bool is_relative) const {
   for (auto folder = folders_.begin(); folder != end; ++folder) {
     list += (list.empty() ? "" : ", ") + folder->string();
   }
-  refuse(stem, "maps are only saved inside of " + list + " (parameter ~save_folder)");
+  refuse(stem, words_.rule + " inside of " + list + " (parameter ~" + words_.parameter + ")");
 }
 
 }  // namespace kestrel

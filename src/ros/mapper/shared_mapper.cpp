@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
 
+#include <memory>
 #include <mutex>
+#include <stdexcept>
+#include <utility>
 
 namespace kestrel {
 
@@ -23,7 +26,9 @@ MapperResult inMap(MapperResult result, const Pose2& map_T_local) {
 }  // namespace
 
 SharedMapper::SharedMapper(const MapperConfig& config, const LoopConfig& loops)
-    : mapping_(config),
+    : config_(config),
+      loops_(loops),
+      mapping_(config),
       graph_(config.usesGraph() ? std::make_unique<GraphWorker>(config, loops) : nullptr) {}
 
 MapperResult SharedMapper::process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
@@ -41,8 +46,15 @@ MapperResult SharedMapper::process(PlanarScan& scan, const std::optional<Pose2>&
 
 void SharedMapper::configure(const MapperConfig& config, const LoopConfig& loops) {
   const Lock lock(mutex_);
+  config_ = config;
+  loops_ = loops;
   mapping_.configure(config);
   if (graph_) graph_->configure(loops);
+}
+
+std::pair<MapperConfig, LoopConfig> SharedMapper::parameters() const {
+  const Lock lock(mutex_);
+  return {config_, loops_};
 }
 
 void SharedMapper::reset(const Pose2& map_T_base) {
@@ -53,6 +65,33 @@ void SharedMapper::reset(const Pose2& map_T_base) {
   full_ = false;
   ++map_number_;
   ++version_;
+}
+
+void SharedMapper::requireGraph() const {
+  if (!graph_) throw std::runtime_error("sessions need the parameter graph");
+}
+
+/// The graph and its map are made before the lock is taken.
+void SharedMapper::continueWith(GraphRecord record,
+                                const std::optional<GaussianPose2>& map_T_base) {
+  requireGraph();
+  const auto [config, loops] = parameters();
+  auto graph = std::make_unique<SubmapGraph>(config, loops, std::move(record));
+  auto map = std::make_unique<ComposedMap>(config.grid);
+  map->add(*graph);
+  graph->beginPart(map_T_base);
+  const Lock lock(mutex_);
+  mapping_.reset(map_T_base ? map_T_base->mean : Pose2());
+  graph_->replace(std::move(graph), std::move(map));
+  graph_->configure(loops_);  // they may have changed meanwhile
+  full_ = false;
+  ++map_number_;
+  ++version_;
+}
+
+GraphSnapshot SharedMapper::graphSnapshot() {
+  requireGraph();
+  return graph_->snapshot();
 }
 
 void SharedMapper::setPose(const Pose2& map_T_base) {

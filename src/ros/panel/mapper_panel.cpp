@@ -10,6 +10,7 @@
 #include <QVBoxLayout>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "kestrel_slam/LoadSession.h"
 #include "kestrel_slam/SaveMap.h"
 
 namespace kestrel {
@@ -106,11 +107,16 @@ void MapperPanel::addWidgets() {
   });
   const auto map_path = [this] { return withText(map_path_->text().toStdString()); };
   const auto session_path = [this] { return withText(session_path_->text().toStdString()); };
+  const auto load_session = [this]() -> Call {
+    kestrel_slam::LoadSession::Request request;
+    request.path = session_path_->text().toStdString();
+    return [request](const std::string& name) { return answerOf(name, request); };
+  };
   auto* form = new QFormLayout;
   form->addRow("Node", node_);
   form->addRow("Map file", rowOf({map_path_, addButton("Save map", "save_map", map_path)}));
   form->addRow("Session", rowOf({session_path_, addButton("Save", "save_session", session_path),
-                                 addButton("Load", "load_session", session_path)}));
+                                 addButton("Load", "load_session", load_session)}));
   auto* layout = new QVBoxLayout(this);
   layout->addWidget(state_);
   layout->addWidget(numbers_);

@@ -5,25 +5,30 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <future>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <thread>
 #include <vector>
 
 #include "kestrel_slam/graph/composed_map.h"
 #include "kestrel_slam/graph/loop.h"
+#include "kestrel_slam/graph/submap_graph.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/ros/common/fair_mutex.h"
 
 namespace kestrel {
 
-class SubmapGraph;
-
 /// Keyframes and loops as they are now, for publishing.
 struct GraphView {
   std::vector<Pose2> keyframes;  ///< map_T_base
   std::vector<Loop> loops;
+};
+
+/// A copy of the graph, to save it.
+struct GraphSnapshot {
+  GraphRecord record;
+  std::size_t loaded = 0;  ///< SubmapGraph::loadedCount
 };
 
 /// The pose graph in a thread of its own: the matching thread only hands over the inserted scans
@@ -43,6 +48,12 @@ class GraphWorker {
 
   /// Deletes the graph and the map.
   void reset();
+
+  /// Goes on with another graph and its map.
+  void replace(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<ComposedMap> map);
+
+  /// Waits until the graph is not being changed, which may take some seconds.
+  GraphSnapshot snapshot();
 
   /// The newest correction of the local frame.
   Pose2 mapTLocal() const;
@@ -65,18 +76,20 @@ class GraphWorker {
   };
 
   void run();
+  bool isIdle() const;
   void handle(const Work& work);
-  void takeParameters();
-  void start();
+  void change(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<ComposedMap> map);
+  void answer(std::vector<std::promise<GraphSnapshot>> wanted) const;
 
   MapperConfig mapper_;
-  LoopConfig loops_;  ///< only the thread uses it
-
   mutable std::mutex queue_mutex_;  ///< for the queue, and what is asked for often
   std::condition_variable arrived_;
   std::deque<Work> queue_;
-  bool closed_ = false, reset_ = false;
-  std::optional<LoopConfig> new_loops_;  ///< parameters that the thread does not have yet
+  LoopConfig loops_;
+  bool closed_ = false, reconfigured_ = false;
+  std::unique_ptr<SubmapGraph> next_graph_;  ///< replaces `graph_`
+  std::unique_ptr<ComposedMap> next_map_;
+  std::vector<std::promise<GraphSnapshot>> wanted_;
   Pose2 map_T_local_;
   GraphView view_;
 

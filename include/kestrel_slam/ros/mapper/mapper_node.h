@@ -24,6 +24,7 @@
 #include "kestrel_slam/ros/mapper/mapper_parameters.h"
 #include "kestrel_slam/ros/mapper/pose_publisher.h"
 #include "kestrel_slam/ros/mapper/scan_input.h"
+#include "kestrel_slam/ros/mapper/session_services.h"
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
 #include "kestrel_slam/ros/mapper/trajectory_log.h"
 #include "kestrel_slam/ros/mapper/trajectory_services.h"
@@ -55,6 +56,7 @@ class MapperNode {
   void restart(const Pose2& map_T_base);
   void onParameters();
   void takeParameters();
+  void onSession();
 
   void onCommand(const std_msgs::String& message);
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
@@ -89,6 +91,7 @@ class MapperNode {
   std::unique_ptr<TrajectoryServices> trajectory_services_;
   std::unique_ptr<Diagnostics> diagnostics_;
   std::unique_ptr<LiveParameters> live_parameters_;
+  std::unique_ptr<SessionServices> session_services_;
 };
 
 }  // namespace kestrel

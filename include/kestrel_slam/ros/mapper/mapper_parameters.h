@@ -29,6 +29,10 @@ struct MapperNodeConfig {
   bool pub_odometry = false;
   bool advertise_map_service = true;
   std::string save_folder;  ///< empty: the working, home and temporary folder
+  std::string session;      ///< file that is continued from the start on; empty: none
+  std::string session_start = "last";
+  std::string session_folder;     ///< empty: the working, home and temporary folder
+  double autosave_minutes = 0.0;  ///< 0: never
   SlamConfig slam;
 
   bool usesPlanarScans() const { return input == "planar_scan"; }

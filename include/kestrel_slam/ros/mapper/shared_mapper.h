@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "kestrel_slam/pipeline/mapping_stage.h"
@@ -41,6 +42,13 @@ class SharedMapper {
   /// Deletes the map. The next scan starts a new map at `map_T_base`.
   void reset(const Pose2& map_T_base);
 
+  /// Continues the graph of a session. The next scan begins a new part of it at `map_T_base`, see
+  /// SubmapGraph::beginPart. Throws std::runtime_error if there is no graph.
+  void continueWith(GraphRecord record, const std::optional<GaussianPose2>& map_T_base);
+
+  /// A copy of the graph. Throws std::runtime_error if there is none.
+  GraphSnapshot graphSnapshot();
+
   /// Keeps the map and sets the pose of the vehicle.
   void setPose(const Pose2& map_T_base);
 
@@ -65,8 +73,12 @@ class SharedMapper {
   const GraphWorker* graph() const { return graph_.get(); }
 
  private:
+  std::pair<MapperConfig, LoopConfig> parameters() const;
+  void requireGraph() const;
   Pose2 mapTLocal() const { return graph_ ? graph_->mapTLocal() : Pose2(); }
 
+  MapperConfig config_;
+  LoopConfig loops_;
   mutable FairMutex mutex_;
   MappingStage mapping_;
   std::unique_ptr<GraphWorker> graph_;

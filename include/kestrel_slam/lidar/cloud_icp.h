@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "kestrel_slam/lidar/surface_map.h"
+
+namespace kestrel {
+
+/// What the ICP minimizes.
+enum class IcpMetric {
+  kPoint,  ///< squared distances of the pairs [Siew 2018, eq. 8]
+  kPlane   ///< squared distances from the planes [Siew 2018, eq. 9]
+};
+
+struct CloudIcpConfig {
+  IcpMetric metric = IcpMetric::kPlane;
+  double rejected_share = 0.1;  ///< of the pairs, the worst
+  double reach_m = 1.0;         ///< longest pair
+  int max_iterations = 20;
+  std::size_t max_points = 4000;  ///< more points are thinned
+  /// How well the initial guess is known. Weighs only where the surfaces say nothing.
+  double guess_sigma_m = 0.1, guess_sigma_rad = 0.02;
+  double pair_sigma_m = 0.05;  ///< of the distance of a pair
+};
+
+struct CloudIcpResult {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< map_T_lidar
+  std::size_t pairs = 0;                                   ///< in the last iteration, used
+  double rms = 0.0;                                        ///< of their distances, m
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Iterative closest point in six degrees of freedom against the cells of a static map.
+class CloudIcp {
+ public:
+  explicit CloudIcp(const std::vector<SurfaceCell>& cells,
+                    const CloudIcpConfig& config = CloudIcpConfig());
+  ~CloudIcp();
+
+  /// `points`: in the frame of the lidar.
+  CloudIcpResult align(const std::vector<Eigen::Vector3d>& points,
+                       const Eigen::Isometry3d& guess) const;
+
+ private:
+  struct Tree;
+  struct Pair {
+    Eigen::Vector3d point;  ///< in the map
+    Eigen::Vector3d mean, normal;
+    double distance;
+  };
+
+  std::vector<Pair> pairsOf(const std::vector<Eigen::Vector3d>& points,
+                            const Eigen::Isometry3d& pose) const;
+  void rejectWorst(std::vector<Pair>& pairs) const;
+  Eigen::Matrix<double, 6, 1> step(const std::vector<Pair>& pairs,
+                                   const Eigen::Matrix<double, 6, 1>& from_guess,
+                                   const Eigen::Vector3d& center) const;
+
+  CloudIcpConfig config_;
+  std::unique_ptr<Tree> tree_;
+};
+
+}  // namespace kestrel

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "kestrel_slam/lidar/voxels.h"
+
+namespace kestrel {
+
+/// A voxel of the static map, as the ICP needs it.
+struct SurfaceCell {
+  Eigen::Vector3f mean;    ///< centroid of all its points
+  Eigen::Vector3f normal;  ///< zero if the points do not form a plane
+};
+
+/// Static map for localization: a hashed voxel grid that keeps the centroid and the spread of the
+/// points of every voxel [Siew 2018, sec. VI-B]. Grows without limits in space; what is far away is
+/// forgotten by forgetFar().
+class SurfaceMap {
+ public:
+  explicit SurfaceMap(double resolution = 0.5) : resolution_(resolution) {}
+
+  /// Adds the points of voxels of this resolution. `use`: which voxels.
+  void add(const Voxels& voxels, const std::vector<bool>& use);
+  /// Removes the cells that are farther than `radius` from the position, m.
+  void forgetFar(const Eigen::Vector3d& position, double radius);
+
+  const std::vector<SurfaceCell>& cells() const { return surfaces_; }
+  double resolution() const { return resolution_; }
+  std::size_t memoryBytes() const;
+
+ private:
+  struct Cell {
+    GridIndex<3> index;
+    PointSums sums;
+    double count_of_normal = 0.0;  ///< number of points from which the normal was computed
+  };
+
+  void update(std::size_t number);
+
+  double resolution_;
+  VoxelTable table_;
+  std::vector<Cell> cells_;
+  std::vector<SurfaceCell> surfaces_;  ///< of the same cells
+};
+
+}  // namespace kestrel

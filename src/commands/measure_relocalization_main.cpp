@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/commands/mapping_command.h"
+#include "kestrel_slam/commands/run_tool.h"
+#include "kestrel_slam/experiments/relocalization_measurement.h"
+
+namespace kestrel {
+namespace {
+
+struct Options {
+  std::vector<std::string> recordings, others;
+  std::size_t step = 20;
+  double travel_m = 2.0;
+  std::string trials;
+};
+
+struct Log {
+  std::string name;
+  std::vector<PlacedScan> scans;
+};
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1,
+                         static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+}
+
+/// One row of the table.
+struct Row {
+  std::size_t scans = 0, in_map = 0, right = 0, ambiguous = 0, unknown = 0, false_accepts = 0;
+  std::vector<double> seconds, work;
+  std::size_t memory_bytes = 0;
+
+  void add(const RelocalizationTrial& trial, bool same_building) {
+    ++scans;
+    const bool right_one = trial.isFound() && trial.isRight() && same_building;
+    false_accepts += trial.isFound() && !right_one ? 1 : 0;
+    seconds.insert(seconds.end(), trial.seconds.begin(), trial.seconds.end());
+    work.push_back(static_cast<double>(trial.answer.work) * 1e-6);
+    memory_bytes = std::max(memory_bytes, trial.memory_bytes);
+    if (!same_building || !trial.in_map) return;
+    ++in_map;
+    right += right_one ? 1 : 0;
+    ambiguous += trial.answer.state == RelocalizationState::kAmbiguous ? 1 : 0;
+    unknown += trial.answer.state == RelocalizationState::kUnknown ? 1 : 0;
+  }
+
+  void print(const std::string& map, const std::string& from, const char* kind) const {
+    std::printf(
+        "| %s | %s | %s | %zu | %zu | %.1f | %zu | %zu | %zu | %.2f | %.2f | %.0f | %.0f | "
+        "%.0f |\n",
+        map.c_str(), from.c_str(), kind, scans, in_map,
+        in_map == 0 ? 0.0 : 100.0 * static_cast<double>(right) / static_cast<double>(in_map),
+        ambiguous, unknown, false_accepts, quantile(seconds, 0.5), quantile(seconds, 0.99),
+        quantile(work, 0.5), quantile(work, 0.99), static_cast<double>(memory_bytes) * 1e-6);
+    std::fflush(stdout);
+  }
+};
+
+void list(std::FILE* file, const std::string& map, const std::string& from,
+          const RelocalizationTrial& t, bool same_building) {
+  if (file == nullptr) return;
+  const PlaceHypothesis best =
+      t.answer.hypotheses.empty() ? PlaceHypothesis() : t.answer.hypotheses.front();
+  std::fprintf(
+      file,
+      "%s,%s,%.6f,%s,%s,%d,%d,%.3f,%.3f,%.3f,%.2f,%.3f,%.3f,%.3f,%.4f,%.3f,%.2f,%zu,%.2f,%lld\n",
+      map.c_str(), from.c_str(), t.stamp, toString(t.answer.state), t.answer.reason,
+      t.in_map && same_building, t.isRight() && same_building, t.known, t.fit, t.error_m,
+      t.error_deg, best.match.score, best.match.known, best.crossing, best.match.constraint,
+      t.answer.margin, t.answer.agreement, t.answer.hypotheses.size(), t.travel_m,
+      static_cast<long long>(t.answer.work));
+  std::fflush(file);
+}
+
+void measure(const Options& options, const Log& own, const std::vector<Log>& logs,
+             std::FILE* trials) {
+  const RelocalizationMap map(own.scans, 0, own.scans.size() / 2);
+  for (const Log& log : logs) {
+    const bool same = log.name == own.name;
+    const std::size_t first = same ? log.scans.size() / 2 : 0;
+    const std::size_t step = same ? options.step : 5 * options.step;
+    Row single, moved;
+    for (std::size_t i = first; i < log.scans.size(); i += step) {
+      const RelocalizationTrial alone = map.locate(log.scans[i]);
+      single.add(alone, same);
+      list(trials, own.name, log.name, alone, same);
+    }
+    single.print(own.name, log.name, "single scan");
+    if (options.travel_m <= 0.0) continue;
+    for (std::size_t i = first; i < log.scans.size(); i += step) {
+      const RelocalizationTrial moving = map.follow(log.scans, i, options.travel_m);
+      moved.add(moving, same);
+      list(trials, own.name, log.name, moving, same);
+    }
+    moved.print(own.name, log.name, "with motion");
+  }
+}
+
+void run(const Options& options) {
+  std::FILE* trials = options.trials.empty() ? nullptr : std::fopen(options.trials.c_str(), "w");
+  if (trials == nullptr && !options.trials.empty())
+    throw std::runtime_error(options.trials + ": cannot be written");
+  std::vector<Log> logs;
+  for (const std::string& path : options.recordings)
+    logs.push_back({nameOf(path), placeScans(path)});
+  std::puts(
+      "| map | scans of | query | queries | in the map | right, % of those | ambiguous | unknown | "
+      "false accepts | p50, s | p99, s | p50, M work | p99, M work | MB above the map |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+  const std::size_t maps = logs.size();
+  for (const std::string& path : options.others) logs.push_back({nameOf(path), placeScans(path)});
+  for (std::size_t m = 0; m < maps; ++m) measure(options, logs[m], logs, trials);
+  if (trials != nullptr) std::fclose(trials);
+}
+
+}  // namespace
+}  // namespace kestrel
+
+int main(int argc, char** argv) {
+  using namespace kestrel;
+  Options options;
+  CLI::App app(
+      "Measures how well a vehicle is found in a map if nothing is known about its pose. The map "
+      "is "
+      "the first half of each recording, the queries are scans of its second half and scans of the "
+      "other recordings, which must be refused.\n"
+      "The truth is the trajectory of the whole recording after loop closing. A place is in the "
+      "map "
+      "if 60 % of the hits of the scan are in its known part at the true pose. Right: within 0.5 m "
+      "and 5 degrees.\n"
+      "Exit code 0: done; 1: bad input; 2: wrong usage.");
+  app.add_option("RECORDING", options.recordings, "recordings of different buildings")->required();
+  app.add_option("--others", options.others, "more recordings, whose scans are only queries");
+  app.add_option("--step", options.step,
+                 "every so many scans one is searched for; of another "
+                 "recording, every fifth of those")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--travel", options.travel_m,
+                 "search also while the vehicle moves on by this distance, m; 0: not")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--trials", options.trials, "write a table of all searches to this file");
+  return runTool("measure_relocalization", app, argc, argv, [&] { run(options); });
+}

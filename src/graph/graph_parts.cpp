@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The parts of a submap graph: flights that only loops can join, and going on from a record.
+#include <Eigen/LU>
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "kestrel_slam/graph/submap_graph.h"
+
+namespace kestrel {
+namespace {
+
+constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
+/// The first loop that gave this edge and has no edge yet.
+std::size_t loopOf(const PoseEdge& edge, const std::vector<Loop>& loops, std::vector<bool>& used) {
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    const Loop& loop = loops[i];
+    if (used[i] || loop.state != LoopState::kAccepted || loop.anchor != edge.from ||
+        loop.query != edge.to || !(loop.anchor_T_query.mean == edge.measured))
+      continue;
+    used[i] = true;
+    return i;
+  }
+  return kNone;
+}
+
+double lengthOf(const PoseGraph& odometry, std::size_t to) {
+  const PoseEdge& edge = odometry.edges.back();
+  return !odometry.edges.empty() && edge.to == to ? edge.measured.distance() : 0.0;
+}
+
+}  // namespace
+
+SubmapGraph::SubmapGraph(const MapperConfig& mapper, const LoopConfig& config, GraphRecord record)
+    : SubmapGraph(mapper, config) {
+  keyframes_ = std::move(record.keyframes);
+  graph_ = std::move(record.graph);
+  for (const Place& place : record.places) places_.add(place.submap, place.first, place.last);
+  loaded_ = searched_ = keyframes_.size();
+  joined_ = connectedParts(graph_);
+  std::vector<const PoseEdge*> odometry(keyframes_.size(), nullptr);  // to each keyframe
+  for (const PoseEdge& edge : graph_.edges) {
+    if (edge.kind == EdgeKind::kOdometry && edge.from + 1 == edge.to) odometry[edge.to] = &edge;
+  }
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    if (odometry[i] != nullptr) odometry_.edges.push_back(*odometry[i]);
+    if (odometry[i] == nullptr) part_begin_ = i;
+    path_.push_back((i == 0 ? 0.0 : path_.back()) + lengthOf(odometry_, i));
+    odometry_.vertices.emplace_back();
+  }
+  chain_.grow(odometry_);
+  restore(record.loops);
+}
+
+/// Takes the loops of a record, whose edges are in the graph.
+void SubmapGraph::restore(const std::vector<Loop>& loops) {
+  loops_ = loops;
+  std::vector<bool> used(loops_.size(), false);
+  for (const PoseEdge& edge : graph_.edges)
+    loop_of_edge_.push_back(edge.kind == EdgeKind::kLoop ? loopOf(edge, loops_, used) : kNone);
+  for (std::size_t i = 0; i < loops_.size(); ++i) {
+    const bool counts =
+        loops_[i].state == LoopState::kAccepted || loops_[i].state == LoopState::kPending;
+    if (!counts || loops_[i].radius_m <= 0.0) continue;
+    consistency_.add(graphEdgeOf(loops_[i]), chain_);
+    verified_.push_back(i);
+  }
+}
+
+/// The newest submap is finished.
+void SubmapGraph::addPlace() {
+  const std::size_t last = keyframes_.size();
+  std::size_t first = last;
+  while (first > part_begin_ && keyframes_[first - 1].submap == keyframes_.back().submap) --first;
+  const auto overlap = static_cast<std::size_t>(mapper_.window.overlap_scans);
+  places_.add(keyframes_.back().submap, first - std::min(first - part_begin_, overlap), last);
+}
+
+void SubmapGraph::beginPart(const std::optional<GaussianPose2>& map_T_base) {
+  start_ = map_T_base;
+  guess_.reset();
+  if (keyframes_.size() == part_begin_) return;
+  const bool open =
+      places_.all().empty() || places_.all().back().submap != keyframes_.back().submap;
+  if (open) addPlace();
+  submap_offset_ = keyframes_.back().submap + 1;
+  part_begin_ = searched_ = keyframes_.size();
+}
+
+/// The first keyframe of a part was added.
+void SubmapGraph::startGuess() {
+  if (!start_ || part_begin_ == 0) return;
+  const auto distance = [this](std::size_t i) {
+    return (poseOf(i).translation() - start_->mean.translation()).norm();
+  };
+  std::size_t nearest = 0;
+  for (std::size_t i = 1; i < part_begin_; ++i)
+    if (distance(i) < distance(nearest)) nearest = i;
+  guess_ = PoseEdge{nearest, part_begin_, poseOf(nearest).between(poseOf(part_begin_)),
+                    start_->covariance.inverse(), EdgeKind::kOdometry};
+}
+
+/// Uncertainty of all keyframes relative to one. Where no edges lead, the guess of the start does.
+std::vector<RelativeUncertainty> SubmapGraph::uncertainties(std::size_t from) const {
+  std::vector<RelativeUncertainty> result = uncertaintiesFrom(graph_, from);
+  if (!guess_ || !result[guess_->to].isKnown() || result[guess_->from].isKnown()) return result;
+  const Eigen::Matrix3d covariance = guess_->information.inverse();
+  RelativeUncertainty start = result[guess_->to];
+  start.position_m2 += covariance(0, 0) + covariance(1, 1);
+  start.yaw_rad2 += covariance(2, 2);
+  const std::vector<RelativeUncertainty> beyond = uncertaintiesFrom(graph_, guess_->from);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    if (result[i].isKnown() || !beyond[i].isKnown()) continue;
+    const double lever = poseOf(guess_->from).between(poseOf(i)).distance();
+    result[i].position_m2 =
+        start.position_m2 + start.yaw_rad2 * lever * lever + beyond[i].position_m2;
+    result[i].yaw_rad2 = start.yaw_rad2 + beyond[i].yaw_rad2;
+  }
+  return result;
+}
+
+/// The loop joins two parts: the newer one moves as a whole, so that the loop fits.
+void SubmapGraph::join(const Loop& loop) {
+  const Pose2 map_T_query = poseOf(loop.anchor) * loop.anchor_T_query.mean;
+  const Pose2 map_T_anchor = poseOf(loop.query) * loop.anchor_T_query.mean.inverse();
+  const std::size_t stays = std::min(joined_[loop.anchor], joined_[loop.query]);
+  const std::size_t moves = std::max(joined_[loop.anchor], joined_[loop.query]);
+  const Pose2 motion = moves == joined_[loop.query] ? map_T_query * poseOf(loop.query).inverse()
+                                                    : map_T_anchor * poseOf(loop.anchor).inverse();
+  for (std::size_t i = 0; i < joined_.size(); ++i) {
+    if (joined_[i] != moves) continue;
+    joined_[i] = stays;
+    graph_.vertices[i].pose = motion * graph_.vertices[i].pose;
+  }
+}
+
+bool SubmapGraph::addLoop(const Loop& loop) {
+  loops_.push_back(loop);
+  loops_.back().state = LoopState::kPending;
+  judge(loops_.back());
+  return loops_.size() > 0 && loops_.back().state == LoopState::kAccepted;
+}
+
+}  // namespace kestrel

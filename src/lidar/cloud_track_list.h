@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "cloud_objects.h"
+#include "kestrel_slam/lidar/cloud_tracker.h"
+#include "kestrel_slam/tracking/phd_filter.h"
+#include "lidar_view.h"
+
+namespace kestrel {
+
+/// The tracks that belong to the labels of the PHD filter. The state of the filter is position,
+/// velocity and turn rate.
+class CloudTrackList {
+ public:
+  explicit CloudTrackList(const CloudTrackerConfig& config) : config_(config) {}
+
+  /// Moves all tracks on with their velocities.
+  void predict(double seconds);
+  /// Takes over the targets of the last update, and makes the filter forget deleted tracks.
+  void update(PhdFilter<7, 3>& filter, const std::vector<CloudObject>& objects,
+              const std::vector<MovingVoxel>& voxels, const LidarView& view,
+              const MotionGrid<3>& grid);
+
+  /// All tracks by rising id.
+  std::vector<CloudTrack> tracks() const;
+  /// For each observation of the last update, the index of its track in tracks(); -1: none.
+  const std::vector<int>& trackOf() const { return track_of_; }
+
+  /// True if the point belongs to the predicted place of a track.
+  bool covers(const Eigen::Vector3d& point) const { return at(point.head<2>()) != nullptr; }
+  /// Velocity of the track at the point; zero if there is none.
+  Eigen::Vector3d velocityAt(const Eigen::Vector3d& point) const;
+  /// What is known of the track at the point.
+  std::optional<KnownShape> shapeAt(const Eigen::Vector2d& point) const;
+  /// Width (seen from above) and height of the track at the point; those of a person if there is
+  /// none, m.
+  Eigen::Vector2d sizeAt(const Eigen::Vector2d& point) const;
+
+ private:
+  struct Entry {
+    CloudTrack track;
+    TargetLabel label = 0;
+    Eigen::Vector2d first = Eigen::Vector2d::Zero();  ///< where it was seen first
+    double first_time = 0.0;                          ///< of the grid, s
+    std::vector<GridIndex<3>> first_cells;            ///< that it filled then
+    double length = 0.0, width = 0.0;                 ///< largest extents that were seen, m
+    double seen_s = 0.0;                              ///< time with observations
+    double hidden_s = 0.0;
+    int observation = -1;  ///< of the last update
+  };
+
+  const Entry* at(const Eigen::Vector2d& point) const;
+  Entry& entryOf(const LabeledTarget<7>& target, const CloudObject& object,
+                 const std::vector<MovingVoxel>& voxels, const MotionGrid<3>& grid);
+  void see(Entry& entry, const LabeledTarget<7>& target, const CloudObject& object,
+           const std::vector<MovingVoxel>& voxels, const MotionGrid<3>& grid) const;
+  void learnShape(Entry& entry, const CloudObject& object) const;
+  bool hasMoved(const Entry& entry, const CloudObject& object,
+                const std::vector<MovingVoxel>& voxels, const MotionGrid<3>& grid) const;
+  void miss(Entry& entry, const PhdFilter<7, 3>& filter, const LidarView& view) const;
+  bool isOver(const Entry& entry) const;
+  void removeOver(PhdFilter<7, 3>& filter);
+
+  CloudTrackerConfig config_;
+  std::vector<Entry> entries_;
+  std::vector<int> track_of_;
+  double seconds_ = 0.0;  ///< of the last prediction
+  long next_id_ = 1;
+};
+
+}  // namespace kestrel

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/lidar/cloud_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cloud_objects.h"
+#include "cloud_track_list.h"
+#include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/lidar/visitation.h"
+#include "lidar_view.h"
+#include "moving_points.h"
+#include "sweep_points.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kMaxGap = 5.0;         ///< s; after a longer gap, tracks and maps start anew
+constexpr double kForgetEvery_m = 5.0;  ///< the maps forget what is far after this distance
+constexpr double kMaxPosition = 1e5;    ///< m; poses beyond this are wrong
+constexpr std::size_t kFewestPoints = 100;
+constexpr int kModes = 3;                ///< motion models: constant velocity, standing, turn
+constexpr double kSharpSigma = 0.3;      ///< m; twice the sigma of a place that counts as known
+constexpr double kStandingJitter = 0.2;  ///< m/sqrt(s): the visible part of an object changes
+constexpr float kUnanswered_m = 1.0F;  ///< beams without return are thinned to this distance at...
+constexpr float kUnansweredRange = 20.0F;  ///< ... this range
+
+PhdModel<7, 3> modelOf(const CloudTrackerConfig& config) {
+  PhdModel<7, 3> model;
+  model.motions = {constantVelocity<7, 3>(config.acceleration_sigma, 0.3),
+                   standing<7, 3>(kStandingJitter, config.start_speed_sigma),
+                   constantTurn<3>(config.acceleration_sigma, config.turn_acceleration_sigma)};
+  model.clutter = [density = config.clutter_per_m3](const auto&) { return density; };
+  model.expect = expectPosition<7, 3>;
+  return model;
+}
+
+std::vector<Eigen::Vector3f> transformed(const std::vector<Eigen::Vector3f>& points,
+                                         const Eigen::Isometry3d& pose) {
+  const Eigen::Matrix3f rotation = pose.linear().cast<float>();
+  const Eigen::Vector3f translation = pose.translation().cast<float>();
+  std::vector<Eigen::Vector3f> result;
+  result.reserve(points.size());
+  for (const Eigen::Vector3f& point : points) result.push_back(rotation * point + translation);
+  return result;
+}
+
+std::vector<bool> inverted(std::vector<bool> flags) {
+  flags.flip();
+  return flags;
+}
+
+}  // namespace
+
+struct CloudTracker::State {
+  explicit State(const CloudTrackerConfig& c)
+      : config(c),
+        surfaces(c.surface_resolution_m),
+        grid(c.grid),
+        filter(modelOf(c), c.phd),
+        tracks(c) {}
+
+  CloudTrackerConfig config;
+  SurfaceMap surfaces;
+  MotionGrid<3> grid;
+  PhdFilter<7, 3> filter;
+  CloudTrackList tracks;
+  Result result;
+  std::optional<double> time;
+  Eigen::Matrix<double, 6, 1> rate = Eigen::Matrix<double, 6, 1>::Zero();  ///< of the lidar
+  Eigen::Vector3d forgotten_at = Eigen::Vector3d::Zero();
+  std::vector<CloudObject> objects;  ///< of the last sweep
+
+  /// Empty if the sweep can be used.
+  std::string problemOf(const PointCloud& cloud) const {
+    if (!std::isfinite(cloud.stamp)) return "the stamp of the cloud is not a number; skipped";
+    if (time && cloud.stamp <= *time) {
+      return "the stamp of the cloud is not newer than that of the last one; skipped. Check the "
+             "clock of the lidar";
+    }
+    if (cloud.points.empty()) return "the cloud has no points; skipped";
+    return "";
+  }
+
+  Eigen::Isometry3d localize(const std::vector<Eigen::Vector3f>& points,
+                             const Eigen::Isometry3d& guess) {
+    const Voxels voxels = voxelize(points, {}, config.surface_resolution_m);
+    std::vector<Eigen::Vector3d> centroids;
+    for (const PointSums& sums : voxels.sums) centroids.push_back(sums.mean);
+    result.localized = surfaces.cells().empty();
+    if (result.localized) return guess;
+    const CloudIcpResult icp = CloudIcp(surfaces.cells(), config.icp).align(centroids, guess);
+    const bool usable = icp.pose.matrix().allFinite() &&
+                        icp.pose.translation().norm() < kMaxPosition && icp.pairs > 0;
+    result.localized = usable && icp.converged;
+    return usable ? icp.pose : guess;
+  }
+
+  /// The beam to `end`, up to the range in which beams clear cells.
+  GridRay<3> rayTo(const Eigen::Vector3f& from, const Eigen::Vector3f& end, float shorter) const {
+    const Eigen::Vector3f along = end - from;
+    const float range = along.norm();
+    const auto limit = static_cast<float>(config.free_range_m);
+    GridRay<3> ray{from, end, shorter <= 0.0F && range <= limit, false};
+    if (!ray.hit) ray.end = from + along * (std::clamp(range - shorter, 0.0F, limit) / range);
+    return ray;
+  }
+
+  /// One beam for each voxel with points, the ground only as the end of free space.
+  std::vector<GridRay<3>> raysOf(const Voxels& voxels, const Voxels& ground) const {
+    const Eigen::Vector3f lidar = result.pose.translation().cast<float>();
+    std::vector<GridRay<3>> rays;
+    rays.reserve(voxels.sums.size() + ground.sums.size());
+    for (const PointSums& sums : voxels.sums) {
+      rays.push_back(rayTo(lidar, sums.mean.cast<float>(), 0.0F));
+    }
+    const auto shorter = static_cast<float>(config.grid.resolution_m);
+    for (const PointSums& sums : ground.sums) {
+      rays.push_back(rayTo(lidar, sums.mean.cast<float>(), shorter));
+    }
+    return rays;
+  }
+
+  /// Beams without return [Siew 2018, sec. V].
+  void addUnanswered(const LidarSweep& sweep, const SweepPoints& usable, const Ground& ground,
+                     std::vector<GridRay<3>>& rays) const {
+    const Eigen::Isometry3f pose = result.pose.cast<float>();
+    if (!sweep.unanswered.empty()) {
+      VoxelTable directions;
+      for (const Eigen::Vector3f& direction : sweep.unanswered) {
+        if (!direction.allFinite()) continue;
+        const std::size_t known = directions.size();
+        directions.numberOf(voxelIndexOf(direction * kUnansweredRange, kUnanswered_m));
+        if (directions.size() == known) continue;
+        const Eigen::Vector3f end =
+            pose * (direction * static_cast<float>(config.free_range_m)).eval();
+        rays.push_back({pose.translation(), end, false, true});
+      }
+      return;
+    }
+    VisitationConfig visitation;
+    visitation.resolution_m = config.grid.resolution_m;
+    visitation.ring_step_rad = degToRad(config.ring_step_deg);
+    for (const auto& cell : unvisitedCells(usable.points, ground, result.pose, visitation)) {
+      const Eigen::Vector3f center = grid.centerOf(cell);
+      const Eigen::Vector3f next =
+          center + Eigen::Vector3f::UnitX() * static_cast<float>(config.grid.resolution_m);
+      rays.push_back({center, next, false, true});
+    }
+  }
+
+  void impose(double seconds) {
+    grid.impose(
+        [&](const Eigen::Vector3f& cell) -> Eigen::Vector3f {
+          return (seconds * tracks.velocityAt(cell.cast<double>())).cast<float>();
+        },
+        config.max_speed* seconds);
+  }
+
+  /// Voxels with what moves, and with what has stopped where a track is.
+  std::vector<MovingVoxel> movingVoxels(const Voxels& voxels, const std::vector<Motion>& motion,
+                                        const std::vector<Eigen::Vector3f>& points) {
+    std::vector<MovingVoxel> moving;
+    std::vector<std::uint32_t> slot(voxels.sums.size(), VoxelTable::kNone);
+    for (std::uint32_t v = 0; v < voxels.sums.size(); ++v) {
+      const Eigen::Vector3d& centroid = voxels.sums[v].mean;
+      const bool wanted = motion[v] == Motion::kMoving ||
+                          (motion[v] == Motion::kStopped && tracks.covers(centroid));
+      if (!wanted) continue;
+      if (moving.size() == config.max_moving_voxels) {
+        result.saturated = true;
+        break;
+      }
+      slot[v] = static_cast<std::uint32_t>(moving.size());
+      moving.push_back({v, centroid, {}});
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const std::uint32_t v = voxels.voxel_of[i];
+      if (v == VoxelTable::kNone || slot[v] == VoxelTable::kNone) continue;
+      moving[slot[v]].points.push_back(points[i]);
+    }
+    return moving;
+  }
+
+  /// The nearest objects, at most as many as the filter may get.
+  void limitObjects(const LidarView& view) {
+    if (objects.size() <= config.max_observations) return;
+    result.saturated = true;
+    std::stable_sort(objects.begin(), objects.end(), [&](const auto& a, const auto& b) {
+      return view.rangeOf(a.observation.value) < view.rangeOf(b.observation.value);
+    });
+    objects.resize(config.max_observations);
+  }
+
+  /// New targets at the observations of the last sweep that no target explains.
+  std::vector<PhdComponent<7>> births() const {
+    std::vector<PhdComponent<7>> births;
+    const std::vector<double>& explained = filter.explained();
+    for (std::size_t i = 0; i < explained.size() && i < objects.size(); ++i) {
+      PhdComponent<7> birth;
+      birth.weight = config.birth_weight * (1.0 - explained[i]);
+      birth.mean.setZero();
+      birth.mean.head<3>() = objects[i].observation.value;
+      birth.covariance.setZero();
+      birth.covariance.topLeftCorner<3, 3>() = objects[i].observation.noise;
+      const double speed = config.birth_speed_sigma, climb = config.birth_climb_sigma;
+      birth.covariance.diagonal().tail<4>() << speed * speed, speed * speed, climb * climb, 0.1;
+      births.push_back(birth);
+    }
+    return births;
+  }
+
+  void setModel(double seconds, const LidarView& view) {
+    PhdModel<7, 3>& model = filter.model();
+    const double change = 0.5 * (1.0 - std::exp(-config.mode_change_per_s * seconds));
+    model.mode_transition = Eigen::MatrixXd::Constant(kModes, kModes, change);
+    model.mode_transition.diagonal().setConstant(1.0 - (kModes - 1) * change);
+    model.survival = [p = std::exp(-seconds / config.lifetime_s)](const auto&) { return p; };
+    model.detection = [this, &view](const PhdComponent<7>& component) {
+      const Eigen::Vector3d center = component.mean.head<3>();
+      const Eigen::Vector2d size = tracks.sizeAt(center.head<2>());
+      // Over the places where it may be: the share of them that is visible.
+      const double sigma = std::sqrt(component.covariance.topLeftCorner<2, 2>().trace() / 2.0);
+      const double width = size.x() + std::max(0.0, 2.0 * sigma - kSharpSigma);
+      return config.detection * view.visibleShare(center, width, size.y());
+    };
+  }
+
+  void follow(double seconds, const std::vector<MovingVoxel>& moving, const LidarView& view) {
+    const std::vector<PhdComponent<7>> new_targets = births();
+    objects = findCloudObjects(moving, view.lidar(), config,
+                               [this](const Eigen::Vector2d& at) { return tracks.shapeAt(at); });
+    limitObjects(view);
+    std::vector<Observation<3>> observations;
+    for (const CloudObject& object : objects) observations.push_back(object.observation);
+    setModel(seconds, view);
+    // Births are targets of the last sweep: they move until this one like all others.
+    filter.add(new_targets);
+    filter.predict(seconds, {});
+    filter.update(observations);
+    tracks.update(filter, objects, moving, view, grid);
+    result.tracks = tracks.tracks();
+  }
+
+  /// What does not move becomes a part of the map for the localization.
+  void extendSurfaces(const std::vector<Eigen::Vector3f>& points, const Voxels& voxels,
+                      const std::vector<Motion>& motion) {
+    std::vector<bool> is_static(points.size(), true);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const std::uint32_t v = voxels.voxel_of[i];
+      if (v != VoxelTable::kNone) is_static[i] = motion[v] == Motion::kStatic;
+    }
+    const Voxels cells = voxelize(points, is_static, config.surface_resolution_m);
+    surfaces.add(cells, std::vector<bool>(cells.index.size(), true));
+  }
+
+  void forgetFar() {
+    const Eigen::Vector3d at = result.pose.translation();
+    if ((at - forgotten_at).norm() < kForgetEvery_m) return;
+    forgotten_at = at;
+    grid.forgetFar(at.cast<float>());
+    surfaces.forgetFar(at, config.max_range_m);
+  }
+
+  void process(const LidarSweep& sweep, const SweepPoints& usable,
+               const std::optional<Eigen::Isometry3d>& predicted) {
+    const double seconds = time ? sweep.cloud.stamp - *time : 0.0;
+    time = sweep.cloud.stamp;
+    const Eigen::Isometry3d last = result.pose;
+    const Ground ground = findGround(usable.points, config.ground);
+    result.pose = localize(usable.points, predicted.value_or(last * changeOf(rate, seconds)));
+    if (seconds > 0.0) rate = rateOf(last.inverse() * result.pose, seconds);
+    const std::vector<Eigen::Vector3f> points = transformed(usable.points, result.pose);
+    const double resolution = config.grid.resolution_m;
+    const Voxels voxels = voxelize(points, inverted(ground.is_ground), resolution);
+    std::vector<GridRay<3>> rays = raysOf(voxels, voxelize(points, ground.is_ground, resolution));
+    addUnanswered(sweep, usable, ground, rays);
+    tracks.predict(seconds);
+    impose(seconds);
+    const auto& inserted = grid.insert(rays, seconds);
+    result.saturated = usable.thinned || inserted.full;
+    const LidarView view(usable.points, result.pose);
+    follow(seconds, movingVoxels(voxels, inserted.motion, points), view);
+    extendSurfaces(points, voxels, inserted.motion);
+    forgetFar();
+    markMovingPoints({sweep.cloud.points.size(), usable, ground, points}, result.tracks,
+                     result.moving, result.ground);
+    result.used = true;
+  }
+};
+
+CloudTracker::CloudTracker(const CloudTrackerConfig& config)
+    : state_(std::make_unique<State>(config)) {}
+CloudTracker::~CloudTracker() = default;
+CloudTracker::CloudTracker(CloudTracker&&) noexcept = default;
+CloudTracker& CloudTracker::operator=(CloudTracker&&) noexcept = default;
+
+const CloudTracker::Result& CloudTracker::process(
+    const LidarSweep& sweep, const std::optional<Eigen::Isometry3d>& predicted) {
+  State& state = *state_;
+  state.result.used = false;
+  state.result.problem = state.problemOf(sweep.cloud);
+  if (!state.result.problem.empty()) return state.result;
+  const CloudTrackerConfig& config = state.config;
+  const SweepPoints usable = usablePoints(sweep.cloud, config.min_range_m, config.max_range_m,
+                                          config.max_points, state.rate);
+  if (usable.points.size() < kFewestPoints) {
+    state.result.problem = "the cloud has only " + std::to_string(usable.points.size()) +
+                           " points within the range of the lidar; skipped";
+    return state.result;
+  }
+  if (predicted && !predicted->matrix().allFinite()) {
+    state.result.problem = "the predicted pose is not finite; skipped";
+    return state.result;
+  }
+  state.process(sweep, usable, predicted);
+  if (usable.thinned) {
+    state.result.problem = "the cloud has " + std::to_string(sweep.cloud.points.size()) +
+                           " points; only " + std::to_string(config.max_points) + " are used";
+  }
+  return state.result;
+}
+
+const SurfaceMap& CloudTracker::surfaces() const { return state_->surfaces; }
+const MotionGrid<3>& CloudTracker::grid() const { return state_->grid; }
+std::size_t CloudTracker::memoryBytes() const {
+  return state_->surfaces.memoryBytes() + state_->grid.memoryBytes();
+}
+
+}  // namespace kestrel

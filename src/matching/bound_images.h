@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "kestrel_slam/map/submap.h"
+
+namespace kestrel {
+
+/// Images of the likelihood of a whole map, and its maxima over squares of cells: upper bounds for
+/// the poses of a block.
+///
+/// A cell of image n holds the maximum over the square of side(n) cells of which it is the lower
+/// left corner. A row first holds the cells 0, 4, 8, …, then 1, 5, 9, …: so blocks beside each
+/// other are neighbors in memory.
+class BoundImages {
+ public:
+  static constexpr int kLevels = 3;  ///< blocks of 4 × 4, 2 × 2 and 1 × 1 poses
+  static constexpr std::array<int, 11> kSides = {1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20};
+  static constexpr int kMax = 63;         ///< the value of likelihood 1
+  static constexpr int kTileBlocks = 16;  ///< blocks of the coarsest level in a row of a tile
+  static constexpr int kTileCells = 4 * kTileBlocks;
+
+  explicit BoundImages(const Submap& map);
+
+  /// Size of a cell, m. In large maps it is larger than that of the map.
+  double cell() const { return cell_m_; }
+  /// Place of the corner of cell (0, 0) in the map, m.
+  const Eigen::Vector2d& corner() const { return corner_; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  /// The image with the smallest squares that have at least this side.
+  static int imageFor(int side);
+
+  /// Whether an image has this cell. If not, the likelihood is 0 there.
+  bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_; }
+  const std::uint8_t* at(int image, int x, int y) const {
+    return images_[static_cast<std::size_t>(image)].data() + offset(x, y);
+  }
+  /// The likelihood in a cell.
+  int likelihood(int x, int y) const { return contains(x, y) ? *at(0, x, y) : 0; }
+
+  /// Tiles of blocks with a pose in free space, by their first cell.
+  struct Tile {
+    int x, y;
+  };
+  const std::vector<Tile>& tiles() const { return tiles_; }
+  /// Whether a vehicle can be in the block of 4 × 4 cells from (x, y) on.
+  bool isFree(int x, int y) const {
+    return free_[static_cast<std::size_t>(y / 4) * static_cast<std::size_t>(width_ / 4) +
+                 static_cast<std::size_t>(x / 4)] != 0;
+  }
+  std::size_t memoryBytes() const;
+
+ private:
+  using Bytes = std::vector<std::uint8_t>;
+
+  std::size_t offset(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>((x & 3) * (width_ >> 2) + (x >> 2));
+  }
+  void place(const Submap& map, const MapSnapshot& known);
+  void rasterize(const Submap& map, Bytes& likelihood);
+  void markFree(const MapSnapshot& known);
+  Bytes maxima(const Bytes& likelihood, int side) const;
+  Bytes sorted(const Bytes& image) const;
+
+  double cell_m_ = 0.05;
+  int shift_ = 0;  ///< a cell has 2^shift × 2^shift cells of the map
+  Cell low_{};     ///< the cell of the map at the corner
+  Eigen::Vector2d corner_ = Eigen::Vector2d::Zero();
+  int width_ = 0, height_ = 0;
+  std::array<Bytes, kSides.size()> images_;
+  std::vector<std::uint8_t> free_;
+  std::vector<Tile> tiles_;
+};
+
+}  // namespace kestrel

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/ros/mapper/session_services.h"
+
+#include <ros/console.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <exception>
+#include <stdexcept>
+#include <utility>
+
+#include "kestrel_slam/graph/repeated_keyframes.h"
+#include "kestrel_slam/messages/conversions.h"
+#include "kestrel_slam/offline/version.h"
+#include "kestrel_slam/parameters/parameters_yaml.h"
+#include "kestrel_slam/session/graph_session.h"
+#include "kestrel_slam/session/session_file.h"
+
+namespace kestrel {
+namespace {
+
+constexpr char kExtension[] = ".session", kAutosave[] = "autosave.session";
+constexpr int kNice = 10;
+constexpr double kSecondsPerMinute = 60.0;
+
+Session sessionOf(const GraphSnapshot& graph, const SlamConfig& config) {
+  const OccupancyGridConfig& grid = config.mapper.grid;
+  Session session = sessionOf(withoutRepeated(graph.record, graph.loaded, grid), grid.resolution_m);
+  session.written_by = std::string("kestrel_slam ") + kVersion;
+  session.parameters = parametersYaml(config);
+  return session;
+}
+
+std::optional<GaussianPose2> startOf(const Session& session, const std::string& start,
+                                     const Pose2& pose) {
+  if (start.empty() || start == "last") return startAtEnd(session);
+  if (start == "unknown") return std::nullopt;
+  if (start == "pose") return givenStart(pose);
+  throw std::runtime_error("start is '" + start + "', but must be last, pose or unknown");
+}
+
+}  // namespace
+
+SessionServices::SessionServices(const ros::NodeHandle& nh, const MapperNodeConfig& config,
+                                 SharedMapper& mapper, std::function<void()> on_loaded)
+    : config_(config),
+      folder_(config.session_folder, {"sessions are only saved and loaded", "session_folder"}),
+      mapper_(mapper),
+      on_loaded_(std::move(on_loaded)),
+      nh_(nh) {
+  nh_.setCallbackQueue(&queue_);
+  if (!config_.session.empty()) {
+    try {
+      ROS_INFO("%s", loadFrom(config_.session, config_.session_start, Pose2()).c_str());
+    } catch (const std::exception& error) {
+      throw std::invalid_argument("parameter session: " + std::string(error.what()));
+    }
+  }
+  advertise();
+  spinner_ = std::make_unique<ros::AsyncSpinner>(1, &queue_);
+  spinner_->start();
+}
+
+SessionServices::~SessionServices() { spinner_->stop(); }
+
+void SessionServices::advertise() {
+  save_server_ = nh_.advertiseService("save_session", &SessionServices::save, this);
+  load_server_ = nh_.advertiseService("load_session", &SessionServices::load, this);
+  if (config_.autosave_minutes <= 0.0) return;
+  if (mapper_.graph() == nullptr) {
+    ROS_WARN("autosave_minutes has no effect: sessions need the parameter graph.");
+    return;
+  }
+  timer_ = nh_.createWallTimer(ros::WallDuration(kSecondsPerMinute * config_.autosave_minutes),
+                               [this](const ros::WallTimerEvent&) { autosave(); });
+}
+
+std::string SessionServices::fileOf(const std::string& path, bool to_save) const {
+  if (mapper_.graph() == nullptr)
+    throw std::runtime_error("there is no session: sessions need the parameter graph");
+  std::string file = folder_.fileOf(path, to_save);
+  const bool exists = std::filesystem::exists(file);
+  if (std::filesystem::is_directory(file))
+    throw std::runtime_error("'" + file + "' is a folder; give the name of a file");
+  if (!to_save) {
+    if (!exists && std::filesystem::exists(file + kExtension)) return file + kExtension;
+    return file;
+  }
+  if (std::filesystem::path(file).extension().empty()) file += kExtension;
+  if (std::filesystem::exists(file) && !isSessionFile(file))
+    throw std::runtime_error("'" + file + "' exists and is no session; choose another name");
+  return file;
+}
+
+std::string SessionServices::saveTo(const std::string& path) {
+  const std::string file = fileOf(path, true);
+  const GraphSnapshot graph = mapper_.graphSnapshot();
+  Session session = sessionOf(graph, config_.slam);
+  session.statistics = statistics_;
+  addStatistic(session, "flights", 1.0);
+  if (!session.keyframes.empty()) session.end = mapper_.pose();
+  saveSession(file, session);
+  return "saved " + std::to_string(session.keyframes.size()) + " keyframes to " + file;
+}
+
+std::string SessionServices::loadFrom(const std::string& path, const std::string& start,
+                                      const Pose2& pose) {
+  Session session = loadSession(path);
+  const std::optional<GaussianPose2> begin = startOf(session, start, pose);
+  try {
+    mapper_.continueWith(graphRecordOf(session, config_.slam.mapper.grid.resolution_m), begin);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(path + ": " + error.what());
+  }
+  statistics_ = std::move(session.statistics);
+  on_loaded_();
+  return "loaded " + std::to_string(session.keyframes.size()) + " keyframes from " + path;
+}
+
+bool SessionServices::save(kestrel_slam::SaveSession::Request& request,
+                           kestrel_slam::SaveSession::Response& response) {
+  response.success = false;
+  try {
+    response.message = saveTo(request.path);
+    response.success = true;
+    ROS_INFO("save_session: %s", response.message.c_str());
+  } catch (const std::exception& error) {
+    response.message = error.what();
+    ROS_ERROR("save_session: %s", error.what());
+  }
+  return true;  // the service call worked; the response contains the result
+}
+
+bool SessionServices::load(kestrel_slam::LoadSession::Request& request,
+                           kestrel_slam::LoadSession::Response& response) {
+  response.success = false;
+  try {
+    const Pose2 pose = request.start == "pose" ? planarFromMessage(request.start_pose) : Pose2();
+    response.message = loadFrom(fileOf(request.path, false), request.start, pose);
+    response.success = true;
+    ROS_INFO("load_session: %s", response.message.c_str());
+  } catch (const std::exception& error) {
+    response.message = error.what();
+    ROS_ERROR("load_session: %s", error.what());
+  }
+  return true;  // the service call worked; the response contains the result
+}
+
+void SessionServices::autosave() {
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+  const std::uint64_t version = mapper_.version();
+  if (version == saved_version_) return;
+  try {
+    ROS_DEBUG("%s", saveTo(kAutosave).c_str());
+    saved_version_ = version;
+  } catch (const std::exception& error) {
+    ROS_ERROR("autosave: %s", error.what());
+  }
+}
+
+}  // namespace kestrel

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "kestrel_slam/graph/composed_map.h"
+#include "kestrel_slam/graph/repeated_keyframes.h"
+#include "loop_world.h"
+
+namespace kestrel {
+namespace {
+
+using loop_world::acceptedLoops;
+using loop_world::Drive;
+
+constexpr double kDrift = 0.0003;
+
+GaussianPose2 guessAt(const Pose2& pose) {
+  GaussianPose2 guess{pose, Eigen::Matrix3d::Zero()};
+  guess.covariance.diagonal() << 0.25, 0.25, 0.07;
+  return guess;
+}
+
+/// One lap through the ring; the first pose is the origin of the map.
+class GraphParts : public ::testing::Test {
+ protected:
+  GraphParts() {
+    Drive drive(loop_world::ring(), kDrift);
+    for (const Pose2& pose : path_) drive.add(pose, first_);
+    first_.finish();
+  }
+
+  SubmapGraph continued() const { return {MapperConfig(), LoopConfig(), first_.record()}; }
+
+  /// A second flight along the path from `begin` on. Returns its largest error against the first.
+  double fly(SubmapGraph& graph, double laps, const Pose2& begin = Pose2()) const {
+    const std::size_t old = graph.keyframes().size();
+    Drive drive(loop_world::ring(), -kDrift, begin);
+    std::vector<Pose2> path = loop_world::laps(laps);
+    for (const Pose2& pose : path) drive.add(pose, graph);
+    graph.finish();
+    double worst = 0.0;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const Pose2 truth = path_.front().between(path[i]);
+      worst =
+          std::max(worst, truth.between(graph.poseOf(0).between(graph.poseOf(old + i))).distance());
+    }
+    return worst;
+  }
+
+  std::vector<Pose2> path_ = loop_world::laps(1.3);
+  SubmapGraph first_{MapperConfig(), LoopConfig()};
+};
+
+TEST_F(GraphParts, ASecondFlightIsJoinedWhereItStarts) {
+  SubmapGraph graph = continued();
+  graph.beginPart(guessAt(Pose2(0.3, -0.2, 0.05)));
+  EXPECT_EQ(graph.mapTLocal(), Pose2());
+  const double error = fly(graph, 1.3, Pose2(0.3, -0.2, 0.05));
+  EXPECT_TRUE(graph.isJoined(0));
+  EXPECT_LT(error, 0.25);
+}
+
+TEST_F(GraphParts, WithoutAStartNothingIsDrawnOverTheOldMap) {
+  SubmapGraph graph = continued();
+  graph.beginPart(std::nullopt);
+  ComposedMap map{OccupancyGridConfig()};
+  map.add(graph);
+  fly(graph, 0.5);
+  EXPECT_FALSE(graph.isJoined(0));
+  EXPECT_EQ(acceptedLoops(graph), acceptedLoops(first_));
+  EXPECT_TRUE(map.isOutdated(graph));
+  ComposedMap part{OccupancyGridConfig()};
+  part.add(graph);
+  EXPECT_TRUE(map.grid().isKnown(map.grid().cellAt({10.0F, 21.0F})));
+  EXPECT_FALSE(part.grid().isKnown(part.grid().cellAt({10.0F, 21.0F})));
+}
+
+/// Found by a search in the whole map: the new part moves there.
+TEST_F(GraphParts, ALoopFromElsewhereJoinsTheParts) {
+  SubmapGraph graph = continued();
+  graph.beginPart(std::nullopt);
+  const std::size_t old = graph.keyframes().size();
+  fly(graph, 0.5, Pose2(40.0, 7.0, 1.0));
+  ASSERT_FALSE(graph.isJoined(0));
+  Loop loop;
+  loop.anchor = 20;
+  loop.query = old + 22;
+  loop.anchor_T_query = {path_[20].between(path_[22]), 1e-3 * Eigen::Matrix3d::Identity()};
+  loop.radius_m = 1.0;
+  EXPECT_TRUE(graph.addLoop(loop));
+  EXPECT_TRUE(graph.isJoined(0));
+  const Pose2 truth = path_.front().between(path_[25]);
+  EXPECT_LT(truth.between(graph.poseOf(old + 25)).distance(), 0.3);
+}
+
+TEST_F(GraphParts, AKnownPlaceDoesNotMakeTheGraphGrow) {
+  SubmapGraph graph = continued();
+  graph.beginPart(guessAt(Pose2()));
+  const std::size_t old = graph.keyframes().size();
+  fly(graph, 1.3);
+  ASSERT_TRUE(graph.isJoined(0));
+  const GraphRecord record =
+      withoutRepeated(graph.record(), graph.loadedCount(), OccupancyGridConfig());
+  EXPECT_GE(record.keyframes.size(), old);
+  EXPECT_LE(record.keyframes.size(), old + old / 10);
+  EXPECT_EQ(problemOf(record.graph), "");
+}
+
+TEST_F(GraphParts, NewPlacesStayAndStayJoined) {
+  SubmapGraph half{MapperConfig(), LoopConfig()};
+  Drive drive(loop_world::ring(), kDrift);
+  for (const Pose2& pose : loop_world::laps(0.5)) drive.add(pose, half);
+  SubmapGraph graph{MapperConfig(), LoopConfig(), half.record()};
+  graph.beginPart(guessAt(Pose2()));
+  const std::size_t old = graph.keyframes().size();
+  fly(graph, 1.3);
+  ASSERT_TRUE(graph.isJoined(0));
+  const GraphRecord record = withoutRepeated(graph.record(), old, OccupancyGridConfig());
+  EXPECT_GT(record.keyframes.size(), old + 80);
+  EXPECT_LT(record.keyframes.size(), graph.keyframes().size());
+  SubmapGraph again{MapperConfig(), LoopConfig(), record};
+  EXPECT_TRUE(again.isJoined(0)) << "the loops of removed keyframes joined it";
+  for (const Place& place : record.places) EXPECT_LT(place.first, place.last);
+}
+
+TEST_F(GraphParts, KeyframesThatAreNotJoinedAreAllKept) {
+  SubmapGraph graph = continued();
+  graph.beginPart(std::nullopt);
+  fly(graph, 0.3);
+  EXPECT_EQ(
+      withoutRepeated(graph.record(), graph.loadedCount(), OccupancyGridConfig()).keyframes.size(),
+      graph.keyframes().size());
+}
+
+}  // namespace
+}  // namespace kestrel

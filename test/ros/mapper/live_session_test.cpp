@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Saves, kills and continues a real mapper node, which the test starts itself.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <std_srvs/Trigger.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <thread>
+
+#include "graph/loop_world.h"
+#include "kestrel_slam/LoadSession.h"
+#include "kestrel_slam/SaveSession.h"
+#include "kestrel_slam/map/atomic_file.h"
+#include "kestrel_slam/session/session_file.h"
+#include "mapper_client.h"
+#include "temporary_folder.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A scan of a level laser in the ring of corridors.
+sensor_msgs::LaserScan messageAt(const Pose2& pose, const ros::Time& stamp) {
+  constexpr int kBeams = 360;
+  static const std::vector<room::Segment> walls = loop_world::ring();
+  sensor_msgs::LaserScan scan;
+  scan.header.stamp = stamp;
+  scan.header.frame_id = "base_link";
+  scan.angle_min = static_cast<float>(-kPi);
+  scan.angle_increment = static_cast<float>(2.0 * kPi / kBeams);
+  scan.angle_max = scan.angle_min + static_cast<float>(kBeams - 1) * scan.angle_increment;
+  scan.range_max = 30.0F;
+  for (int i = 0; i < kBeams; ++i) {
+    const double angle = -kPi + 2.0 * kPi * i / kBeams;
+    scan.ranges.push_back(static_cast<float>(room::cast(walls, pose, angle)));
+  }
+  return scan;
+}
+
+/// A mapper node as a process of its own.
+class Node {
+ public:
+  explicit Node(const std::vector<std::string>& parameters) {
+    std::vector<std::string> words = {KESTREL_MAPPER_NODE, "__name:=mapper", "_graph:=true",
+                                      "_map_pub_period:=0.5"};
+    words.insert(words.end(), parameters.begin(), parameters.end());
+    pid_ = fork();
+    if (pid_ != 0) return;
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    execv(arguments[0], arguments.data());
+    _exit(127);
+  }
+  ~Node() { end(SIGKILL); }
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+
+  int end(int signal) {
+    int status = 0;
+    if (pid_ <= 0) return status;
+    kill(pid_, signal);
+    waitpid(pid_, &status, 0);
+    pid_ = 0;
+    return status;
+  }
+
+  /// Waits for its end. Returns its exit code.
+  int wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    pid_ = 0;
+    return WEXITSTATUS(status);
+  }
+
+ private:
+  pid_t pid_ = 0;
+};
+
+class LiveSession : public ::testing::Test {
+ protected:
+  void SetUp() override { client_.emplace(); }
+
+  /// Flies along `path`; returns the pose at the end.
+  std::optional<Pose2> fly(const std::vector<Pose2>& path) {
+    std::optional<Pose2> pose;
+    for (const Pose2& truth : path) {
+      stamp_ += ros::Duration(0.1);
+      pose = client_->match(messageAt(truth, stamp_), 10.0);
+      if (!pose) break;
+    }
+    return pose;
+  }
+
+  static kestrel_slam::SaveSession::Response save(const std::string& path) {
+    kestrel_slam::SaveSession service;
+    service.request.path = path;
+    EXPECT_TRUE(ros::service::waitForService("save_session", ros::Duration(20.0)));
+    EXPECT_TRUE(ros::service::call("save_session", service));
+    return service.response;
+  }
+
+  static kestrel_slam::LoadSession::Response load(const std::string& path,
+                                                  const std::string& start = "last") {
+    kestrel_slam::LoadSession service;
+    service.request.path = path;
+    service.request.start = start;
+    EXPECT_TRUE(ros::service::call("load_session", service));
+    return service.response;
+  }
+
+  std::string inFolder() const { return "_session_folder:=" + folder_.file(""); }
+
+  TemporaryFolder folder_;
+  std::optional<MapperClient> client_;
+  ros::Time stamp_ = ros::Time::now();
+};
+
+std::vector<Pose2> part(const std::vector<Pose2>& path, double from, double to) {
+  const auto at = [&](double share) {
+    return path.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(path.size()));
+  };
+  return {at(from), at(to)};
+}
+
+TEST_F(LiveSession, IsContinuedAfterTheNodeWasKilled) {
+  const std::vector<Pose2> path = loop_world::laps(1.0);
+  const std::vector<Pose2> day1 = part(path, 0.0, 0.4), day2 = part(path, 0.2, 0.4);
+  {
+    Node node({inFolder()});
+    ASSERT_TRUE(client_->connect());
+    ASSERT_TRUE(fly(day1));
+    const auto saved = save("office");
+    ASSERT_TRUE(saved.success) << saved.message;
+    EXPECT_EQ(saved.message.substr(0, 6), "saved ");
+  }  // kill -9
+  const std::string file = folder_.file("office.session");
+  ASSERT_TRUE(fs::exists(file));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.file("")), fs::directory_iterator()), 1);
+  const Session first = loadSession(file);
+  EXPECT_GT(first.keyframes.size(), 30U);
+  ASSERT_TRUE(first.end);
+  client_.emplace();
+  Node node({inFolder(), "_session:=" + file});
+  ASSERT_TRUE(client_->connect());
+  EXPECT_TRUE(client_->waitFor([&] { return client_->map.info.width > 100; }, 20.0))
+      << "the old map is shown";
+  // Back along the old path, from where the session ended.
+  std::vector<Pose2> back(day2.rbegin(), day2.rend());
+  const std::optional<Pose2> pose = fly(back);
+  ASSERT_TRUE(pose);
+  const Pose2 truth = path.front().between(back.back());
+  EXPECT_LT(truth.between(*pose).distance(), 0.2);
+  const auto saved = save("office.session");
+  ASSERT_TRUE(saved.success) << saved.message;
+  const Session second = loadSession(file);
+  const std::vector<std::size_t> parts = connectedParts(graphOf(second));
+  EXPECT_EQ(parts.back(), 0U) << "joined";
+  EXPECT_LE(second.keyframes.size(), first.keyframes.size() * 11 / 10) << "the place was known";
+}
+
+TEST_F(LiveSession, LoadsWhileScansArriveAndTwoLoadsAtOnce) {
+  const std::vector<Pose2> path = part(loop_world::laps(1.0), 0.0, 0.2);
+  Node node({inFolder()});
+  ASSERT_TRUE(client_->connect());
+  ASSERT_TRUE(fly(path));
+  ASSERT_TRUE(save("a").success);
+  std::vector<kestrel_slam::LoadSession::Response> answers(2);
+  std::vector<std::thread> loaders;
+  for (auto& answer : answers) loaders.emplace_back([&] { answer = load("a"); });
+  ros::WallRate rate(40.0);
+  const std::size_t before = client_->poses_received;
+  for (int i = 0; i < 60; ++i, rate.sleep()) {
+    stamp_ += ros::Duration(0.025);
+    client_->publish(messageAt(path.back(), stamp_));
+    ros::spinOnce();
+  }
+  for (std::thread& loader : loaders) loader.join();
+  for (const auto& answer : answers) EXPECT_TRUE(answer.success) << answer.message;
+  EXPECT_TRUE(client_->waitFor([&] { return client_->poses_received > before + 20; }, 10.0));
+  ASSERT_TRUE(fly({path.back()})) << "it still maps";
+}
+
+TEST_F(LiveSession, RefusesWhatIsNoSession) {
+  Node node({inFolder(), "_autosave_minutes:=0.02"});
+  ASSERT_TRUE(client_->connect());
+  ASSERT_TRUE(fly(part(loop_world::laps(1.0), 0.0, 0.1)));
+  ASSERT_TRUE(save("a").success);
+  folder_.write("map.pgm", "P5 2 2 255\n1234");
+  const std::string bytes = readFile(folder_.file("a.session"));
+  folder_.write("cut.session", bytes.substr(0, bytes.size() / 2));
+  fs::create_directory(folder_.file("empty"));
+  const auto refusal = [&](const std::string& path) {
+    const auto answer = load(path);
+    EXPECT_FALSE(answer.success) << path;
+    return answer.message;
+  };
+  EXPECT_NE(refusal("map.pgm").find("not a session of kestrel_slam"), std::string::npos);
+  EXPECT_NE(refusal("cut.session").find("damaged"), std::string::npos);
+  EXPECT_NE(refusal("empty").find("folder"), std::string::npos);
+  EXPECT_NE(refusal("missing").find("missing"), std::string::npos);
+  EXPECT_NE(refusal("../a.session").find("session_folder"), std::string::npos);
+  EXPECT_NE(refusal("/etc/passwd").find("session_folder"), std::string::npos);
+  EXPECT_NE(refusal("").find("no file name"), std::string::npos);
+  EXPECT_NE(load("a", "somewhere").message.find("last, pose or unknown"), std::string::npos);
+  EXPECT_FALSE(save("map.pgm").success);
+  EXPECT_EQ(readFile(folder_.file("map.pgm")).substr(0, 2), "P5") << "it was not replaced";
+  EXPECT_FALSE(save("../b").success);
+  ASSERT_TRUE(fly({loop_world::laps(1.0)[20]})) << "it still maps";
+  EXPECT_TRUE(client_->waitFor([&] { return fs::exists(folder_.file("autosave.session")); }, 10.0));
+  EXPECT_NO_THROW(loadSession(folder_.file("autosave.session")));
+}
+
+TEST_F(LiveSession, ASessionThatCannotBeLoadedEndsTheNodeAtItsStart) {
+  Node node({inFolder(), "_session:=" + folder_.file("missing.session")});
+  EXPECT_NE(node.wait(), 0);
+}
+
+}  // namespace
+}  // namespace kestrel
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "live_session_test");
+  return RUN_ALL_TESTS();
+}
