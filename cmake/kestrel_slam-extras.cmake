@@ -18,6 +18,10 @@ if(PkgConfig_FOUND AND NOT TARGET PkgConfig::XXHASH)
   pkg_check_modules(XXHASH QUIET IMPORTED_TARGET libxxhash)
 endif()
 
+if(PkgConfig_FOUND AND NOT TARGET PkgConfig::ZMQ)
+  pkg_check_modules(ZMQ QUIET IMPORTED_TARGET libzmq)
+endif()
+
 # In the same catkin workspace the targets already exist.
 if(NOT TARGET kestrel_slam::geometry)
   include(${kestrel_slam_DIR}/kestrel_slamTargets.cmake)

@@ -38,6 +38,8 @@ protobuf_generate_cpp(session_format_sources session_format_headers src/session/
 target_sources(kestrel_session PRIVATE ${session_format_sources})
 target_include_directories(kestrel_session SYSTEM PRIVATE ${PROJECT_BINARY_DIR})
 set_source_files_properties(${session_format_sources} PROPERTIES COMPILE_OPTIONS -w)
+kestrel_library(merging LINKS kestrel_session)
+kestrel_library(link LINKS kestrel_session PRIVATE PkgConfig::XXHASH PkgConfig::ZMQ)
 kestrel_library(filter LINKS kestrel_sensor)
 kestrel_library(tracking LINKS kestrel_map)
 kestrel_library(lidar LINKS kestrel_tracking PRIVATE $<BUILD_INTERFACE:nanoflann::nanoflann>)
@@ -72,7 +74,7 @@ target_sources(kestrel_offline PRIVATE ${COMMIT_FILE})
 kestrel_library(evaluation LINKS kestrel_recording kestrel_mapping kestrel_lidar
   PRIVATE nlohmann_json::nlohmann_json)
 kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfig::CAIRO geotiff TIFF::TIFF)
-kestrel_library(experiments LINKS kestrel_report)
+kestrel_library(experiments LINKS kestrel_report kestrel_merging kestrel_link)
 kestrel_library(commands LINKS kestrel_report PRIVATE CLI11::CLI11)
 
 # ---- nodes

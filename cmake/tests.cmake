@@ -32,7 +32,8 @@ function(kestrel_test folder)
   endif()
 endfunction()
 
-foreach(folder geometry sensor map matching graph session mapping filter tracking lidar pipeline parameters simulation recording
+foreach(folder geometry sensor map matching graph session merging link mapping filter tracking lidar pipeline
+    parameters simulation recording
     offline evaluation report experiments commands fuzz)
   kestrel_test(${folder})
 endforeach()

@@ -80,6 +80,9 @@ void SubmapGraph::addPlace() {
 void SubmapGraph::beginPart(const std::optional<GaussianPose2>& map_T_base) {
   start_ = map_T_base;
   guess_.reset();
+  finder_.reset();
+  if (keyframes_.empty()) return;
+  if (!start_) finder_ = std::make_unique<PartFinder>(mapper_, joinedKeyframes());
   if (keyframes_.size() == part_begin_) return;
   const bool open =
       places_.all().empty() || places_.all().back().submap != keyframes_.back().submap;
@@ -88,17 +91,39 @@ void SubmapGraph::beginPart(const std::optional<GaussianPose2>& map_T_base) {
   part_begin_ = searched_ = keyframes_.size();
 }
 
-/// The first keyframe of a part was added.
-void SubmapGraph::startGuess() {
-  if (!start_ || part_begin_ == 0) return;
-  const auto distance = [this](std::size_t i) {
-    return (poseOf(i).translation() - start_->mean.translation()).norm();
+std::vector<PlacedKeyframe> SubmapGraph::joinedKeyframes() const {
+  std::vector<PlacedKeyframe> result;
+  for (std::size_t i = 0; i < keyframes_.size(); ++i)
+    if (isJoined(i)) result.push_back({keyframes_[i].keyframe, poseOf(i)});
+  return result;
+}
+
+/// `start_` says where this keyframe of the newest part may be.
+void SubmapGraph::guess(std::size_t keyframe) {
+  const auto distance = [&](std::size_t i) {
+    return (poseOf(i).translation() - poseOf(keyframe).translation()).norm();
   };
   std::size_t nearest = 0;
   for (std::size_t i = 1; i < part_begin_; ++i)
     if (distance(i) < distance(nearest)) nearest = i;
-  guess_ = PoseEdge{nearest, part_begin_, poseOf(nearest).between(poseOf(part_begin_)),
+  if (part_begin_ == 0) return;
+  guess_ = PoseEdge{nearest, keyframe, poseOf(nearest).between(poseOf(keyframe)),
                     start_->covariance.inverse(), EdgeKind::kOdometry};
+}
+
+/// Looks for the newest part in the whole map. Where it is found, a loop has to verify it.
+void SubmapGraph::lookForPart(const PlanarScan& scan) {
+  constexpr double kFoundM = 0.2, kFoundRad = 0.1;
+  if (joined_.back() < part_begin_) return finder_.reset();
+  const Pose2& local_T_base = keyframes_.back().local_T_base;
+  const std::optional<Pose2> map_T_local = finder_->add(scan, local_T_base);
+  if (!map_T_local) return;
+  const Pose2 motion = *map_T_local * mapTLocal().inverse();
+  for (std::size_t i = part_begin_; i < keyframes_.size(); ++i)
+    graph_.vertices[i].pose = motion * graph_.vertices[i].pose;
+  start_ = GaussianPose2{*map_T_local * local_T_base, Eigen::Matrix3d::Zero()};
+  start_->covariance.diagonal() = Eigen::Vector3d(kFoundM, kFoundM, kFoundRad).cwiseAbs2();
+  guess(keyframes_.size() - 1);
 }
 
 /// Uncertainty of all keyframes relative to one. Where no edges lead, the guess of the start does.

@@ -27,17 +27,6 @@ constexpr std::size_t kLeastHits = 10;
 /// Limits where the graph already expects the place.
 constexpr double kExpectedFit = 0.75, kExpectedRad = 0.1;
 
-Points pointsOf(const std::vector<LocalKeyframe>& keyframes, const LoopQuery& query) {
-  const Pose2 middle_T_local = keyframes[query.middle()].local_T_base.inverse();
-  Points result;
-  for (std::size_t i = query.first; i < query.last; ++i) {
-    const Pose2 middle_T_base = middle_T_local * keyframes[i].local_T_base;
-    for (const Eigen::Vector2f& hit : keyframes[i].keyframe->scan.hits())
-      result.push_back((middle_T_base * hit.cast<double>()).cast<float>());
-  }
-  return sampled(result, kQueryPoints);
-}
-
 std::size_t nearestKeyframe(const Place& place, const std::vector<LocalKeyframe>& keyframes,
                             const Pose2& local_T_base) {
   std::size_t nearest = place.first;
@@ -70,6 +59,17 @@ Eigen::Vector2d observable(const Eigen::Vector2d& away, const MatchResult& match
 }
 
 }  // namespace
+
+Points queryPoints(const std::vector<LocalKeyframe>& keyframes, const LoopQuery& query) {
+  const Pose2 middle_T_local = keyframes[query.middle()].local_T_base.inverse();
+  Points result;
+  for (std::size_t i = query.first; i < query.last; ++i) {
+    const Pose2 middle_T_base = middle_T_local * keyframes[i].local_T_base;
+    for (const Eigen::Vector2f& hit : keyframes[i].keyframe->scan.hits())
+      result.push_back((middle_T_base * hit.cast<double>()).cast<float>());
+  }
+  return sampled(result, kQueryPoints);
+}
 
 const char* toString(LoopState state) {
   switch (state) {
@@ -120,7 +120,7 @@ Loop LoopMatcher::search(const Submap& map, const Place& place,
                          const Pose2& expected, double radius_m, double yaw_rad) const {
   const SearchWindow window{std::max(radius_m, config_.wide_radius_m), yaw_rad};
   const PlaceMatch found =
-      matchPlace(map, pointsOf(keyframes, query), expected, window, matcher_, kWork);
+      matchPlace(map, queryPoints(keyframes, query), expected, window, matcher_, kWork);
   Loop loop = loopAt(place, keyframes, query.middle(), found.match);
   loop.margin = found.complete ? found.score - found.second_score : 0.0;
   loop.radius_m = radius_m;

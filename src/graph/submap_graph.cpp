@@ -89,12 +89,13 @@ void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result
   path_.push_back((number == 0 ? 0.0 : path_.back()) + motion.distance());
   joined_.push_back(first ? number : joined_.back());
   if (first) {
-    startGuess();
+    if (start_) guess(number);
   } else {
     addOdometry();
   }
   odometry_.vertices.emplace_back();
   chain_.grow(odometry_);
+  if (finder_) lookForPart(scan);
 }
 
 void SubmapGraph::addOdometry() {
@@ -342,7 +343,7 @@ std::size_t SubmapGraph::memoryBytes() const {
                       loops_.capacity() * sizeof(Loop);
   for (const LocalKeyframe& keyframe : keyframes_)
     bytes += sizeof keyframe + keyframe.keyframe->memoryBytes();
-  return bytes;
+  return bytes + (finder_ ? finder_->memoryBytes() : 0);
 }
 
 }  // namespace kestrel

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kestrel_slam/mapping/jump_check.h"
 #include "kestrel_slam/mapping/local_map.h"
 #include "kestrel_slam/mapping/match_reason.h"
 #include "kestrel_slam/mapping/motion_model.h"
@@ -31,31 +32,19 @@ constexpr int kSettlingScans = 10;
 constexpr std::size_t kMatchPoints = 1100;
 /// Fewer than one out of this many beams are few.
 constexpr std::size_t kMostBeams = 2;
+/// If fewer than one out of this many beams have a hit, they may fit at several places, and the
+/// prediction by an IMU is worth more.
+constexpr std::size_t kFewHits = 2;
 /// The match shows the errors of the odometry if this share of the points constrains the weakest
 /// direction.
 constexpr double kWellConstrained = 0.1;
-/// Whether the motion prediction is better than the match along the degenerate direction. Without a
-/// motion sensor the little that the scan shows is used: otherwise a scan may be inserted with an
-/// error of centimeters, and loops of whole buildings do not close.
-bool isUnobservable(const MatchResult& match, PredictionSource source) {
-  constexpr double kNoConstraint = 0.0035;  // share of the beams
-  return match.degenerate &&
-         (source != PredictionSource::kVelocity || match.constraint < kNoConstraint);
-}
-
-/// With known poses there is one map that grows, because nothing corrects it later.
-WindowConfig windowOf(const MapperConfig& config) {
-  WindowConfig window = config.window;
-  window.enabled = config.usesGraph();
-  return window;
-}
 
 }  // namespace
 
 struct Mapper::State {
   explicit State(const MapperConfig& c, const Pose2& map_T_base = Pose2())
       : config(c),
-        map(c.grid, submapOptions(c.matcher), windowOf(c)),
+        map(c.grid, submapOptions(c.matcher), c.usedWindow()),
         matcher(makeMatcher(c.matcher)),
         motion(c, map_T_base) {}
 
@@ -63,6 +52,8 @@ struct Mapper::State {
   LocalMap map;
   std::unique_ptr<Matcher> matcher;
   MotionModel motion;
+  JumpCheck jumps;
+  bool few_hits = false;        ///< the scan has hits in a small part of its beams
   UncertainPose inserted_pose;  ///< pose of the last inserted scan
   PoseUncertainty uncertainty;
   int unsettled_scans = 0;  ///< scans that have to fit before the state is ok again
@@ -84,9 +75,9 @@ struct Mapper::State {
   bool isBlank(const Points& points, const PlanarScan& scan,
                const std::optional<Pose2>& odom_T_base) const;
   bool isLikely(const MatchResult& match, const MatchRequest& request,
-                const PredictionError& error) const;
+                const PredictionError& error);
   MatchState judge(const MatchResult& match, const MatchRequest& request,
-                   const PredictionError& error) const;
+                   const PredictionError& error);
   void settle(MapperResult& result);
   void insert(const PlanarScan& scan, bool has_odometry, MapperResult& result);
   bool movedEnough() const;
@@ -229,20 +220,24 @@ void Mapper::State::settle(MapperResult& result) {
 
 /// A poor fit far from where the vehicle is predicted is worth less than the prediction.
 bool Mapper::State::isLikely(const MatchResult& match, const MatchRequest& request,
-                             const PredictionError& error) const {
+                             const PredictionError& error) {
   const MatcherConfig& limits = config.matcher;
   if (request.prior) {
     return match.score >= limits.search_score || request.prior->isPlausible(match.pose);
   }
+  const Pose2& predicted = request.initial_guesses.front();
+  const bool sure = match.score >= limits.search_score && match.known >= kSureKnownShare;
+  if (!request.lost && !jumps.accepts(predicted, match.pose, error) && (few_hits || !sure))
+    return false;
   if (!request.lost && !motion.isCarried()) return true;
-  if (match.score >= limits.search_score && match.known >= kSureKnownShare) return true;
-  const double away = (request.initial_guesses.front().inverse() * match.pose).distance();
+  if (sure) return true;
+  const double away = predicted.between(match.pose).distance();
   return match.score >= kFoundScore && match.known >= kFoundKnownShare &&
          away <= kFoundSigmas * error.position_m();
 }
 
 MatchState Mapper::State::judge(const MatchResult& match, const MatchRequest& request,
-                                const PredictionError& error) const {
+                                const PredictionError& error) {
   if (match.score < config.lost_score || match.known < config.min_known_share ||
       !isLikely(match, request, error))
     return MatchState::kLost;
@@ -293,6 +288,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   const Points points = thinned(hitsOf(scan), kMatchPoints);
   const PredictionError error = s.motion.errorAt(scan, odom_T_base);
   result.blank = s.isBlank(points, scan, odom_T_base);
+  s.few_hits = scan.integrated_acceleration && hitsOf(scan).size() * kFewHits < scan.rays.size();
   if (s.config.known_poses) {
     s.follow(points, scan, odom_T_base, result);
   } else if (s.map.scans() > 0) {

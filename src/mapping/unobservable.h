@@ -5,11 +5,21 @@
 #include <algorithm>
 
 #include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/mapping/prediction_error.h"
 #include "kestrel_slam/matching/fit.h"
 #include "kestrel_slam/matching/match_result.h"
 #include "kestrel_slam/matching/weak_motion.h"
 
 namespace kestrel {
+
+/// Whether the motion prediction is better than the match along the degenerate direction. Without a
+/// motion sensor the little that the scan shows is used: otherwise a scan may be inserted with an
+/// error of centimeters, and loops of whole buildings do not close.
+inline bool isUnobservable(const MatchResult& match, PredictionSource source) {
+  constexpr double kNoConstraint = 0.0035;  // share of the beams
+  return match.degenerate &&
+         (source != PredictionSource::kVelocity || match.constraint < kNoConstraint);
+}
 
 inline WeakMotion weakMotionOf(const MatchResult& match) {
   return {match.degenerate_direction, match.degenerate_turn, match.constraint};

@@ -159,9 +159,7 @@ class Runner {
     if (!first_time_) first_time_ = scan.time;
     if (!first_stamp_) first_stamp_ = arrival;
     run_.duration_s = scan.time - *first_time_;
-    if (!options_.odometry.empty())
-      scan.odom_T_base =
-          poseAt(options_.odometry, scan.cloud ? scan.cloud->stamp : scan.scan.stamp);
+    if (!options_.odometry.empty()) scan.odom_T_base = poseAt(options_.odometry, scan.scan.stamp);
     if (scan.odom_T_base) scan.odom_T_base = odometry_.next(*scan.odom_T_base);
     if (!perturb(options_.perturbation, read_, scan)) {
       ++run_.left_out;
@@ -262,6 +260,7 @@ class Runner {
   /// Corrects the poses and the map by the loops that were found.
   void correct(SubmapGraph& graph) {
     graph.finish();
+    if (options_.graph_observer) options_.graph_observer(graph);
     run_.graph = resultOf(graph, run_.trajectory);
     run_.trajectory = corrected(run_.trajectory, keyframes_, graph);
     for (std::size_t i = 0; i < run_.scans.size(); ++i)

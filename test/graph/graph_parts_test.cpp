@@ -19,6 +19,8 @@ GaussianPose2 guessAt(const Pose2& pose) {
   return guess;
 }
 
+const GaussianPose2 kFarAway = guessAt(Pose2(500.0, 0.0, 0.0));
+
 /// One lap through the ring; the first pose is the origin of the map.
 class GraphParts : public ::testing::Test {
  protected:
@@ -59,12 +61,13 @@ TEST_F(GraphParts, ASecondFlightIsJoinedWhereItStarts) {
   EXPECT_LT(error, 0.25);
 }
 
-TEST_F(GraphParts, WithoutAStartNothingIsDrawnOverTheOldMap) {
+/// Nothing is near the guess.
+TEST_F(GraphParts, UntilALoopJoinsThemNothingIsDrawnOverTheOldMap) {
   SubmapGraph graph = continued();
-  graph.beginPart(std::nullopt);
+  graph.beginPart(kFarAway);
   ComposedMap map{OccupancyGridConfig()};
   map.add(graph);
-  fly(graph, 0.5);
+  fly(graph, 0.5, kFarAway.mean);
   EXPECT_FALSE(graph.isJoined(0));
   EXPECT_EQ(acceptedLoops(graph), acceptedLoops(first_));
   EXPECT_TRUE(map.isOutdated(graph));
@@ -74,10 +77,30 @@ TEST_F(GraphParts, WithoutAStartNothingIsDrawnOverTheOldMap) {
   EXPECT_FALSE(part.grid().isKnown(part.grid().cellAt({10.0F, 21.0F})));
 }
 
+TEST_F(GraphParts, WithoutAStartTheWholeMapIsSearched) {
+  SubmapGraph graph = continued();
+  graph.beginPart(std::nullopt);
+  const double error = fly(graph, 1.0, Pose2(40.0, 7.0, 1.0));
+  EXPECT_TRUE(graph.isJoined(0));
+  EXPECT_LT(error, 0.25);
+}
+
+TEST_F(GraphParts, AnotherBuildingIsNotFound) {
+  SubmapGraph graph = continued();
+  graph.beginPart(std::nullopt);
+  std::vector<room::Segment> walls;
+  loop_world::addBox(walls, -6, -2, 30, 5);
+  for (const double x : {-3.0, 1.0, 7.5, 12.0, 19.0}) loop_world::addBox(walls, x, 1.5, 0.8, 1.0);
+  Drive drive(walls, 0.0);
+  for (double x = -5.0; x < 4.0; x += 0.25) drive.add(Pose2(x, 0.0, 0.0), graph);
+  graph.finish();
+  EXPECT_FALSE(graph.isJoined(0));
+}
+
 /// Found by a search in the whole map: the new part moves there.
 TEST_F(GraphParts, ALoopFromElsewhereJoinsTheParts) {
   SubmapGraph graph = continued();
-  graph.beginPart(std::nullopt);
+  graph.beginPart(kFarAway);
   const std::size_t old = graph.keyframes().size();
   fly(graph, 0.5, Pose2(40.0, 7.0, 1.0));
   ASSERT_FALSE(graph.isJoined(0));
@@ -124,8 +147,8 @@ TEST_F(GraphParts, NewPlacesStayAndStayJoined) {
 
 TEST_F(GraphParts, KeyframesThatAreNotJoinedAreAllKept) {
   SubmapGraph graph = continued();
-  graph.beginPart(std::nullopt);
-  fly(graph, 0.3);
+  graph.beginPart(kFarAway);
+  fly(graph, 0.3, kFarAway.mean);
   EXPECT_EQ(
       withoutRepeated(graph.record(), graph.loadedCount(), OccupancyGridConfig()).keyframes.size(),
       graph.keyframes().size());

@@ -56,13 +56,13 @@ TEST(GraphSession, AnEmptyGraphIsASession) {
 
 /// A loaded graph goes on, is saved and loaded again.
 TEST(GraphSession, SeveralFlightsAreOneSession) {
-  GraphRecord record = flownRecord(0.6);
-  for (int flight = 0; flight < 3; ++flight) {
+  GraphRecord record = flownRecord(0.4);
+  for (int flight = 0; flight < 2; ++flight) {
     const std::string bytes = bytesOf(record);
     SubmapGraph graph{MapperConfig(), LoopConfig(), graphRecordOf(decodeSession(bytes), kCell)};
     graph.beginPart(givenStart(Pose2()));
     loop_world::Drive drive(loop_world::ring(), 0.0001 * flight);
-    for (const Pose2& pose : loop_world::laps(0.6)) drive.add(pose, graph);
+    for (const Pose2& pose : loop_world::laps(0.4)) drive.add(pose, graph);
     graph.finish();
     EXPECT_TRUE(graph.isJoined(0));
     record = graph.record();

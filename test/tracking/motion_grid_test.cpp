@@ -159,18 +159,6 @@ TYPED_TEST(MotionGridTest, ForgetsWhatIsFar) {
   EXPECT_LT(grid.staticProbability(grid.indexOf(onX<D>(1.0F))), 0.5);
 }
 
-TYPED_TEST(MotionGridTest, BeamWithoutReturnDoesNotClearWalls) {
-  constexpr int D = TypeParam::value;
-  MotionGrid<D> grid;
-  bring(grid, CellState::kOccupied);
-  std::vector<GridRay<D>> ray = rayTo<D>(4.05F, false);
-  ray[0].stops_at_walls = true;
-  for (int i = 0; i < 100; ++i) grid.insert(ray, 0.1);
-  EXPECT_EQ(grid.staticState(grid.indexOf(onX<D>(2.05F))), CellState::kOccupied);
-  EXPECT_EQ(grid.staticState(grid.indexOf(onX<D>(1.05F))), CellState::kFree);
-  EXPECT_EQ(grid.staticState(grid.indexOf(onX<D>(3.05F))), CellState::kUnobserved);
-}
-
 /// Cells that many points of the segment lie in.
 template <int D>
 std::set<std::vector<int>> sampledCells(const Eigen::Matrix<float, D, 1>& from,

@@ -16,6 +16,9 @@ struct LoopQuery {
   std::size_t middle() const { return (first + last) / 2; }
 };
 
+/// The hits of a query in the frame of its middle keyframe, thinned.
+Points queryPoints(const std::vector<LocalKeyframe>& keyframes, const LoopQuery& query);
+
 /// Matches keyframes with a place and judges whether they were taken there.
 class LoopMatcher {
  public:

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "kestrel_slam/graph/loop_matcher.h"
 #include "kestrel_slam/graph/odometry_chain.h"
 #include "kestrel_slam/graph/pairwise_consistency.h"
+#include "kestrel_slam/graph/part_finder.h"
 #include "kestrel_slam/graph/places.h"
 #include "kestrel_slam/graph/pose_graph.h"
 #include "kestrel_slam/mapping/mapper.h"
@@ -51,7 +53,7 @@ class SubmapGraph {
 
   /// The next keyframe begins a new part: nobody measured how the vehicle got there. The frame of
   /// the mapper must be map, as far as it is known. `map_T_base`: where the vehicle may be. It only
-  /// says where to search; without it, nothing is searched for in the other parts.
+  /// says where to search; without it, the whole map is searched.
   void beginPart(const std::optional<GaussianPose2>& map_T_base);
 
   /// Takes a loop that was found by other means and fits, for example by a search in the whole map.
@@ -94,7 +96,9 @@ class SubmapGraph {
   double pathBetween(std::size_t a, std::size_t b) const;
   bool areNear(std::size_t a, std::size_t b) const;
   bool isNeighbor(const Place& place, std::size_t keyframe) const;
-  void startGuess();
+  std::vector<PlacedKeyframe> joinedKeyframes() const;
+  void guess(std::size_t keyframe);
+  void lookForPart(const PlanarScan& scan);
   std::vector<RelativeUncertainty> uncertainties(std::size_t from) const;
   void addOdometry();
   void search(const LoopQuery& query);
@@ -131,8 +135,9 @@ class SubmapGraph {
   std::size_t loaded_ = 0;                 ///< keyframes of the record
   std::size_t part_begin_ = 0;             ///< first keyframe of the newest part
   std::uint32_t submap_offset_ = 0;        ///< the mapper numbers the submaps of a part from 0
-  std::optional<GaussianPose2> start_;     ///< where the newest part may begin
+  std::optional<GaussianPose2> start_;     ///< where the newest part may be
   std::optional<PoseEdge> guess_;          ///< the same, from the nearest keyframe of other parts
+  std::unique_ptr<PartFinder> finder_;     ///< if nobody knows where the newest part is
   std::size_t searched_ = 0;               ///< keyframes before this one were searched for
   std::size_t searches_ = 0;
   std::size_t unsolved_ = 0;  ///< accepted loops since the last optimization

@@ -24,6 +24,12 @@ struct MapperConfig {
 
   /// Scans are matched against the last submaps, and a pose graph corrects the map.
   bool usesGraph() const { return window.enabled && !known_poses; }
+  /// With known poses there is one map that grows, because nothing corrects it later.
+  WindowConfig usedWindow() const {
+    WindowConfig used = window;
+    used.enabled = usesGraph();
+    return used;
+  }
 };
 
 }  // namespace kestrel

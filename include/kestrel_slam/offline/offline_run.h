@@ -23,6 +23,8 @@
 
 namespace kestrel {
 
+class SubmapGraph;
+
 /// State of the pose filter at a scan, for the report.
 struct FilterSample {
   double height_m = 0.0;
@@ -100,6 +102,8 @@ struct RunOptions {
   std::function<void(const PlanarScan&, const MapperResult&)> observer;
   /// The same with everything that the pipeline knows of the scan, also its odometry.
   std::function<void(const MappedSweep&)> sweep_observer;
+  /// Called at the end with the corrected graph, if loops were searched for.
+  std::function<void(const SubmapGraph&)> graph_observer;
   /// Called for every state of the pose filter.
   std::function<void(const FilterOutput&)> filter_observer;
 };

@@ -10,6 +10,9 @@ namespace kestrel {
 
 /// All user parameters, for offline and live operation.
 struct SlamConfig {
+  /// With a pose graph. MapperConfig alone has none: nobody corrects the poses of its submaps.
+  SlamConfig() { mapper.window.enabled = true; }
+
   ProjectorConfig projector;
   AttitudeConfig attitude;
   MapperConfig mapper;

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/graph/loop_matcher.h"
+#include "kestrel_slam/graph/places.h"
+#include "kestrel_slam/graph/pose_graph.h"
+#include "kestrel_slam/session/session.h"
+
+namespace kestrel {
+
+class SubmapGraph;
+
+/// What one vehicle has mapped, in the frame of its own map.
+struct VehicleMap {
+  std::string name;
+  /// In the order of the flight. `local_T_base` is the corrected pose in the vehicle's map.
+  std::vector<LocalKeyframe> keyframes;
+  std::vector<Place> places;
+  std::vector<PoseEdge> edges;       ///< odometry and accepted loops; vertices are the keyframes
+  std::optional<Pose2> world_T_map;  ///< a guess of the user, as a known start pose
+};
+
+/// Unfinished submaps become places too, unless they have only a few keyframes.
+VehicleMap vehicleMapOf(const std::string& name, const SubmapGraph& graph);
+
+/// If the session has no graph, successive keyframes are joined by odometry. If it has no submaps,
+/// the keyframes are cut into places.
+VehicleMap vehicleMapOf(const std::string& name, const Session& session);
+
+/// Why nothing can be merged with this map; "" if it can.
+std::string problemOf(const VehicleMap& map);
+
+/// All keyframes of the vehicle as queries, one after the other.
+std::vector<LoopQuery> queriesOf(const VehicleMap& map, const LoopConfig& config);
+
+}  // namespace kestrel

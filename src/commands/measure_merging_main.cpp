@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "kestrel_slam/commands/run_tool.h"
+#include "kestrel_slam/evaluation/evaluation.h"
+#include "kestrel_slam/experiments/merging_measurement.h"
+#include "kestrel_slam/map/map_io.h"
+#include "kestrel_slam/parameters/parameters_yaml.h"
+
+namespace kestrel {
+namespace {
+
+struct Options {
+  std::vector<std::string> recordings;
+  std::string relations, output, odometry = "none";
+  std::vector<std::string> settings;
+  std::size_t parts = 1;
+};
+
+double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+SlamConfig configOf(const Options& options) {
+  SlamConfig config;
+  applySettings(options.settings, config);
+  return config;
+}
+
+std::vector<MappedVehicle> mapAll(const Options& options) {
+  std::vector<MappedVehicle> vehicles;
+  for (const std::string& path : options.recordings) {
+    for (const VehicleRecording& part :
+         cutRecording(path, options.parts, options.odometry == "use")) {
+      const double begin = processorSeconds();
+      vehicles.push_back(mapVehicle(part, configOf(options)));
+      std::fprintf(stderr, "%s: %zu scans, %zu keyframes, %zu places, mapped in %.1f s\n",
+                   part.name.c_str(), vehicles.back().trajectory.size(),
+                   vehicles.back().map.keyframes.size(), vehicles.back().map.places.size(),
+                   processorSeconds() - begin);
+    }
+  }
+  return vehicles;
+}
+
+void printPairHead() {
+  std::printf("%-16s %-16s %-16s %6s %7s %6s %5s %6s %6s %8s %6s %7s %6s  %s\n", "a", "b", "state",
+              "conf", "queries", "found", "first", "second", "places", "compared", "not", "along m",
+              "s", "reason");
+}
+
+void printPair(const MapMerger& merger, const PairResult& pair, double seconds) {
+  std::printf("%-16s %-16s %-16s %6.3f %7zu %6zu %5zu %6zu %6zu %8zu %6zu %7.1f %6.1f  %s\n",
+              merger.vehicles()[pair.a].name.c_str(), merger.vehicles()[pair.b].name.c_str(),
+              toString(pair.state), pair.confidence, pair.searched, pair.found, pair.first,
+              pair.second, pair.places, pair.compared, pair.contradicting,
+              pair.longest_contradiction_m, seconds, pair.reason.c_str());
+  std::fflush(stdout);
+}
+
+/// Every two of the recordings alone.
+void measurePairs(const Options& options, const std::vector<MappedVehicle>& vehicles) {
+  const SlamConfig config = configOf(options);
+  std::size_t pairs = 0, joined = 0;
+  printPairHead();
+  for (std::size_t b = 0; b < vehicles.size(); ++b) {
+    for (std::size_t a = 0; a < b; ++a) {
+      MapMerger merger(config.mapper, config.loops);
+      merger.update(vehicles[a].map);
+      merger.update(vehicles[b].map);
+      const double begin = processorSeconds();
+      const MergeResult result = merger.merge();
+      printPair(merger, result.pairs.front(), processorSeconds() - begin);
+      ++pairs;
+      if (result.pairs.front().isJoined()) ++joined;
+    }
+  }
+  std::printf("%zu pairs, %zu joined\n", pairs, joined);
+}
+
+void printErrors(const Options& options, const std::vector<MappedVehicle>& vehicles,
+                 const MergeResult& result) {
+  Trajectory all;
+  std::vector<double> first;
+  for (std::size_t v = 0; v < vehicles.size(); ++v) {
+    const Trajectory part = inWorld(vehicles[v], result, v);
+    first.push_back(part.front().stamp);
+    all.insert(all.end(), part.begin(), part.end());
+  }
+  const std::vector<Relation> relations = readRelations(options.relations);
+  const auto vehicleAt = [&](double stamp) {
+    std::size_t vehicle = 0;
+    while (vehicle + 1 < first.size() && stamp >= first[vehicle + 1] - kStampTolerance) ++vehicle;
+    return vehicle;
+  };
+  std::vector<Relation> across;
+  for (const Relation& relation : relations) {
+    if (vehicleAt(relation.stamp1) != vehicleAt(relation.stamp2)) across.push_back(relation);
+  }
+  const auto print = [&](const char* name, const std::vector<Relation>& some) {
+    const RelationEvaluation errors = evaluateRelations(all, some);
+    std::printf("%-8s %zu relations, mean %.4f m, max %.3f m, %.3f deg, %zu unmatched\n", name,
+                errors.all.translation_m.count, errors.all.translation_m.mean,
+                errors.all.translation_m.max, errors.all.rotation_deg.mean,
+                errors.skipped_relations);
+  };
+  print("all", relations);
+  print("across", across);
+}
+
+void measureParts(const Options& options, const std::vector<MappedVehicle>& vehicles) {
+  const SlamConfig config = configOf(options);
+  MapMerger merger(config.mapper, config.loops);
+  for (const MappedVehicle& vehicle : vehicles) merger.update(vehicle.map);
+  const double begin = processorSeconds();
+  const MergeResult result = merger.merge();
+  const double seconds = processorSeconds() - begin;
+  printPairHead();
+  for (const PairResult& pair : result.pairs) printPair(merger, pair, seconds);
+  std::printf("%zu of %zu vehicles in one map, %zu loops between them\n", result.largestGroup(),
+              vehicles.size(), result.loops_between);
+  if (!options.relations.empty()) printErrors(options, vehicles, result);
+  if (options.output.empty()) return;
+  std::filesystem::create_directories(options.output);
+  writeMap(options.output + "/map", mapOf(merger.vehicles(), result, 0, config.mapper.grid));
+}
+
+void run(const Options& options) {
+  const std::vector<MappedVehicle> vehicles = mapAll(options);
+  if (options.parts > 1) {
+    measureParts(options, vehicles);
+  } else {
+    measurePairs(options, vehicles);
+  }
+}
+
+}  // namespace
+}  // namespace kestrel
+
+int main(int argc, char** argv) {
+  using namespace kestrel;
+  CLI::App app(
+      "Measures how maps of several vehicles are merged. With --parts the recordings are cut in "
+      "time into vehicles that do not know where they started; otherwise every two recordings are "
+      "tried, as maps of different buildings.\n"
+      "Exit code 0: done; 1: bad input; 2: wrong usage.");
+  Options options;
+  app.add_option("RECORDING", options.recordings, "recordings")->required();
+  app.add_option("--parts", options.parts, "N: number of vehicles that a recording is cut into")
+      ->check(CLI::Range(1, 100));
+  app.add_option("--relations", options.relations, "relations of the recording, with --parts");
+  app.add_option("--odometry", options.odometry, "none: laser only (default); use: where recorded")
+      ->check(CLI::IsMember({"none", "use"}));
+  app.add_option("--set", options.settings, "name=value: sets a parameter")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+  app.add_option("--output", options.output, "folder for the merged map, with --parts");
+  return runTool("measure_merging", app, argc, argv, [&] { run(options); });
+}

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/merging/common_places.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "kestrel_slam/matching/place_match.h"
+
+namespace kestrel {
+namespace {
+
+/// Work of the search in one place, see WorkBudget. Enough for a place of 60 m.
+constexpr std::int64_t kWork = 1'000'000'000;
+/// The query may be this far outside of the path through a place.
+constexpr double kAroundM = 4.0;
+/// Poses in neighboring places that differ by less are the same explanation.
+constexpr double kSameM = 1.0, kSameRad = 0.35;
+/// Half size of the window in which the best pose is verified.
+constexpr double kVerifyRad = 0.35;
+
+bool isSame(const Pose2& a, const Pose2& b) {
+  const Pose2 difference = a.between(b);
+  return difference.distance() < kSameM && std::abs(difference.yaw) < kSameRad;
+}
+
+Loop refused(const LoopQuery& query, const char* reason) {
+  Loop loop;
+  loop.query = query.middle();
+  loop.reason = reason;
+  return loop;
+}
+
+}  // namespace
+
+CommonPlaces::Found CommonPlaces::searchPlace(JointMap& joint, std::size_t number,
+                                              const Points& points) const {
+  const Place& place = joint.place(number);
+  Eigen::AlignedBox2d box;
+  for (std::size_t i = place.first; i < place.last; ++i)
+    box.extend(joint.keyframes()[i].local_T_base.translation());
+  const Eigen::Vector2d center = box.center();
+  const SearchWindow window{0.5 * box.sizes().maxCoeff() + kAroundM, kPi};
+  const PlaceMatch match = matchPlace(joint.mapOf(number), points, {center.x(), center.y(), 0.0},
+                                      window, mapper_.matcher, kWork);
+  return {number, match.match.pose, match.score, match.second_score, match.complete};
+}
+
+/// The score of the best pose that is another explanation than `best`.
+double CommonPlaces::secondScore(const std::vector<Found>& found, const Found& best) {
+  double second = 0.0;
+  for (const Found& other : found)
+    second = std::max(second, isSame(other.pose, best.pose) ? other.second : other.score);
+  return second;
+}
+
+Loop CommonPlaces::search(JointMap& joint, std::size_t part, const LoopQuery& query) const {
+  const Points points = queryPoints(joint.keyframes(), query);
+  std::vector<Found> found;
+  Found best;
+  bool complete = true;
+  for (std::size_t p = joint.parts()[part].first_place; p < joint.parts()[part].last_place; ++p) {
+    found.push_back(searchPlace(joint, p, points));
+    complete = complete && found.back().complete;
+    if (found.back().score > best.score) best = found.back();
+  }
+  if (best.score < config_.min_fit * config_.min_known) return refused(query, "it does not fit");
+  if (!complete) return refused(query, "the map is too large for the search");
+  if (best.score - secondScore(found, best) < config_.min_margin)
+    return refused(query, "it fits in several places");
+  return verified(joint, query, best);
+}
+
+Loop CommonPlaces::verified(JointMap& joint, const LoopQuery& query, const Found& best) const {
+  return matcher_.search(joint.mapOf(best.place), joint.place(best.place), joint.keyframes(), query,
+                         best.pose, config_.least_radius_m, kVerifyRad);
+}
+
+Loop CommonPlaces::searchNear(JointMap& joint, std::size_t part, const LoopQuery& query,
+                              const ExpectedPlace& expected) const {
+  const Pose2 pose = expected.map_T_map * joint.keyframes()[query.middle()].local_T_base;
+  const JointMap::Part& range = joint.parts()[part];
+  std::size_t nearest = range.first_place;
+  double least = expected.radius_m + kAroundM;
+  for (std::size_t p = range.first_place; p < range.last_place; ++p) {
+    for (std::size_t i = joint.place(p).first; i < joint.place(p).last; ++i) {
+      const double distance = joint.keyframes()[i].local_T_base.between(pose).distance();
+      if (distance < least) least = distance, nearest = p;
+    }
+  }
+  if (least >= expected.radius_m + kAroundM) return refused(query, "it is too far away");
+  return matcher_.search(joint.mapOf(nearest), joint.place(nearest), joint.keyframes(), query, pose,
+                         expected.radius_m, expected.yaw_rad);
+}
+
+}  // namespace kestrel

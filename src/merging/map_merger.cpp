@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/merging/map_merger.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "joint_solution.h"
+
+namespace kestrel {
+namespace {
+
+/// The second explanation is similar if it has more than this share of the loops of the first.
+constexpr double kSimilar = 0.5;
+
+/// Whether `newer` begins with the keyframes of `older`.
+bool continues(const VehicleMap& newer, const VehicleMap& older) {
+  if (newer.keyframes.size() < older.keyframes.size()) return false;
+  for (std::size_t i = 0; i < older.keyframes.size(); ++i) {
+    const Keyframe &a = *older.keyframes[i].keyframe, &b = *newer.keyframes[i].keyframe;
+    if (&a != &b && (a.id != b.id || a.stamp != b.stamp || !(a.scan == b.scan))) return false;
+  }
+  return true;
+}
+
+std::string text(std::size_t count, const char* what) { return std::to_string(count) + what; }
+
+std::string meters(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.1f m", value);
+  return buffer;
+}
+
+}  // namespace
+
+const char* toString(PairState state) {
+  switch (state) {
+    case PairState::kJoined:
+      return "joined";
+    case PairState::kGiven:
+      return "given";
+    case PairState::kNoOverlap:
+      return "no overlap found";
+    case PairState::kAmbiguous:
+      return "ambiguous";
+    case PairState::kContradicted:
+      return "contradicted";
+    case PairState::kUndone:
+      return "undone";
+    case PairState::kSeparated:
+      return "separated";
+    default:
+      return "unusable";
+  }
+}
+
+std::size_t MergeResult::largestGroup() const {
+  std::size_t largest = 0;
+  for (const std::size_t first : group)
+    largest =
+        std::max(largest, static_cast<std::size_t>(std::count(group.begin(), group.end(), first)));
+  return largest;
+}
+
+MapMerger::MapMerger(const MapperConfig& mapper, const LoopConfig& loops,
+                     const MergingConfig& config)
+    : mapper_(mapper),
+      loop_config_(loops),
+      config_(config),
+      places_(mapper, loops),
+      matcher_(mapper.matcher, loops) {}
+
+std::size_t MapMerger::update(VehicleMap map) {
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    if (vehicles_[i].name != map.name) continue;
+    if (!continues(map, vehicles_[i])) forget(i);
+    vehicles_[i] = std::move(map);
+    return i;
+  }
+  vehicles_.push_back(std::move(map));
+  for (std::size_t i = 0; i + 1 < vehicles_.size(); ++i) {
+    pairs_.emplace_back();
+    pairs_.back().a = i;
+    pairs_.back().b = vehicles_.size() - 1;
+  }
+  return vehicles_.size() - 1;
+}
+
+void MapMerger::forget(std::size_t vehicle) {
+  for (Pair& pair : pairs_) {
+    if (pair.a != vehicle && pair.b != vehicle) continue;
+    pair.loops.clear();
+    pair.searched_a = pair.searched_b = pair.searched = 0;
+  }
+}
+
+MapMerger::Pair& MapMerger::pairOf(std::size_t a, std::size_t b) {
+  return pairs_[std::max(a, b) * (std::max(a, b) - 1) / 2 + std::min(a, b)];
+}
+
+void MapMerger::separate(std::size_t a, std::size_t b) {
+  if (a != b) pairOf(a, b).separated = true;
+}
+
+/// a_T_b of the maps by the poses that were given.
+std::optional<Pose2> MapMerger::guessOf(const Pair& pair) const {
+  const auto &a = vehicles_[pair.a].world_T_map, &b = vehicles_[pair.b].world_T_map;
+  if (!a || !b) return std::nullopt;
+  return a->between(*b);
+}
+
+MergeResult MapMerger::merge() {
+  std::vector<const VehicleMap*> maps;
+  for (const VehicleMap& vehicle : vehicles_) maps.push_back(&vehicle);
+  JointMap joint(mapper_, maps);
+  std::vector<Decision> decisions;
+  for (Pair& pair : pairs_) {
+    if (!pair.separated) search(joint, pair);
+    decisions.push_back(decide(joint, pair));
+  }
+  MergeResult result;
+  optimizeAll(joint, decisions, result);
+  for (Decision& decision : decisions) result.pairs.push_back(std::move(decision.result));
+  place(joint, result);
+  return result;
+}
+
+void MapMerger::search(JointMap& joint, Pair& pair) {
+  if (!problemOf(vehicles_[pair.a]).empty() || !problemOf(vehicles_[pair.b]).empty()) return;
+  searchQueries(joint, pair, false);
+  searchQueries(joint, pair, true);
+}
+
+/// Searches for the new queries of one vehicle in the map of the other.
+void MapMerger::searchQueries(JointMap& joint, Pair& pair, bool query_in_a) {
+  const std::size_t from = query_in_a ? pair.a : pair.b, in = query_in_a ? pair.b : pair.a;
+  std::size_t& searched = query_in_a ? pair.searched_a : pair.searched_b;
+  const std::vector<LoopQuery> queries = queriesOf(vehicles_[from], loop_config_);
+  const std::size_t count = queries.size() - std::min(searched, queries.size());
+  const std::size_t step = (count + config_.max_queries - 1) / config_.max_queries;
+  const std::optional<Pose2> guess = guessOf(pair);
+  const std::size_t offset = joint.parts()[from].first, place_offset = joint.parts()[in].first;
+  for (std::size_t i = searched + step / 2; i < queries.size(); i += step) {
+    const LoopQuery query{queries[i].first + offset, queries[i].last + offset};
+    Loop loop;
+    if (guess)
+      loop = places_.searchNear(joint, in, query, {query_in_a ? guess->inverse() : *guess});
+    if (loop.state != LoopState::kPending) loop = places_.search(joint, in, query);
+    ++pair.searched;
+    if (loop.state != LoopState::kPending) continue;
+    loop.query -= offset;
+    loop.anchor -= place_offset;
+    pair.loops.push_back({loop, query_in_a});
+  }
+  searched = queries.size();
+}
+
+std::vector<Loop> MapMerger::jointLoops(const JointMap& joint, const Pair& pair) const {
+  std::vector<Loop> loops;
+  for (const PairLoop& entry : pair.loops) {
+    Loop loop = entry.loop;
+    loop.query += joint.parts()[entry.query_in_a ? pair.a : pair.b].first;
+    loop.anchor += joint.parts()[entry.query_in_a ? pair.b : pair.a].first;
+    loops.push_back(loop);
+  }
+  return loops;
+}
+
+MapMerger::Decision MapMerger::decide(JointMap& joint, const Pair& pair) const {
+  Decision decision;
+  PairResult& result = decision.result;
+  result.a = pair.a;
+  result.b = pair.b;
+  result.searched = pair.searched;
+  for (const std::size_t vehicle : {pair.a, pair.b}) {
+    const std::string problem = problemOf(vehicles_[vehicle]);
+    if (problem.empty() || result.state == PairState::kUnusable) continue;
+    result.state = PairState::kUnusable;
+    result.reason = "the map of " + vehicles_[vehicle].name + " cannot be used: " + problem;
+  }
+  if (result.state == PairState::kUnusable) return decision;
+  if (pair.separated) {
+    result.state = PairState::kSeparated;
+    result.reason = "separated by the user";
+    return decision;
+  }
+  explain(joint, pair, decision);
+  if (result.state == PairState::kJoined) compare(joint, pair, decision);
+  if (result.state == PairState::kNoOverlap && guessOf(pair)) joinAsGiven(joint, pair, decision);
+  return decision;
+}
+
+/// Whether the common places have one explanation.
+void MapMerger::explain(const JointMap& joint, const Pair& pair, Decision& decision) const {
+  const std::vector<Loop> loops = jointLoops(joint, pair);
+  ConsistentLoops consistency;
+  for (const Loop& loop : loops) consistency.add(graphEdgeOf(loop), joint.chain());
+  const Explanations found = consistency.explain();
+  for (const std::size_t number : found.first) decision.loops.push_back(loops[number]);
+  PairResult& result = decision.result;
+  result.found = loops.size();
+  result.first = found.first.size();
+  result.second = found.second.size();
+  result.places = placesOf(joint, decision.loops);
+  if (loops.empty()) {
+    result.reason = "no place of one map was found in the other";
+  } else if (result.first < config_.min_loops || result.places < config_.min_places) {
+    result.reason = "only " + text(result.first, " matches at ") + text(result.places, " places") +
+                    " agree; " + text(config_.min_loops, " at ") +
+                    text(config_.min_places, " are needed");
+  } else if (static_cast<double>(result.second) > kSimilar * static_cast<double>(result.first)) {
+    result.state = PairState::kAmbiguous;
+    result.reason =
+        text(result.first, " matches say one thing, and ") + text(result.second, " say another");
+  } else {
+    result.state = PairState::kJoined;
+  }
+}
+
+/// Number of places, far apart from each other, where the loops were found.
+std::size_t MapMerger::placesOf(const JointMap& joint, const std::vector<Loop>& loops) const {
+  std::vector<Eigen::Vector2d> places;
+  for (const Loop& loop : loops) {
+    // In the map of the first vehicle of the pair.
+    const std::size_t keyframe = std::min(loop.query, loop.anchor);
+    const Eigen::Vector2d at = joint.keyframes()[keyframe].local_T_base.translation();
+    const bool is_far = std::all_of(places.begin(), places.end(), [&](const Eigen::Vector2d& p) {
+      return (p - at).norm() >= config_.place_m;
+    });
+    if (is_far) places.push_back(at);
+  }
+  return places.size();
+}
+
+/// Joins the two maps for a trial and compares all that both vehicles have seen.
+void MapMerger::compare(JointMap& joint, const Pair& pair, Decision& decision) const {
+  PairResult& result = decision.result;
+  decision.poses = joinedByLoops(joint, pair.a, pair.b, decision.loops);
+  Overlap overlap = compareOverlap(joint, matcher_, decision.poses, pair.a, pair.b);
+  overlap.add(compareOverlap(joint, matcher_, decision.poses, pair.b, pair.a));
+  decision.refined = overlap.agreeing;
+  result.compared = overlap.compared;
+  result.contradicting = overlap.contradicting;
+  result.longest_contradiction_m = overlap.longest_contradiction_m;
+  const double agreeing = overlap.compared == 0 ? 0.0
+                                                : 1.0 - static_cast<double>(overlap.contradicting) /
+                                                            static_cast<double>(overlap.compared);
+  result.confidence = agreeing * (1.0 - std::pow(0.5, static_cast<double>(result.places)));
+  if (agreeing < config_.min_agreement) {
+    result.reason =
+        text(overlap.contradicting, " of ") + text(overlap.compared, " common scans do not fit");
+  } else if (overlap.longest_contradiction_m > config_.max_contradiction_m) {
+    result.reason = "the maps differ along " + meters(overlap.longest_contradiction_m) + " of way";
+  } else {
+    result.reason = text(result.first, " matches at ") + text(result.places, " places");
+    return;
+  }
+  result.state = PairState::kContradicted;
+}
+
+/// Nothing was found in common: the maps are joined as was said, unless they contradict it.
+void MapMerger::joinAsGiven(JointMap& joint, const Pair& pair, Decision& decision) const {
+  PairResult& result = decision.result;
+  const Loop given = givenLoop(joint, pair.a, pair.b, *guessOf(pair));
+  decision.loops = {given};
+  result.places = 0;
+  compare(joint, pair, decision);
+  if (result.compared > 0 && result.state == PairState::kContradicted) {
+    result.reason = "the given pose is wrong: " + result.reason;
+    return;
+  }
+  result.state = PairState::kGiven;
+  result.reason = "as given; no common place was found";
+}
+
+void MapMerger::optimizeAll(const JointMap& joint, std::vector<Decision>& decisions,
+                            MergeResult& result) const {
+  for (bool changed = true; changed;) {
+    changed = false;
+    JointSolution solution(joint);
+    std::vector<std::size_t> order(decisions.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return decisions[a].result.confidence > decisions[b].result.confidence;
+    });
+    for (const std::size_t i : order) {
+      const Decision& decision = decisions[i];
+      if (!decision.result.isJoined()) continue;
+      solution.join(i, decision.result.a, decision.result.b, decision.loops, decision.refined);
+    }
+    solution.solve();
+    for (const std::size_t contradicted : solution.contradicted()) {
+      PairResult& pair = decisions[contradicted].result;
+      pair.state = PairState::kUndone;
+      pair.reason = "the map of all vehicles contradicts it";
+      changed = true;
+      break;  // the others may be right without this one
+    }
+    result.graph = solution.graph();
+    result.group = solution.groups();
+    result.loops_between = solution.loopsBetween();
+  }
+}
+
+/// The poses in `world`.
+void MapMerger::place(const JointMap& joint, MergeResult& result) const {
+  for (std::size_t v = 0; v < vehicles_.size(); ++v) {
+    const std::optional<Pose2>& given = vehicles_[result.group[v]].world_T_map;
+    const JointMap::Part& part = joint.parts()[v];
+    std::vector<Pose2> poses;
+    for (std::size_t i = part.first; i < part.last; ++i) {
+      Pose2& pose = result.graph.vertices[i].pose;
+      if (given) pose = *given * pose;
+      poses.push_back(pose);
+    }
+    const bool empty = poses.empty();
+    result.world_T_map.push_back(empty ? given.value_or(Pose2())
+                                       : poses.back() *
+                                             vehicles_[v].keyframes.back().local_T_base.inverse());
+    result.poses.push_back(std::move(poses));
+  }
+  for (PairResult& pair : result.pairs) {
+    if (pair.isJoined())
+      pair.a_T_b = result.world_T_map[pair.a].between(result.world_T_map[pair.b]);
+  }
+}
+
+}  // namespace kestrel

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/merging/map_merger.h"
+
+#include <gtest/gtest.h>
+
+#include "building.h"
+
+namespace kestrel {
+namespace {
+
+using building::mapOf;
+using building::tour;
+using building::Variant;
+
+MergeResult merged(const std::vector<VehicleMap>& maps) {
+  MapMerger merger{MapperConfig(), LoopConfig()};
+  for (const VehicleMap& map : maps) merger.update(map);
+  return merger.merge();
+}
+
+const VehicleMap& first() {
+  static const VehicleMap map = mapOf("a", {}, tour(0, 2));
+  return map;
+}
+
+const VehicleMap& second() {
+  static const VehicleMap map = mapOf("b", {}, tour(2, 0));
+  return map;
+}
+
+std::string describe(const PairResult& pair) {
+  return std::string(toString(pair.state)) + ": " + pair.reason + "; " +
+         std::to_string(pair.found) + " found, " + std::to_string(pair.contradicting) + " of " +
+         std::to_string(pair.compared) + " contradict, along " +
+         std::to_string(pair.longest_contradiction_m);
+}
+
+TEST(MapMerger, TwoVehiclesInOneBuildingAreJoined) {
+  const MergeResult result = merged({first(), second()});
+  const PairResult& pair = result.pairs.front();
+  ASSERT_EQ(pair.state, PairState::kJoined) << describe(pair);
+  EXPECT_GT(pair.confidence, 0.5);
+  // Where the second vehicle began, in the frame of the first pose of the first one.
+  const Pose2 truth = tour(0, 2).front().between(tour(2, 0).front());
+  const Pose2 found = result.poses[0].front().between(result.poses[1].front());
+  EXPECT_LT(truth.between(found).distance(), 0.1);
+  EXPECT_EQ(result.largestGroup(), 2U);
+  EXPECT_GT(result.loops_between, 10U);
+}
+
+TEST(MapMerger, TheSameInputGivesTheSamePoses) {
+  EXPECT_EQ(merged({first(), second()}).poses, merged({first(), second()}).poses);
+}
+
+TEST(MapMerger, MovedFurnitureDoesNotHinder) {
+  Variant moved;
+  moved.furniture_m = 1.5;
+  const MergeResult result = merged({first(), mapOf("b", moved, tour(2, 0))});
+  EXPECT_EQ(result.pairs.front().state, PairState::kJoined) << describe(result.pairs.front());
+}
+
+TEST(MapMerger, TwinBuildingsThatDifferInOneRoomAreNotMerged) {
+  Variant twin;
+  twin.other_room = true;
+  const MergeResult result = merged({first(), mapOf("b", twin, tour(2, 0))});
+  EXPECT_EQ(result.pairs.front().state, PairState::kContradicted) << describe(result.pairs.front());
+  EXPECT_EQ(result.largestGroup(), 1U);
+}
+
+TEST(MapMerger, AnotherBuildingIsNotMerged) {
+  Variant other;
+  other.other_place = true;
+  const MergeResult result = merged({first(), mapOf("b", other, tour(2, 0))});
+  EXPECT_FALSE(result.pairs.front().isJoined()) << describe(result.pairs.front());
+}
+
+TEST(MapMerger, AMirroredMapIsNotMerged) {
+  Variant mirrored;
+  mirrored.mirrored = true;
+  const MergeResult result = merged({first(), mapOf("b", mirrored, tour(2, 0, true))});
+  EXPECT_FALSE(result.pairs.front().isJoined()) << describe(result.pairs.front());
+}
+
+TEST(MapMerger, ATinyMapCannotBeUsed) {
+  const MergeResult result = merged({first(), mapOf("b", {}, {Pose2(4, 0, 0), Pose2(4.3, 0, 0)})});
+  EXPECT_EQ(result.pairs.front().state, PairState::kUnusable);
+  EXPECT_NE(result.pairs.front().reason.find("b"), std::string::npos);
+  EXPECT_EQ(merged({first(), VehicleMap{"empty", {}, {}, {}, {}}}).pairs.front().state,
+            PairState::kUnusable);
+}
+
+TEST(MapMerger, ThreeVehiclesAndOneThatIsElsewhere) {
+  Variant other;
+  other.other_place = true;
+  const MergeResult result =
+      merged({mapOf("a", {}, tour(0, 1)), mapOf("x", other, tour(0, 1)), second()});
+  EXPECT_EQ(result.group[0], result.group[2]);
+  EXPECT_NE(result.group[0], result.group[1]);
+}
+
+TEST(MapMerger, AGrowingMapIsSearchedOnlyWhereItIsNew) {
+  MapMerger merger{MapperConfig(), LoopConfig()};
+  merger.update(first());
+  VehicleMap part = second();
+  part.keyframes.resize(60);
+  part.places = {{0, 0, 60}};
+  part.edges.erase(std::remove_if(part.edges.begin(), part.edges.end(),
+                                  [](const PoseEdge& e) { return e.from >= 60 || e.to >= 60; }),
+                   part.edges.end());
+  merger.update(part);
+  const std::size_t searched = merger.merge().pairs.front().searched;
+  EXPECT_EQ(merger.merge().pairs.front().searched, searched) << "nothing is new";
+  merger.update(second());
+  const MergeResult grown = merger.merge();
+  EXPECT_GT(grown.pairs.front().searched, searched);
+  EXPECT_EQ(grown.pairs.front().state, PairState::kJoined) << describe(grown.pairs.front());
+  // A vehicle that begins another map with the same name.
+  VehicleMap restarted = mapOf("b", {}, tour(1, 0));
+  merger.update(restarted);
+  EXPECT_LT(merger.merge().pairs.front().searched, grown.pairs.front().searched);
+}
+
+TEST(MapMerger, SeparatedVehiclesStaySeparated) {
+  MapMerger merger{MapperConfig(), LoopConfig()};
+  merger.update(first());
+  merger.update(second());
+  merger.separate(0, 1);
+  EXPECT_EQ(merger.merge().pairs.front().state, PairState::kSeparated);
+}
+
+TEST(MapMerger, AGivenStartIsUsedWhereNothingIsInCommon) {
+  VehicleMap a = mapOf("a", {}, tour(0, 0)), b = mapOf("b", {}, tour(2, 2));
+  a.world_T_map = Pose2();
+  b.world_T_map = tour(0, 0).front().between(tour(2, 2).front());
+  const MergeResult result = merged({a, b});
+  ASSERT_TRUE(result.pairs.front().isJoined()) << describe(result.pairs.front());
+  EXPECT_LT(b.world_T_map->between(result.poses[1].front()).distance(), 0.3);
+}
+
+}  // namespace
+}  // namespace kestrel
