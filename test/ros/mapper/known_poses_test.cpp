@@ -59,14 +59,13 @@ TEST(KnownPoses, OfAnOdometryAreThePosesOfTheMapper) {
 TEST(KnownPoses, OfAnotherLocalizationAreNotPublishedAgain) {
   KnownFlight known("external", "map");
   ASSERT_TRUE(known.client.connect());
-  known.client.publish(messageOf(known.flight.scans[0].scan, known.base));
-  EXPECT_TRUE(known.client.waitFor(
-      [&] {
-        const std::string text = known.client.report("Scans")["message"];
-        return text.find("~map_with_known_poses needs it") != std::string::npos || text.empty();
-      },
-      10.0));
-  for (std::size_t i = 1; i < 20; ++i) {
+  std::string text;
+  for (std::size_t i = 0; i < 10 && text.find("~map_with_known_poses") == std::string::npos; ++i) {
+    known.client.publish(messageOf(known.flight.scans[i].scan, known.base));
+    text = known.client.report("Scans")["message"];
+  }
+  EXPECT_NE(text.find("~map_with_known_poses needs it"), std::string::npos) << text;
+  for (std::size_t i = 20; i < 40; ++i) {
     const Pose2 pose = known.flight.truth(i);
     expectEqual(known.match(i, pose), pose);
   }
