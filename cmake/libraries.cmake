@@ -77,7 +77,7 @@ kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfi
   ${OCTOMAP_LIBRARIES})
 target_include_directories(kestrel_report SYSTEM PRIVATE ${OCTOMAP_INCLUDE_DIRS})
 kestrel_library(experiments LINKS kestrel_report kestrel_merging kestrel_link)
-kestrel_library(commands LINKS kestrel_experiments PRIVATE CLI11::CLI11)
+kestrel_library(commands LINKS kestrel_report PRIVATE CLI11::CLI11)
 
 # ---- nodes
 if(KESTREL_WITH_ROS)

@@ -18,7 +18,12 @@ endif()
 set(PAGES ${PROJECT_BINARY_DIR}/pages)
 file(MAKE_DIRECTORY ${PAGES}/man ${PAGES}/completions)
 foreach(main ${COMMANDS})
-  kestrel_program(${main} kestrel_commands CLI11::CLI11)
+  # Only few tools need the experiments, and scripts/demo builds none of them.
+  file(STRINGS ${main} experiments REGEX "#include \"kestrel_slam/(experiments|merging|link)/")
+  if(experiments)
+    set(experiments kestrel_experiments)
+  endif()
+  kestrel_program(${main} kestrel_commands ${experiments} CLI11::CLI11)
   # Man page and completion come from the options of the program.
   get_filename_component(name ${main} NAME_WE)
   string(REGEX REPLACE "_main$" "" name ${name})

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The catkin commands that must come before the first target.
 find_package(catkin REQUIRED COMPONENTS
-  diagnostic_updater geometry_msgs map_msgs message_filters message_generation nav_msgs nodelet pluginlib
+  diagnostic_updater dynamic_reconfigure geometry_msgs map_msgs message_filters message_generation nav_msgs nodelet pluginlib
   roscpp sensor_msgs std_msgs std_srvs tf2 tf2_msgs tf2_ros visualization_msgs)
 find_package(rosbag_storage REQUIRED)  # separate, because the flight nodes do not link to it
 

@@ -135,6 +135,14 @@ std::string imuAdvice(const OfflineRun& run) {
   return caused ? "; --imu none maps without the IMU" : "";
 }
 
+/// A trajectory with ascending stamps.
+Trajectory sortedTum(const std::string& path) {
+  Trajectory trajectory = readTum(path);
+  std::stable_sort(trajectory.begin(), trajectory.end(),
+                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+  return trajectory;
+}
+
 }  // namespace
 
 void addLaserPoseOption(CLI::App& app, std::vector<double>& x_y_yaw) {
@@ -159,8 +167,10 @@ void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
       "recording that was split into several bags: all of them");
   app.add_option("--config", arguments.config, "YAML file with parameters");
   app.add_option("--odometry", arguments.odometry,
-                 "none: laser only (default); use: predict the motion from the recorded odometry")
-      ->check(CLI::IsMember({"none", "use"}));
+                 "none: laser only (default); use: predict the motion from the recorded odometry; "
+                 "FILE: from a trajectory in the TUM format. With --set map_with_known_poses=true "
+                 "its poses are taken as they are")
+      ->check(CLI::IsMember({"none", "use"}) | CLI::ExistingFile);
   app.add_option("--loops", arguments.loops,
                  "use: search for loops and correct the map with a pose graph; none: one map that "
                  "grows (default: parameter graph)")
@@ -206,7 +216,7 @@ RunInfo runInfoOf(const MappingArguments& arguments, const SlamConfig& config,
   info.hash = hashOfFiles(arguments.recordings);
   if (arguments.app != nullptr) info.options = optionsOf(*arguments.app);
   info.config = config;
-  info.odometry = arguments.odometry == "use";
+  info.odometry = arguments.usesOdometry();
   info.timing = !arguments.no_timing;
   return info;
 }
@@ -253,8 +263,14 @@ bool stopRequested() { return stop_requested != 0; }
 
 OfflineRun mapWithProgress(Recording& recording, const SlamConfig& config,
                            const MappingArguments& arguments) {
+  if (config.mapper.known_poses && !arguments.usesOdometry()) {
+    throw std::invalid_argument(
+        "map_with_known_poses needs poses; add --odometry use, or --odometry FILE with a "
+        "trajectory in the TUM format");
+  }
   RunOptions options = arguments.run;
-  options.use_odometry = arguments.odometry == "use";
+  options.use_odometry = arguments.usesOdometry();
+  if (arguments.hasOdometryFile()) options.odometry = sortedTum(arguments.odometry);
   options.use_imu = arguments.imu == "use";
   options.use_filter = arguments.filter == "use" && !options.use_odometry;
   options.base_T_laser = laserPoseOf(arguments.laser_pose);

@@ -57,7 +57,7 @@ void SubmapGraph::add(const PlanarScan& scan, const MapperResult& result) {
   if (!isQuery({searched_, keyframes_.size()})) return;
   const LoopQuery query{searched_, keyframes_.size()};
   searched_ = keyframes_.size();
-  search(query);
+  if (config_.enabled) search(query);
 }
 
 /// Whether these keyframes are enough to search for.

@@ -12,6 +12,8 @@ namespace kestrel {
 namespace {
 
 constexpr double kLogOddsScale = 1000.0;
+constexpr int kMin = std::numeric_limits<std::int16_t>::min();
+constexpr int kMax = std::numeric_limits<std::int16_t>::max();
 
 /// For every byte, eight 16-bit masks of its bits. They expand a row of bits to vector lanes, so
 /// that the compiler can add eight values at a time.
@@ -37,13 +39,25 @@ std::int16_t logOddsOf(double probability) {
 }
 
 const double* probabilityTable() {
-  constexpr int kMin = std::numeric_limits<std::int16_t>::min();
-  constexpr int kMax = std::numeric_limits<std::int16_t>::max();
   static const std::vector<double> table = [] {
     std::vector<double> values;
     values.reserve(kMax - kMin + 1);
     for (int log_odds = kMin; log_odds <= kMax; ++log_odds) {
       values.push_back(1.0 / (1.0 + std::exp(-static_cast<double>(log_odds) / kLogOddsScale)));
+    }
+    return values;
+  }();
+  return table.data() - kMin;
+}
+
+const std::int8_t* percentTable() {
+  static const std::vector<std::int8_t> table = [] {
+    std::vector<std::int8_t> values;
+    values.reserve(kMax - kMin + 1);
+    for (int log_odds = kMin; log_odds <= kMax; ++log_odds) {
+      const auto percent = std::lround(100.0 * probabilityTable()[log_odds]);
+      const auto other = log_odds > 0 ? 51 : 49;
+      values.push_back(static_cast<std::int8_t>(percent == 50 ? other : percent));
     }
     return values;
   }();

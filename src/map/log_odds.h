@@ -13,6 +13,9 @@ std::int16_t logOddsOf(double probability);
 /// their time.
 const double* probabilityTable();
 
+/// The same for the probability in %, rounded; never 50, which would be neither free nor occupied.
+const std::int8_t* percentTable();
+
 /// Adds `miss` to those of the 32 values of a row whose bit is set; the results are at least `min`.
 /// A result is never 0, which would mean unknown.
 void addMisses(std::uint32_t bits, std::int16_t miss, std::int16_t min, std::int16_t* values);

@@ -2,8 +2,19 @@
 #include "kestrel_slam/map/map_replica.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace kestrel {
+namespace {
+
+constexpr std::int8_t kEvenPercent = 50;
+
+std::int8_t stateOf(std::int8_t percent) {
+  if (percent < 0) return MapSnapshot::kUnknown;
+  return percent > kEvenPercent ? MapSnapshot::kOccupied : MapSnapshot::kFree;
+}
+
+}  // namespace
 
 void CellRectangle::extend(int x, int y) {
   if (empty()) {
@@ -17,7 +28,7 @@ void CellRectangle::extend(int x, int y) {
 void MapReplica::update(const TileImage& image) {
   Tile& tile = *tiles_.obtain(image.corner);
   for (std::size_t i = 0; i < kTileCells; ++i) {
-    if (image.cells[i] == tile.cells[i]) continue;
+    if (stateOf(image.cells[i]) == stateOf(tile.cells[i])) continue;
     const int x = image.corner.x + static_cast<int>(i % kTileSide);
     const int y = image.corner.y + static_cast<int>(i / kTileSide);
     known_.extend(x, y);
@@ -31,7 +42,10 @@ void MapReplica::clear() {
   known_ = changed_ = CellRectangle();
 }
 
-MapSnapshot MapReplica::snapshot() const {
+MapSnapshot MapReplica::snapshot() const { return mapOf(valuesIn(known_)); }
+MapSnapshot MapReplica::probabilities() const { return mapOf(percentIn(known_)); }
+
+MapSnapshot MapReplica::mapOf(std::vector<std::int8_t> cells) const {
   MapSnapshot map;
   map.resolution_m = resolution_m_;
   if (known_.empty()) return map;
@@ -39,7 +53,7 @@ MapSnapshot MapReplica::snapshot() const {
   map.height = known_.y1 - known_.y0;
   map.origin_x = static_cast<double>(known_.x0) * resolution_m_;
   map.origin_y = static_cast<double>(known_.y0) * resolution_m_;
-  map.cells = valuesIn(known_);
+  map.cells = std::move(cells);
   return map;
 }
 
@@ -50,6 +64,12 @@ CellRectangle MapReplica::takeChanged() {
 }
 
 std::vector<std::int8_t> MapReplica::valuesIn(const CellRectangle& part) const {
+  std::vector<std::int8_t> values = percentIn(part);
+  std::transform(values.begin(), values.end(), values.begin(), stateOf);
+  return values;
+}
+
+std::vector<std::int8_t> MapReplica::percentIn(const CellRectangle& part) const {
   if (part.empty()) return {};
   const auto width = static_cast<std::size_t>(part.x1 - part.x0);
   std::vector<std::int8_t> values(width * static_cast<std::size_t>(part.y1 - part.y0),

@@ -264,6 +264,7 @@ InterpolatedValue OccupancyGrid::interpolate(int level, const Eigen::Vector2f& p
 }
 
 bool OccupancyGrid::takeChangedTiles(std::size_t max_tiles, std::vector<TileImage>& images) {
+  const std::int8_t* percent = percentTable();
   for (; max_tiles > 0 && !changed_tiles_.empty(); --max_tiles) {
     Tile& tile = *changed_tiles_.back();
     changed_tiles_.pop_back();
@@ -272,9 +273,7 @@ bool OccupancyGrid::takeChangedTiles(std::size_t max_tiles, std::vector<TileImag
     image.corner = tile.corner;
     for (std::size_t i = 0; i < kTileCells; ++i) {
       const std::int16_t value = tile.log_odds[i];
-      image.cells[i] = value == 0  ? MapSnapshot::kUnknown
-                       : value > 0 ? MapSnapshot::kOccupied
-                                   : MapSnapshot::kFree;
+      image.cells[i] = value == 0 ? MapSnapshot::kUnknown : percent[value];
     }
   }
   return !changed_tiles_.empty();

@@ -44,22 +44,10 @@ constexpr double kWellConstrained = 0.1;
 
 }  // namespace
 
-const char* toString(MatchState state) {
-  switch (state) {
-    case MatchState::kOk:
-      return "ok";
-    case MatchState::kDegraded:
-      return "degraded";
-    case MatchState::kLost:
-      return "lost";
-  }
-  return "unknown";
-}
-
 struct Mapper::State {
   explicit State(const MapperConfig& c, const Pose2& map_T_base = Pose2())
       : config(c),
-        map(c.grid, submapOptions(c.matcher), c.window),
+        map(c.grid, submapOptions(c.matcher), c.usedWindow()),
         matcher(makeMatcher(c.matcher)),
         motion(c, map_T_base) {}
 
@@ -80,6 +68,8 @@ struct Mapper::State {
   int unsettled_scans = 0;  ///< scans that have to fit before the state is ok again
 
   void begin(MapperResult& result);
+  void follow(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& map_T_base,
+              MapperResult& result);
   void match(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
   void followAlong(const Points& points, const PlanarScan& scan, const Pose2& motion_prediction,
@@ -121,6 +111,23 @@ void Mapper::State::begin(MapperResult& result) {
   result.match.converged = true;
   result.state = MatchState::kOk;
   uncertainty.begin(motion.pose());
+}
+
+/// The pose is known. The fit only shows whether it agrees with the map. Without a pose the state
+/// stays lost.
+void Mapper::State::follow(const Points& points, const PlanarScan& scan,
+                           const std::optional<Pose2>& map_T_base, MapperResult& result) {
+  const bool first = map.scans() == 0;
+  if (!map_T_base || (first && points.empty())) return;
+  motion.move(*map_T_base, *map_T_base, false, scan);
+  begin(result);
+  if (first || points.empty()) return;
+  const Fit fit = fitOf(map.current(), points, motion.pose(), config.matcher.score_scale_m);
+  result.match.score = fit.score;
+  result.match.known = fit.known;
+  const bool contradicts =
+      fit.known >= config.min_known_share && fit.score < config.matcher.search_score;
+  if (contradicts) result.state = MatchState::kDegraded;
 }
 
 /// Along an unobservable direction: the prediction, and what little the scan shows.
@@ -296,7 +303,9 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   const PredictionError error = s.motion.errorAt(scan, odom_T_base);
   result.blank = s.isBlank(points, scan, odom_T_base);
   s.few_hits = scan.integrated_acceleration && hitsOf(scan).size() * kFewHits < scan.rays.size();
-  if (s.map.scans() > 0) {
+  if (s.config.known_poses) {
+    s.follow(points, scan, odom_T_base, result);
+  } else if (s.map.scans() > 0) {
     if (result.blank) {
       s.carry(scan, odom_T_base, error, result);
     } else {
@@ -317,6 +326,11 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   result.searched = result.match.searched;
   result.reason = reasonOf(result, s.config);
   return result;
+}
+
+void Mapper::configure(const MapperConfig& config) {
+  state_->config = config;
+  state_->matcher = makeMatcher(config.matcher);
 }
 
 void Mapper::reset(const Pose2& map_T_base) {

@@ -11,6 +11,7 @@ const char* reasonOfCarried(const MapperResult& result, const MapperConfig& conf
 }
 
 const char* reasonOfLost(const MapperResult& result, const MapperConfig& config) {
+  if (config.known_poses) return "no known pose";
   if (result.blank) return "few hits";
   if (result.match.ambiguous) return "ambiguous";
   if (result.match.incomplete) return "search not finished";
@@ -25,6 +26,18 @@ const char* reasonOfDegraded(const MapperResult& result, const MapperConfig& con
 }
 
 }  // namespace
+
+const char* toString(MatchState state) {
+  switch (state) {
+    case MatchState::kOk:
+      return "ok";
+    case MatchState::kDegraded:
+      return "degraded";
+    case MatchState::kLost:
+      return "lost";
+  }
+  return "unknown";
+}
 
 const char* reasonOf(const MapperResult& result, const MapperConfig& config) {
   if (result.state == MatchState::kOk) return "fits";

@@ -10,10 +10,12 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "filter_sample.h"
 #include "kestrel_slam/graph/submap_graph.h"
 #include "kestrel_slam/offline/arrival_order.h"
 #include "kestrel_slam/offline/saved_session.h"
 #include "kestrel_slam/session/graph_session.h"
+#include "stage_clock.h"
 
 namespace kestrel {
 namespace {
@@ -96,6 +98,7 @@ class Runner {
     pipeline_.on_drop = [this](const DroppedSweep& sweep) { drop(sweep); };
     if (options_.localize_in) localize();
     pipeline_.on_filter = options_.filter_observer;
+    pipeline_.on_stage = [this](PipelineStage stage) { stages_.begin(stage); };
     if (options_.session) {
       const double resolution_m = config.mapper.grid.resolution_m;
       pipeline_.continueWith(graphRecordOf(*options_.session, resolution_m), options_.start);
@@ -147,12 +150,14 @@ class Runner {
       return;
     }
     const Clock::time_point start = work_start_ = Clock::now();
+    stages_.resume();
     if (const auto* sample = std::get_if<ImuSample>(&message.message)) {
       pipeline_.addImu(*sample, recording_.imu().base_T_imu, message.arrival);
     } else {
       pipeline_.addRange(std::get<HeightSample>(message.message), message.arrival);
     }
     if (work_start_ == start) work_s_ += secondsSince(start);
+    stages_.begin(PipelineStage::kFilter);
   }
 
   void addScan(RecordedScan& scan, double arrival) {
@@ -160,6 +165,7 @@ class Runner {
     if (!first_time_) first_time_ = scan.time;
     if (!first_stamp_) first_stamp_ = arrival;
     run_.duration_s = scan.time - *first_time_;
+    if (!options_.odometry.empty()) scan.odom_T_base = poseAt(options_.odometry, scan.scan.stamp);
     if (scan.odom_T_base) scan.odom_T_base = odometry_.next(*scan.odom_T_base);
     if (!perturb(options_.perturbation, read_, scan)) {
       ++run_.left_out;
@@ -176,6 +182,7 @@ class Runner {
     input.time = scan.time;
     input.number = read_;
     work_start_ = Clock::now();
+    stages_.resume();
     pipeline_.addScan(std::move(input), arrival);
   }
 
@@ -214,6 +221,7 @@ class Runner {
     const MapperResult& result = sweep.result;
     ScanRecord entry;
     entry.ms = takeWork();
+    entry.stage_ms = stages_.take();
     entry.time = sweep.scan.time;
     entry.state = result.state;
     entry.score = result.match.score;
@@ -231,6 +239,7 @@ class Runner {
     entry.ambiguous = result.match.ambiguous;
     entry.reason = result.reason;
     entry.odom_T_base = sweep.input.odom_T_base;
+    entry.filter = sampleOf(pipeline_.filter().output());
     run_.scans.push_back(entry);
     run_.trajectory.push_back({sweep.scan.stamp, result.pose});
     if (const SubmapGraph* graph = pipeline_.graph())
@@ -243,6 +252,7 @@ class Runner {
     noteWarnings(sweep);
     if (options_.observer) options_.observer(sweep.scan, result);
     if (options_.sweep_observer) options_.sweep_observer(sweep);
+    stages_.resume();
   }
 
   void addDistance(const Pose2& pose) {
@@ -303,7 +313,9 @@ class Runner {
     limit << config_.slam.mapper.grid.memory_limit_mb;
     warn(full_, "came after the map was full, so that it is not complete",
          "the memory limit is " + limit.str() + " MB; raise map_memory_limit_mb or map_resolution");
-    warn(without_odometry_, "had no odometry and were matched with the laser only", "");
+    const bool known = config_.slam.mapper.known_poses;
+    warn(without_odometry_,
+         known ? "had no known pose" : "had no odometry and were matched with the laser only", "");
     run_.map = pipeline_.mapper().snapshot();
     if (SubmapGraph* graph = pipeline_.graph()) correct(*graph);
     run_.map_memory_bytes = pipeline_.mapper().memoryBytes();
@@ -317,6 +329,7 @@ class Runner {
   Pipeline pipeline_;
   RunOptions options_;
   OdometryDistortion odometry_;
+  StageClock stages_;
   Clock::time_point work_start_;  ///< start time of the current pipeline call
   double work_s_ = 0.0;           ///< time in earlier calls since the last scan
 

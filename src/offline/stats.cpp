@@ -79,6 +79,16 @@ Json graphOf(const OfflineRun& run) {
            rounded(static_cast<double>(run.graph->memory_bytes) / kBytesPerMegabyte, kFine)}};
 }
 
+Json stagesOf(const OfflineRun& run) {
+  Json stages = Json::object();
+  for (std::size_t i = 0; i < kPipelineStages; ++i) {
+    const auto stage = static_cast<PipelineStage>(i);
+    const Distribution ms = stageTimes(run, stage);
+    stages[toString(stage)] = {{"mean", rounded(ms.mean, kFine)}, {"p99", rounded(ms.p99, kFine)}};
+  }
+  return stages;
+}
+
 Json timingOf(const OfflineRun& run) {
   const Distribution scan_ms = scanTimes(run);
   // Side by side they tell whether the time grows with the map.
@@ -90,6 +100,7 @@ Json timingOf(const OfflineRun& run) {
             {"max", rounded(scan_ms.max, kFine)},
             {"median_first_quarter", rounded(first.median, kFine)},
             {"median_last_quarter", rounded(last.median, kFine)}}},
+          {"stages_ms", stagesOf(run)},
           {"processing_s", rounded(run.processing_s, kFine)},
           {"speed_factor", rounded(run.speedFactor(), kCoarse)},
           {"peak_memory_mb", rounded(run.peak_memory_mb, kCoarse)}};
@@ -128,6 +139,13 @@ Distribution scanTimes(const OfflineRun& run, double from, double to) {
        ++i) {
     ms.push_back(run.scans[i].ms);
   }
+  return distributionOf(std::move(ms));
+}
+
+Distribution stageTimes(const OfflineRun& run, PipelineStage stage) {
+  std::vector<double> ms;
+  for (const ScanRecord& scan : run.scans)
+    ms.push_back(scan.stage_ms[static_cast<std::size_t>(stage)]);
   return distributionOf(std::move(ms));
 }
 

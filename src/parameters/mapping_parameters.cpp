@@ -27,12 +27,16 @@ std::vector<Parameter> mapParametersOf(MapperConfig& mapper) {
              "longer after they are gone."),
       number("map_memory_limit_mb", "MB", &grid.memory_limit_mb, 1.0, 1e6,
              "Memory at which the map stops growing; the mapper then warns and goes on."),
-      number("map_update_distance_thresh", "m", &mapper.insert_distance_m, 0.0, kNoLimit,
-             "Distance from the last inserted scan at which the next one is inserted into the "
-             "map; a larger value inserts fewer scans."),
-      number("map_update_angle_thresh", "rad", &mapper.insert_angle_rad, 0.0, kNoLimit,
-             "Rotation since the last inserted scan at which the next one is inserted into the "
-             "map; above 3.15 a rotation alone never inserts a scan."),
+      live(number("map_update_distance_thresh", "m", &mapper.insert_distance_m, 0.0, kNoLimit,
+                  "Distance from the last inserted scan at which the next one is inserted into the "
+                  "map; a larger value inserts fewer scans.")),
+      live(
+          number("map_update_angle_thresh", "rad", &mapper.insert_angle_rad, 0.0, kNoLimit,
+                 "Rotation since the last inserted scan at which the next one is inserted into the "
+                 "map; above 3.15 a rotation alone never inserts a scan.")),
+      flag("map_with_known_poses", &mapper.known_poses,
+           "Take the pose of each scan from the odometry instead of matching it, and close no "
+           "loops; mapper_node without odom_frame takes it from map_frame -> base_frame in tf."),
   };
 }
 
@@ -46,15 +50,18 @@ std::vector<Parameter> matchingParametersOf(MapperConfig& mapper) {
              "around it; matcher correlative has its own."),
       number("match_iterations", "", &matcher.gauss_newton.max_iterations, 1.0, 1000.0,
              "Largest number of Gauss-Newton iterations in each stage of the matching."),
-      number("good_score", "", &matcher.good_score, 0.0, 1.0,
-             "Score below which other initial guesses are tried; a larger value tries them more "
-             "often and needs more time."),
-      number("search_score", "", &matcher.search_score, 0.0, 1.0,
-             "Score below which a match is degraded and a wider search may start; a larger value "
-             "searches more often and needs more time."),
-      number("lost_score", "", &mapper.lost_score, 0.0, 1.0,
-             "Score below which the mapper is lost and does not insert the scan; a larger value "
-             "makes it lost earlier."),
+      live(number(
+          "good_score", "", &matcher.good_score, 0.0, 1.0,
+          "Score below which other initial guesses are tried; a larger value tries them more "
+          "often and needs more time.")),
+      live(number(
+          "search_score", "", &matcher.search_score, 0.0, 1.0,
+          "Score below which a match is degraded and a wider search may start; a larger value "
+          "searches more often and needs more time.")),
+      live(number(
+          "lost_score", "", &mapper.lost_score, 0.0, 1.0,
+          "Score below which the mapper is lost and does not insert the scan; a larger value "
+          "makes it lost earlier.")),
   };
 }
 
@@ -78,14 +85,15 @@ std::vector<Parameter> searchParametersOf(MatcherConfig& matcher) {
 
 std::vector<Parameter> evaluationParametersOf(EvaluationConfig& evaluation) {
   return {
-      flag("use_evaluation_function", &evaluation.enabled,
-           "Insert only scans whose penalized evaluation is below evaluation_threshold."),
-      number("evaluation_threshold", "", &evaluation.threshold, 1.0, 1000.0,
-             "Evaluation above which a scan is not inserted; a larger value also inserts scans "
-             "that match less well."),
-      number("evaluation_penalty", "", &evaluation.penalty, 0.0, 1000.0,
-             "Weight of the pose differences between the map resolutions in the evaluation; a "
-             "larger value inserts fewer scans."),
+      live(flag("use_evaluation_function", &evaluation.enabled,
+                "Insert only scans whose penalized evaluation is below evaluation_threshold.")),
+      live(
+          number("evaluation_threshold", "", &evaluation.threshold, 1.0, 1000.0,
+                 "Evaluation above which a scan is not inserted; a larger value also inserts scans "
+                 "that match less well.")),
+      live(number("evaluation_penalty", "", &evaluation.penalty, 0.0, 1000.0,
+                  "Weight of the pose differences between the map resolutions in the evaluation; a "
+                  "larger value inserts fewer scans.")),
   };
 }
 
@@ -101,14 +109,18 @@ std::vector<Parameter> graphParametersOf(WindowConfig& window, LoopConfig& loops
       number("submap_degenerate_weight", "", &window.degenerate_weight, 0.01, 1.0,
              "How much an inserted scan with an unobservable direction counts for the length of a "
              "submap; a smaller value keeps more of a corridor."),
-      number("loop_search_window", "m", &loops.wide_radius_m, 0.5, 50.0,
-             "Half width in x and y of the search for a loop, in which the place must be unique; a "
-             "larger window finds larger errors and needs more time."),
-      number("loop_min_fit", "", &loops.min_fit, 0.0, 1.0,
-             "Smallest score of the scans at a place that was visited before."),
-      number("loop_min_margin", "", &loops.min_margin, 0.0, 1.0,
-             "By how much this score must be better than anywhere else in the search window; a "
-             "larger value refuses more loops as ambiguous."),
+      live(flag("close_loops", &loops.enabled,
+                "Search for loops; false: the map is not corrected from then on.")),
+      live(number(
+          "loop_search_window", "m", &loops.wide_radius_m, 0.5, 50.0,
+          "Half width in x and y of the search for a loop, in which the place must be unique; a "
+          "larger window finds larger errors and needs more time.")),
+      live(number("loop_min_fit", "", &loops.min_fit, 0.0, 1.0,
+                  "Smallest score of the scans at a place that was visited before.")),
+      live(
+          number("loop_min_margin", "", &loops.min_margin, 0.0, 1.0,
+                 "By how much this score must be better than anywhere else in the search window; a "
+                 "larger value refuses more loops as ambiguous.")),
   };
 }
 

@@ -27,8 +27,9 @@ std::string withUnit(const std::string& text, const Parameter& parameter) {
   return parameter.unit.empty() || text.empty() ? text : text + " " + parameter.unit;
 }
 
-std::string oldNamesOf(const Parameter& parameter, const std::string& quote) {
-  std::string text;
+/// What is said of a parameter after its effect.
+std::string notesOf(const Parameter& parameter, const std::string& quote) {
+  std::string text = parameter.live ? " (May change in flight.)" : "";
   for (const std::string& name : parameter.old_names) {
     text += " (Old name: " + quote + name + quote + ".)";
   }
@@ -40,7 +41,7 @@ std::string helpOf(const Parameter& parameter) {
   const std::string limits = withUnit(limitsText(parameter), parameter);
   return "  " + parameter.name + ": " + (value.empty() ? "''" : withUnit(value, parameter)) +
          (limits.empty() ? "" : " (" + limits + ")") + "\n" +
-         wrapped(parameter.description + oldNamesOf(parameter, ""));
+         wrapped(parameter.description + notesOf(parameter, ""));
 }
 
 std::string escaped(const std::string& text) {
@@ -54,7 +55,7 @@ std::string rowOf(const Parameter& parameter) {
   const std::string value = valueText(parameter);
   return "| `" + parameter.name + "` | " + (value.empty() ? "empty" : "`" + value + "`") + " | " +
          parameter.unit + " | " + escaped(limitsText(parameter)) + " | " +
-         escaped(parameter.description) + oldNamesOf(parameter, "`") + " |\n";
+         escaped(parameter.description) + notesOf(parameter, "`") + " |\n";
 }
 
 template <typename Heading, typename Row>

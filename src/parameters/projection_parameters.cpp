@@ -10,23 +10,23 @@ using namespace parameter_table;
 std::vector<Parameter> beamParametersOf(ProjectorConfig& projector) {
   BeamFilterConfig& beams = projector.beams;
   return {
-      number("laser_min_dist", "m", &beams.min_range_m, 0.0, 100.0,
-             "Shorter ranges are ignored: they are returns from the vehicle itself."),
-      number("laser_max_dist", "m", &beams.max_range_m, 0.1, 1000.0,
-             "Longer ranges count as no return: they clear free space and mark no wall."),
-      number("clear_range", "m", &beams.clear_range_m, 0.0, 1000.0,
-             "Distance up to which a beam without a return clears free space; 0: it clears "
-             "nothing."),
+      live(number("laser_min_dist", "m", &beams.min_range_m, 0.0, 100.0,
+                  "Shorter ranges are ignored: they are returns from the vehicle itself.")),
+      live(number("laser_max_dist", "m", &beams.max_range_m, 0.1, 1000.0,
+                  "Longer ranges count as no return: they clear free space and mark no wall.")),
+      live(number("clear_range", "m", &beams.clear_range_m, 0.0, 1000.0,
+                  "Distance up to which a beam without a return clears free space; 0: it clears "
+                  "nothing.")),
       number("max_beams", "", &beams.max_beams, 1.0, 1e7, "Scans with more beams are dropped."),
-      text("ignored_angles", &projector.ignored_angles,
-           "Beams that hit the vehicle and are ignored: 'from:to, from:to' in degrees in the "
-           "laser's frame, in quotes."),
-      number("vehicle_radius", "m", &projector.vehicle_radius_m, 0.0, 10.0,
-             "End points closer to the base than this are parts of the vehicle and are not "
-             "mapped; 0: off."),
-      number("mixed_pixel_jump", "m", &projector.mixed_pixel_jump_m, 0.0, 10.0,
-             "A beam at an edge, whose range differs by more than this from both of its "
-             "neighbors, is not mapped; 0: off."),
+      live(text("ignored_angles", &projector.ignored_angles,
+                "Beams that hit the vehicle and are ignored: 'from:to, from:to' in degrees in the "
+                "laser's frame, in quotes.")),
+      live(number("vehicle_radius", "m", &projector.vehicle_radius_m, 0.0, 10.0,
+                  "End points closer to the base than this are parts of the vehicle and are not "
+                  "mapped; 0: off.")),
+      live(number("mixed_pixel_jump", "m", &projector.mixed_pixel_jump_m, 0.0, 10.0,
+                  "A beam at an edge, whose range differs by more than this from both of its "
+                  "neighbors, is not mapped; 0: off.")),
       text("range_correction", &projector.range_correction,
            "Correction that is added to the ranges of a 2D laser: 'range:correction, "
            "range:correction' in m, in quotes, linear between."),
@@ -35,12 +35,12 @@ std::vector<Parameter> beamParametersOf(ProjectorConfig& projector) {
 
 std::vector<Parameter> sliceParametersOf(ProjectorConfig& projector) {
   return {
-      number("laser_z_min_value", "m", &projector.slice_min_m, -100.0, 0.0,
-             "End points below this height, relative to the laser, are not mapped."),
-      number("laser_z_max_value", "m", &projector.slice_max_m, 0.0, 100.0,
-             "End points above this height, relative to the laser, are not mapped."),
-      number("max_tilt", "rad", &projector.max_tilt_rad, 0.0, 1.5,
-             "Scans of a vehicle that is tilted by more than this are dropped."),
+      live(number("laser_z_min_value", "m", &projector.slice_min_m, -100.0, 0.0,
+                  "End points below this height, relative to the laser, are not mapped.")),
+      live(number("laser_z_max_value", "m", &projector.slice_max_m, 0.0, 100.0,
+                  "End points above this height, relative to the laser, are not mapped.")),
+      live(number("max_tilt", "rad", &projector.max_tilt_rad, 0.0, 1.5,
+                  "Scans of a vehicle that is tilted by more than this are dropped.")),
       number("azimuth_bins", "", &projector.azimuth_bins, 8.0, 100000.0,
              "Number of directions in the slice of a 3D lidar; a larger number keeps more points "
              "and needs more time."),
@@ -51,11 +51,12 @@ std::vector<Parameter> heightParametersOf(ProjectorConfig& projector) {
   return {
       number("height", "m", &projector.height_m, 0.0, 1000.0,
              "Height of the base above the floor, used if no sensor measures it; 0: unknown."),
-      number("ceiling_height", "m", &projector.ceiling_m, 0.0, 1000.0,
-             "Height of the ceiling above the floor; 0: unknown."),
-      number("floor_margin", "m", &projector.floor_margin_m, 0.0, 10.0,
-             "End points closer than this to the floor or the ceiling are not mapped; a larger "
-             "value allows larger errors of height and attitude."),
+      live(number("ceiling_height", "m", &projector.ceiling_m, 0.0, 1000.0,
+                  "Height of the ceiling above the floor; 0: unknown.")),
+      live(
+          number("floor_margin", "m", &projector.floor_margin_m, 0.0, 10.0,
+                 "End points closer than this to the floor or the ceiling are not mapped; a larger "
+                 "value allows larger errors of height and attitude.")),
       text("mirror_angles", &projector.mirror_angles,
            "Beams that a mirror deflects down to measure the height: 'from:to, from:to' in "
            "degrees in the laser's frame, in quotes."),

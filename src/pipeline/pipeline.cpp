@@ -17,6 +17,11 @@ ProjectionStageConfig projectionConfigOf(const PipelineConfig& config) {
 
 }  // namespace
 
+const char* toString(PipelineStage stage) {
+  constexpr const char* kNames[kPipelineStages] = {"filter", "projection", "matching", "graph"};
+  return kNames[static_cast<std::size_t>(stage)];
+}
+
 Pipeline::Pipeline(const PipelineConfig& config)
     : config_(config),
       projection_(projectionConfigOf(config)),
@@ -40,7 +45,7 @@ void Pipeline::deliverPoses() {
 Pipeline::~Pipeline() = default;
 
 void Pipeline::startGraph() {
-  if (!config_.slam.mapper.window.enabled) return;
+  if (!config_.slam.mapper.usesGraph()) return;
   graph_ = std::make_unique<SubmapGraph>(config_.slam.mapper, config_.slam.loops);
 }
 
@@ -120,6 +125,7 @@ bool Pipeline::handle(const WaitingScan& waiting) {
 }
 
 void Pipeline::map(const PipelineScan& scan, bool level) {
+  begin(PipelineStage::kProjection);
   ProjectedSweep projected =
       projection_.project(scan.data, scan.base_T_laser, level, scan.odom_T_base);
   Projection& projection = projected.projection;
@@ -131,8 +137,11 @@ void Pipeline::map(const PipelineScan& scan, bool level) {
     drop(scan, toString(projection.error), projection.message);
     return;
   }
+  begin(PipelineStage::kMapping);
   const MapperResult result = mapping_.process(projection.scan, scan.odom_T_base, scan.time);
+  begin(PipelineStage::kGraph);
   if (graph_) graph_->add(projection.scan, result);
+  begin(PipelineStage::kFilter);
   const MatchedPose pose = matchedPoseOf(result, stamp);
   projection_.addVelocity(stamp, knownVelocity(result));
   if (config_.use_filter) poses_.push_back({now_ + config_.coupling.match_s, pose});

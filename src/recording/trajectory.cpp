@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/recording/trajectory.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -62,6 +63,19 @@ double yawOf(double qx, double qy, double qz, double qw) {
 }
 
 }  // namespace
+
+std::optional<Pose2> poseAt(const Trajectory& trajectory, double stamp, double max_gap_s) {
+  const auto after =
+      std::lower_bound(trajectory.begin(), trajectory.end(), stamp,
+                       [](const StampedPose& pose, double t) { return pose.stamp < t; });
+  if (after == trajectory.end()) return std::nullopt;
+  if (after->stamp == stamp) return after->pose;
+  if (after == trajectory.begin()) return std::nullopt;
+  const StampedPose &a = *std::prev(after), &b = *after;
+  const double gap = b.stamp - a.stamp;
+  if (gap > max_gap_s) return std::nullopt;
+  return interpolate(a.pose, b.pose, (stamp - a.stamp) / gap);
+}
 
 std::string tumText(const Trajectory& trajectory) {
   std::string text;

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/report/map_image.h"
 #include "kestrel_slam/report/series.h"
 #include "kestrel_slam/session/version.h"
@@ -103,6 +104,17 @@ std::string loopsOf(const GraphResult& graph) {
   return result.empty() ? "none" : result;
 }
 
+/// Mean time of every part of the work.
+std::string stagesText(const OfflineRun& run) {
+  std::string result;
+  for (std::size_t i = 0; i < kPipelineStages; ++i) {
+    const auto stage = static_cast<PipelineStage>(i);
+    result += (result.empty() ? "" : ", ") + std::string(toString(stage)) +
+              text({stageTimes(run, stage).mean, kMillimeter, " ms"});
+  }
+  return result;
+}
+
 Json rowsOf(const OfflineRun& run, const RunInfo& info) {
   Json rows = Json::array();
   addMatchRows(rows, run);
@@ -114,6 +126,7 @@ Json rowsOf(const OfflineRun& run, const RunInfo& info) {
     addRow(rows, "Time per scan",
            text({ms.median, 2, " ms median, "}) + text({ms.p99, 2, " ms p99, "}) +
                text({ms.max, 1, " ms max"}));
+    addRow(rows, "Its parts, mean", stagesText(run));
   }
   return rows;
 }
@@ -158,6 +171,25 @@ Json shareChartOf(const char* title, const std::vector<double>& times,
   return chart;
 }
 
+/// The curves of the pose filter, if it ran.
+void addFilterCharts(const OfflineRun& run, const std::vector<double>& times, Json& charts) {
+  std::vector<double> t, height, tilt, gyro, accelerometer;
+  for (std::size_t i = 0; i < run.scans.size(); ++i) {
+    const std::optional<FilterSample>& sample = run.scans[i].filter;
+    if (!sample) continue;
+    t.push_back(times[i]);
+    height.push_back(sample->height_m);
+    tilt.push_back(radToDeg(sample->tilt_rad));
+    gyro.push_back(sample->gyro_bias_rad_s);
+    accelerometer.push_back(sample->accelerometer_bias_m_s2);
+  }
+  if (t.empty()) return;
+  charts.push_back(chartOf("Filter: height", "m", t, height, 3));
+  charts.push_back(chartOf("Filter: tilt", "°", t, tilt, 2));
+  charts.push_back(chartOf("Filter: bias of the gyro", "rad/s", t, gyro, 5));
+  charts.push_back(chartOf("Filter: bias of the accelerometer", "m/s²", t, accelerometer, 4));
+}
+
 Json chartsOf(const OfflineRun& run, const RunInfo& info, const std::vector<double>& times) {
   std::vector<double> score, known, constraint, ms;
   std::vector<Pose2> poses;
@@ -178,6 +210,7 @@ Json chartsOf(const OfflineRun& run, const RunInfo& info, const std::vector<doub
   if (info.timing) charts.push_back(chartOf("Time per scan", "ms", times, ms, 3));
   charts.push_back(chartOf("Speed", "m/s", times, speeds.linear_m_s, 3));
   charts.push_back(chartOf("Yaw rate", "rad/s", times, speeds.angular_rad_s, 3));
+  addFilterCharts(run, times, charts);
   return charts;
 }
 

@@ -232,6 +232,12 @@ ScanProjector::ScanProjector(const ProjectorConfig& config)
       mirror_(parseAngleRanges(config.mirror_angles)),
       range_correction_(config.range_correction) {}
 
+void ScanProjector::configure(const ProjectorConfig& config) {
+  ScanProjector next(config);
+  next.surfaces_ = surfaces_;
+  *this = std::move(next);
+}
+
 SweepTimes sweepTimes(const LaserScan& scan) {
   const double beams = static_cast<double>(std::max<std::size_t>(scan.ranges.size(), 1) - 1);
   const double last = scan.stamp + beams * scan.time_increment;

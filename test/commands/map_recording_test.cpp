@@ -65,6 +65,25 @@ TEST_F(MapRecordingTest, AddsErrorsToTheOdometryAndWritesIt) {
   EXPECT_CONTAINS(wrong.output, "'long:1' is no odometry error; use short:SHARE");
 }
 
+TEST_F(MapRecordingTest, MapsWithTheKnownPosesOfAnotherTrajectory) {
+  ASSERT_EQ(map(outputs("out")).code, 0);
+  Trajectory poses = readTum(folder_.file("out/trajectory.tum"));
+  const Pose2 other_T_map(10.0, 5.0, 1.0);
+  for (StampedPose& pose : poses) pose.pose = other_T_map * pose.pose;
+  writeTum(folder_.file("poses.tum"), poses);
+  const std::string known = "--set map_with_known_poses=true ";
+  const Outcome done = map("--odometry " + folder_.file("poses.tum") + " " + known + outputs("b"));
+  ASSERT_EQ(done.code, 0) << done.output;
+  const Trajectory result = readTum(folder_.file("b/trajectory.tum"));
+  ASSERT_EQ(result.size(), poses.size());
+  for (std::size_t i = 0; i < result.size(); ++i)
+    EXPECT_LT((poses[i].pose.inverse() * result[i].pose).distance(), 1e-6);
+  EXPECT_EQ(readScans(folder_.file("b/scans.csv")).back().reason, "fits");
+  const Outcome without = map(known + outputs("c"));
+  EXPECT_EQ(without.code, 1);
+  EXPECT_CONTAINS(without.output, "map_with_known_poses needs poses; add --odometry use");
+}
+
 TEST_F(MapRecordingTest, WithoutTimingTwoRunsGiveTheSameBytes) {
   ASSERT_EQ(map("--no-timing" + outputs("a")).code, 0);
   ASSERT_EQ(map("--no-timing" + outputs("b")).code, 0);

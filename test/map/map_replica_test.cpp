@@ -63,6 +63,38 @@ TEST(MapReplica, TheChangedPartIsAsSmallAsTheChange) {
   EXPECT_EQ(replica.valuesIn(second).back(), MapSnapshot::kOccupied);
 }
 
+TEST(MapReplica, ProbabilitiesAgreeWithTheStates) {
+  OccupancyGrid grid{OccupancyGridConfig()};
+  MapReplica replica(0.05);
+  for (int i = 0; i < 12; ++i) grid.insert(room::scanFrom(Pose2()), Pose2());
+  copyChanges(grid, replica);
+  const MapSnapshot states = replica.snapshot(), percent = replica.probabilities();
+  ASSERT_EQ(percent.cells.size(), states.cells.size());
+  int high = 0, low = 0;
+  for (std::size_t i = 0; i < states.cells.size(); ++i) {
+    const int p = percent.cells[i];
+    ASSERT_EQ(p < 0, states.cells[i] == MapSnapshot::kUnknown);
+    if (p < 0) continue;
+    ASSERT_EQ(p > 50, states.cells[i] == MapSnapshot::kOccupied) << p;
+    ASSERT_LE(p, 100);
+    high += p > 90;
+    low += p < 10;
+  }
+  EXPECT_GT(high, 100) << "walls that were seen often";
+  EXPECT_GT(low, 1000) << "free space that was seen often";
+}
+
+TEST(MapReplica, AMoreCertainCellIsNoChange) {
+  OccupancyGrid grid{OccupancyGridConfig()};
+  MapReplica replica(0.05);
+  grid.insert(room::scanFrom(Pose2()), Pose2());
+  copyChanges(grid, replica);
+  replica.takeChanged();
+  grid.insert(room::scanFrom(Pose2()), Pose2());
+  copyChanges(grid, replica);
+  EXPECT_TRUE(replica.takeChanged().empty());
+}
+
 TEST(MapReplica, IsEmptyAfterClear) {
   OccupancyGrid grid{OccupancyGridConfig()};
   MapReplica replica(0.05);

@@ -120,6 +120,22 @@ TEST(ReportTest, WithoutTimingNoMeasuredValueIsWritten) {
   EXPECT_EQ(reportHtml(runOf(10), infoOf(false)), reportHtml(slow, infoOf(false)));
 }
 
+TEST(ReportTest, ShowsThePoseFilterAndThePartsOfTheTime) {
+  OfflineRun run = runOf(10);
+  EXPECT_EQ(dataOf(reportHtml(run, infoOf(true)))["charts"].size(), 6U) << "without filter";
+  for (ScanRecord& scan : run.scans) {
+    scan.stage_ms = {0.05, 0.1, 0.3, 0.05};
+    scan.filter = FilterSample{1.5, 0.1, 0.01, 0.2};
+  }
+  run.scans.front().filter.reset();  // before it was initialized
+  const nlohmann::json data = dataOf(reportHtml(run, infoOf(true)));
+  ASSERT_EQ(data["charts"].size(), 10U);
+  EXPECT_EQ(data["charts"][6]["title"], "Filter: height");
+  EXPECT_EQ(data["charts"][6]["t"][0], 0.1);
+  EXPECT_EQ(data["charts"][7]["v"][0], 5.73);
+  EXPECT_NE(data["rows"].dump().find("matching 0.300 ms"), std::string::npos);
+}
+
 TEST(ReportTest, MarksChangedParameters) {
   RunInfo info = infoOf(true);
   setParameter(info.config, "map_resolution", "0.1");

@@ -24,8 +24,8 @@ namespace kestrel {
 struct MappingArguments {
   std::vector<std::string> recordings;  ///< one file, or the bags of a recording that was split
   std::string config;                   ///< YAML file with parameters; may be empty
-  std::string odometry = "none";
-  std::string loops;  ///< none or use; "": as the parameter says
+  std::string odometry = "none";        ///< none, use, or a file in the TUM format
+  std::string loops;                    ///< none or use; "": as the parameter says
   std::string imu = "use";
   std::string filter = "use";
   std::vector<std::string> settings;  ///< name=value; these override the file
@@ -41,6 +41,8 @@ struct MappingArguments {
   bool no_timing = false;
   bool quiet = false;
 
+  bool usesOdometry() const { return odometry != "none"; }
+  bool hasOdometryFile() const { return usesOdometry() && odometry != "use"; }
   /// The first file; "" if there is none.
   std::string recording() const { return recordings.empty() ? "" : recordings.front(); }
 };

@@ -11,6 +11,7 @@ namespace kestrel {
 
 /// Parameters of the loop search. All defaults are defined here.
 struct LoopConfig {
+  bool enabled = true;          ///< false: no search
   int query_keyframes = 10;     ///< consecutive keyframes that are searched for together
   double query_path_m = 4.0;    ///< or half of them, if their path has this length
   double least_radius_m = 1.5;  ///< half size of the search window where the graph is certain

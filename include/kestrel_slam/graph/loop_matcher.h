@@ -21,6 +21,7 @@ class LoopMatcher {
  public:
   LoopMatcher(const MatcherConfig& matcher, const LoopConfig& config)
       : matcher_(matcher), config_(config) {}
+  void configure(const LoopConfig& config) { config_ = config; }
 
   /// Searches for the query within `radius_m` and `yaw_rad` of `expected` (local_T_base of its
   /// middle keyframe, in the local frame of the place).

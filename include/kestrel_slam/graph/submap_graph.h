@@ -45,6 +45,12 @@ class SubmapGraph {
   /// Adds the scan if the mapper inserted it. `result.pose` is in the local frame.
   void add(const PlanarScan& scan, const MapperResult& result);
 
+  /// Uses these parameters from the next search on.
+  void configure(const LoopConfig& config) {
+    config_ = config;
+    matcher_.configure(config);
+  }
+
   /// The next keyframe begins a new part: nobody measured how the vehicle got there. The frame of
   /// the mapper must be map, as far as it is known. `map_T_base`: where the vehicle may be. It only
   /// says where to search; without it, the whole map is searched.

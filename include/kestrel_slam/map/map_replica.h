@@ -10,7 +10,8 @@
 
 namespace kestrel {
 
-/// The values {-1, 0, 100} of one tile of a map, row by row.
+/// The values of one tile of a map, row by row: the probability in % that the cell is occupied, or
+/// -1 if it is unknown. Occupied cells have more than 50, free ones less.
 struct TileImage {
   Cell corner;  ///< lower left cell
   std::array<std::int8_t, kTileCells> cells;
@@ -35,14 +36,19 @@ class MapReplica {
 
   /// The known part, as OccupancyGrid::snapshot.
   MapSnapshot snapshot() const;
+  /// The same part with probabilities in %, and -1.
+  MapSnapshot probabilities() const;
 
   /// The known part, in cells of the map frame.
   const CellRectangle& known() const { return known_; }
-  /// The cells that changed since the last call, and their values, row by row.
+  /// The cells whose value {-1, 0, 100} changed since the last call, and their values, row by row.
   CellRectangle takeChanged();
   std::vector<std::int8_t> valuesIn(const CellRectangle& part) const;
 
  private:
+  std::vector<std::int8_t> percentIn(const CellRectangle& part) const;
+  MapSnapshot mapOf(std::vector<std::int8_t> cells) const;
+
   struct Tile {
     std::array<std::int8_t, kTileCells> cells;
     Tile() { cells.fill(MapSnapshot::kUnknown); }

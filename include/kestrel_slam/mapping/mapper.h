@@ -67,11 +67,15 @@ class Mapper {
 
   /// Finds the pose of `scan`, and inserts the scan if the vehicle has moved enough and the fit is
   /// good. `odom_T_base`: odometry at the time of the scan, in any continuous frame; only its
-  /// increments are used. Does not throw. Rays and odometry that are not finite or too large are
-  /// ignored. A scan without hits gives the predicted pose with its
-  /// covariance.
+  /// increments are used, except with known poses: then it is map_T_base. Does not throw. Rays and
+  /// odometry that are not finite or too large are ignored. A scan without hits gives the predicted
+  /// pose with its covariance.
   MapperResult process(const PlanarScan& scan,
                        const std::optional<Pose2>& odom_T_base = std::nullopt);
+
+  /// Uses these thresholds and this matcher from the next scan on. Grid, window and the search
+  /// windows stay as they were.
+  void configure(const MapperConfig& config);
 
   /// Clears everything; the next scan starts a new map at `map_T_base`. A finished map is kept: the
   /// next scan is searched around `map_T_base`. Ignored if `map_T_base` is

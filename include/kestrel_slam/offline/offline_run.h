@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <limits>
@@ -23,6 +24,16 @@
 
 namespace kestrel {
 
+class SubmapGraph;
+
+/// State of the pose filter at a scan, for the report.
+struct FilterSample {
+  double height_m = 0.0;
+  double tilt_rad = 0.0;
+  double gyro_bias_rad_s = 0.0;          ///< size
+  double accelerometer_bias_m_s2 = 0.0;  ///< size
+};
+
 /// Data of one processed scan for the report.
 struct ScanRecord {
   double time = 0.0;  ///< on the repaired time base, s
@@ -30,6 +41,7 @@ struct ScanRecord {
   double score = 0.0;       ///< fit of the scan, 0 to 1
   double evaluation = 0.0;  ///< penalized score, f in [MAV SLAM 2013, eq. 4]
   double ms = 0.0;          ///< measured time of projection, match and insertion
+  std::array<double, kPipelineStages> stage_ms{};  ///< the parts of it, by PipelineStage
   int iterations = 0;
   bool searched = false;
   bool inserted = false;
@@ -44,6 +56,7 @@ struct ScanRecord {
   bool ambiguous = false;            ///< the scan fits in several places
   std::string reason;                ///< of the state, see reasonOf()
   std::optional<Pose2> odom_T_base;  ///< the odometry that was used
+  std::optional<FilterSample> filter;
 };
 
 /// The complete result of one recording. `scans[i]` belongs to `trajectory[i]`.
@@ -75,6 +88,7 @@ struct OfflineRun {
 /// without a warning.
 struct RunOptions {
   bool use_odometry = false;
+  Trajectory odometry;      ///< ascending stamps; replaces that of the recording; empty: none
   bool use_imu = true;      ///< use roll, pitch and yaw rate; false: assume a level vehicle
   bool use_filter = false;  ///< also run the pose filter, as on a vehicle; needs the IMU
   PoseFilterConfig filter;

@@ -34,6 +34,8 @@ struct Distribution {
 /// All zero if there are no values.
 Distribution distributionOf(std::vector<double> values);
 
+/// Processing time of one part of the work for each scan, ms.
+Distribution stageTimes(const OfflineRun& run, PipelineStage stage);
 /// Processing time of each scan, ms, for a part of the run. The part is given by two shares of the
 /// number of scans, 0 to 1.
 Distribution scanTimes(const OfflineRun& run, double from = 0.0, double to = 1.0);

@@ -49,6 +49,12 @@ inline Parameter renamed(const char* old_name, Parameter row) {
   return row;
 }
 
+/// The row of a parameter that may change while a node runs.
+inline Parameter live(Parameter row) {
+  row.live = true;
+  return row;
+}
+
 /// The rows under one heading.
 inline std::vector<Parameter> group(const char* heading, std::vector<Parameter> rows) {
   for (Parameter& row : rows) row.group = heading;

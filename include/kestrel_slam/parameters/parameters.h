@@ -24,6 +24,7 @@ struct Parameter {
   std::vector<std::string> choices = {};    ///< allowed values of a text; empty: any text
   std::string group = {};                   ///< heading above the parameter in lists
   std::vector<std::string> old_names = {};  ///< still accepted, with a warning
+  bool live = false;                        ///< may change while a node runs
 };
 
 /// The table of all parameters of projector and mapper, bound to `config`, which must outlive it.

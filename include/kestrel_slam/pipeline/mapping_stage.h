@@ -33,6 +33,9 @@ class MappingStage {
   MapperResult process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                        const std::optional<double>& time = std::nullopt);
 
+  /// See Mapper::configure.
+  void configure(const MapperConfig& config) { mapper_.configure(config); }
+
   /// Deletes the map. The next scan starts a new map at `map_T_base`.
   void reset(const Pose2& map_T_base);
   /// Keeps the map and sets the pose of the vehicle.

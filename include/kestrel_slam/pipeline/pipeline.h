@@ -72,6 +72,11 @@ struct DroppedSweep {
   std::string message;  ///< full sentence with values
 };
 
+/// The parts of the work of a pipeline.
+enum class PipelineStage { kFilter, kProjection, kMapping, kGraph };
+constexpr std::size_t kPipelineStages = 4;
+const char* toString(PipelineStage stage);
+
 /// Reason of the problem that the pose filter refuses the readings of the IMU (on_problem).
 constexpr char kFilterRefusesImu[] = "filter: bad IMU";
 
@@ -119,6 +124,7 @@ class Pipeline {
   std::function<void(const MappedSweep&)> on_scan;
   std::function<void(const DroppedSweep&)> on_drop;
   std::function<void(const FilterOutput&)> on_filter;  ///< a new state of the filter
+  std::function<void(PipelineStage)> on_stage;         ///< this part of the work begins
   /// Something is wrong with the IMU, the mountings or the filter: called once for each reason.
   /// `time`: of the newest message, s.
   std::function<void(const ImuFault&, double time)> on_problem;
@@ -135,6 +141,9 @@ class Pipeline {
   };
 
   void startGraph();
+  void begin(PipelineStage stage) const {
+    if (on_stage) on_stage(stage);
+  }
   void advance(double arrival);
   void deliverPoses();
   void updateFilter(const CheckedImu& reading);

@@ -50,6 +50,9 @@ class ProjectionStage {
   /// parsed.
   explicit ProjectionStage(const ProjectionStageConfig& config);
 
+  /// See ScanProjector::configure.
+  void configure(const ProjectorConfig& config) { projector_.configure(config); }
+
   /// Returns false if the reading is not used.
   bool addImu(const CheckedImu& reading);
   /// Adds a state of the pose filter. Returns false if it is not used.

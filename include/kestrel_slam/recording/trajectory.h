@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,10 @@ struct StampedPose {
 
 /// Poses in the order of the recording. Stamps need not be monotone.
 using Trajectory = std::vector<StampedPose>;
+
+/// The pose at `stamp`, s, interpolated. `trajectory` has ascending stamps. Nothing outside of it,
+/// and where the two nearest poses are more than `max_gap_s` apart.
+std::optional<Pose2> poseAt(const Trajectory& trajectory, double stamp, double max_gap_s = 0.5);
 
 /// Write and read the TUM format, with a line `stamp x y z qx qy qz qw` per pose. Stamps have at
 /// least six decimals, so that reading gives the same stamp as was written. Both throw

@@ -43,6 +43,8 @@ class ScanProjector {
   Projection project(const PointCloud& cloud, const Eigen::Isometry3d& base_T_lidar,
                      const VehicleState& vehicle = VehicleState());
 
+  /// Uses this configuration from the next sweep on. Throws as the constructor does.
+  void configure(const ProjectorConfig& config);
   const ProjectorConfig& config() const { return config_; }
 
  private:

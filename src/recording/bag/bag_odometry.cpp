@@ -44,20 +44,10 @@ BagOdometry::BagOdometry(const BagFiles& files, const std::string& topic) {
     poses_.push_back({toSeconds(odometry->header.stamp), pose});
   });
   std::stable_sort(poses_.begin(), poses_.end(),
-                   [](const Entry& a, const Entry& b) { return a.stamp < b.stamp; });
+                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
 }
 
-std::optional<Pose2> BagOdometry::at(double stamp) const {
-  const auto after = std::lower_bound(poses_.begin(), poses_.end(), stamp,
-                                      [](const Entry& e, double t) { return e.stamp < t; });
-  if (after == poses_.end()) return std::nullopt;
-  if (after->stamp == stamp) return after->pose;
-  if (after == poses_.begin()) return std::nullopt;
-  const Entry &a = *std::prev(after), &b = *after;
-  const double gap = b.stamp - a.stamp;
-  if (gap > kMaxGap) return std::nullopt;
-  return interpolate(a.pose, b.pose, (stamp - a.stamp) / gap);
-}
+std::optional<Pose2> BagOdometry::at(double stamp) const { return poseAt(poses_, stamp); }
 
 BagOdometrySource::BagOdometrySource(const BagFiles& files, const BagTopics& topics,
                                      const BagTransforms& transforms, std::string base_frame,

@@ -40,4 +40,16 @@ std::optional<std::string> answerTo(const std::vector<std::string>& arguments,
   return std::nullopt;
 }
 
+std::string unusedArguments(int argc, char** argv) {
+  constexpr std::size_t kMost = 60;
+  std::string list;
+  for (int i = 1; i < argc; ++i) list += (list.empty() ? "" : " ") + std::string(argv[i]);
+  if (list.empty()) return "";
+  if (list.size() > kMost) list = list.substr(0, kMost) + "...";
+  const bool is_lua = list.find("-configuration_") != std::string::npos;
+  return "The arguments " + list + " have no effect: " +
+         (is_lua ? "Lua files are not read. doc/migration.md has the parameters to set instead."
+                 : "set parameters as _name:=value, see --help.");
+}
+
 }  // namespace kestrel

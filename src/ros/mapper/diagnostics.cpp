@@ -108,6 +108,10 @@ void Diagnostics::fillMap(Status& status) const {
   status.add("width (m)", size.width * size.resolution_m);
   status.add("height (m)", size.height * size.resolution_m);
   status.add("resolution (m)", size.resolution_m);
+  if (size.loops) {
+    status.add("loops closed", size.loops->closed);
+    status.add("loops refused", size.loops->refused);
+  }
   status.add("memory (MB)", static_cast<double>(size.memory_bytes) / kBytesPerMegabyte);
 }
 

@@ -42,6 +42,12 @@ void GraphWorker::add(const PlanarScan& scan, const MapperResult& result) {
   arrived_.notify_one();
 }
 
+void GraphWorker::configure(const LoopConfig& loops) {
+  const std::lock_guard<std::mutex> lock(queue_mutex_);
+  loops_ = loops;
+  reconfigured_ = true;
+}
+
 void GraphWorker::reset() {
   replace(std::make_unique<SubmapGraph>(mapper_, loops_),
           std::make_unique<ComposedMap>(mapper_.grid));
@@ -81,6 +87,10 @@ void GraphWorker::run() {
     std::unique_lock<std::mutex> lock(queue_mutex_);
     arrived_.wait(lock, [this] { return !isIdle(); });
     if (closed_) return;
+    if (std::exchange(reconfigured_, false)) {
+      graph_->configure(loops_);
+      if (next_graph_) next_graph_->configure(loops_);
+    }
     if (next_graph_) {
       std::unique_ptr<SubmapGraph> graph = std::move(next_graph_);
       std::unique_ptr<ComposedMap> map = std::move(next_map_);

@@ -30,6 +30,15 @@ constexpr int kNice = 10;                  // about a tenth of the CPU time of a
 /// On Linux a nice value applies to one thread.
 void stepBehindOtherThreads() { setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice); }
 
+LoopCounts countsOf(const std::vector<Loop>& loops) {
+  LoopCounts counts;
+  for (const Loop& loop : loops) {
+    counts.closed += loop.state == LoopState::kAccepted;
+    counts.refused += loop.state == LoopState::kRefused || loop.state == LoopState::kUndone;
+  }
+  return counts;
+}
+
 }  // namespace
 
 MapPublisher::MapPublisher(const ros::NodeHandle& nh, const MapperNodeConfig& config,
@@ -37,7 +46,7 @@ MapPublisher::MapPublisher(const ros::NodeHandle& nh, const MapperNodeConfig& co
     : nh_(nh),
       map_frame_(config.map_frame),
       with_map_service_(config.advertise_map_service),
-      period_(config.map_pub_period),
+      period_s_(config.map_pub_period),
       save_folder_(config.save_folder),
       mapper_(mapper),
       trajectory_(trajectory),
@@ -60,6 +69,9 @@ void MapPublisher::advertise() {
   const auto connected = [this](const ros::SingleSubscriberPublisher&) { new_subscriber_ = true; };
   map_publisher_ = nh_.advertise<nav_msgs::OccupancyGrid>(
       "map", kQueueSize, connected, ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
+  probability_publisher_ = nh_.advertise<nav_msgs::OccupancyGrid>(
+      "probability_map", kQueueSize, connected, ros::SubscriberStatusCallback(),
+      ros::VoidConstPtr(), true);
   update_publisher_ = nh_.advertise<map_msgs::OccupancyGridUpdate>("map_updates", kQueueSize);
   metadata_publisher_ = nh_.advertise<nav_msgs::MapMetaData>("map_metadata", kQueueSize, true);
   trajectory_publisher_ = nh_.advertise<nav_msgs::Path>("trajectory", kQueueSize, true);
@@ -93,19 +105,26 @@ void MapPublisher::tick() {
 void MapPublisher::publishMap() {
   const ros::WallTime now = ros::WallTime::now();
   const bool unchanged = mapper_.version() == published_version_;
-  const bool unheard = published_version_ != 0 && map_publisher_.getNumSubscribers() == 0 &&
-                       metadata_publisher_.getNumSubscribers() == 0;
+  const bool unheard = published_version_ != 0 && !isHeard();
   if (unchanged || unheard || (now < next_map_ && !new_subscriber_)) return;
   refresh();
   if (replica_.known().empty()) return;  // after a reset: many clients cannot handle an empty map
   new_subscriber_ = false;
-  next_map_ = now + period_;
+  next_map_ = now + ros::WallDuration(period_s_);
   published_version_ = version_;
   replica_.takeChanged();
   published_known_ = replica_.known();
-  const nav_msgs::OccupancyGrid map = message();
+  const nav_msgs::OccupancyGrid map = message(replica_.snapshot());
   map_publisher_.publish(map);
   metadata_publisher_.publish(map.info);
+  if (probability_publisher_.getNumSubscribers() > 0)
+    probability_publisher_.publish(message(replica_.probabilities()));
+}
+
+bool MapPublisher::isHeard() const {
+  return map_publisher_.getNumSubscribers() + metadata_publisher_.getNumSubscribers() +
+             probability_publisher_.getNumSubscribers() >
+         0;
 }
 
 /// Copies the changed tiles, some at a time, so that the matching never waits long.
@@ -175,13 +194,14 @@ void MapPublisher::publishGraph() {
   next_graph_ = now + ros::WallDuration(kTrajectoryPeriod);
   published_graph_ = graph->version();
   const GraphView view = graph->view();
+  loops_ = countsOf(view.loops);
   graph_publisher_.publish(graphMarkers(view, map_frame_, stamp_));
   loop_publisher_.publish(loopMarkers(view, map_frame_, stamp_));
 }
 
-/// The map of `replica_`.
-nav_msgs::OccupancyGrid MapPublisher::message() {
-  nav_msgs::OccupancyGrid message = toMessage(replica_.snapshot());
+/// `map`: of `replica_`.
+nav_msgs::OccupancyGrid MapPublisher::message(MapSnapshot map) {
+  nav_msgs::OccupancyGrid message = toMessage(std::move(map));
   message.header.frame_id = map_frame_;
   message.header.stamp = stamp_;
   message.info.map_load_time = stamp_;
@@ -193,7 +213,7 @@ bool MapPublisher::dynamicMap(nav_msgs::GetMap::Request&, nav_msgs::GetMap::Resp
   try {
     refresh();
     if (!replica_.known().empty()) {
-      response.map = message();
+      response.map = message(replica_.snapshot());
       return true;
     }
     ROS_WARN("dynamic_map: there is no map yet because no scan has been inserted.");
@@ -222,7 +242,7 @@ bool MapPublisher::saveMap(kestrel_slam::SaveMap::Request& request,
 
 MapSize MapPublisher::mapSize() const {
   return {static_cast<int>(last_info_.width), static_cast<int>(last_info_.height),
-          static_cast<double>(last_info_.resolution), mapper_.memoryBytes()};
+          static_cast<double>(last_info_.resolution), mapper_.memoryBytes(), loops_};
 }
 
 }  // namespace kestrel

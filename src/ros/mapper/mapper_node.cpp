@@ -34,6 +34,17 @@ ProjectionStageConfig levelProjection(const MapperNodeConfig& config) {
   return result;
 }
 
+/// What the node does, for the log.
+std::string summaryOf(const MapperNodeConfig& config) {
+  const std::string published = "tf is " + config.map_frame + " -> " +
+                                (config.usesOdometry() ? config.odom_frame : config.base_frame);
+  if (config.slam.mapper.known_poses) {
+    return "nothing is matched: the poses are those of tf " + config.odom_frame + " -> " +
+           config.base_frame;
+  }
+  return config.usesOdometry() ? published : "no odometry, " + published;
+}
+
 std::string textOf(const Pose2& pose) {
   char text[100];
   std::snprintf(text, sizeof text, "x %.2f m, y %.2f m, yaw %.3f rad", pose.x, pose.y, pose.yaw);
@@ -56,7 +67,8 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
       mapper_(config_.slam.mapper, config_.slam.loops, config_.slam.tracker),
       queue_(static_cast<std::size_t>(config_.scan_subscriber_queue_size)),
       projection_(levelProjection(config_)),
-      pose_publisher_(nh, config_) {
+      pose_publisher_(nh, config_),
+      live_config_(config_) {
   command_subscriber_ = subscribeGuarded<std_msgs::String>(
       nh, config_.sys_msg_topic, kCommandQueue,
       [this](const std_msgs::StringConstPtr& message) { onCommand(*message); });
@@ -82,13 +94,12 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
       map_publisher_->nodeHandle(), private_nh, input_->neededTopic(), config_.inputParameter(),
       statistics_, [this] { return input_->publisherCount(); },
       [this] { return map_publisher_->mapSize(); });
+  live_parameters_ = std::make_unique<LiveParameters>(private_nh, parametersOf(live_config_),
+                                                      [this] { onParameters(); });
   match_thread_ = std::thread([this] { matchLoop(); });
   pthread_setname_np(match_thread_.native_handle(), "match");
   ROS_INFO("%s scans on %s; %s.", config_.localizes() ? "Localizing with" : "Mapping",
-           input_->topic().c_str(),
-           config_.usesOdometry()
-               ? ("tf is " + config_.map_frame + " -> " + config_.odom_frame).c_str()
-               : ("no odometry, tf is " + config_.map_frame + " -> " + config_.base_frame).c_str());
+           input_->topic().c_str(), summaryOf(config_).c_str());
 }
 
 MapperNode::~MapperNode() {
@@ -138,7 +149,24 @@ void MapperNode::continueAfter(const ReadyScan& scan) {
   }
 }
 
+/// Throws std::invalid_argument if the parameters do not fit together.
+void MapperNode::onParameters() {
+  validate(live_config_.slam);
+  map_publisher_->setPeriod(live_config_.map_pub_period);
+  const std::lock_guard<std::mutex> lock(new_parameters_mutex_);
+  new_parameters_ = live_config_.slam;
+}
+
+void MapperNode::takeParameters() {
+  const std::lock_guard<std::mutex> lock(new_parameters_mutex_);
+  if (!new_parameters_) return;
+  mapper_.configure(new_parameters_->mapper, new_parameters_->loops);
+  projection_.configure(new_parameters_->projector);
+  new_parameters_.reset();
+}
+
 void MapperNode::match(const ReadyScan& scan) {
+  takeParameters();
   const auto start = std::chrono::steady_clock::now();
   std::optional<PlanarScan> planar = planarOf(scan);
   if (!planar) return;
@@ -208,6 +236,10 @@ void MapperNode::onCommand(const std_msgs::String& message) {
 }
 
 void MapperNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
+  if (config_.slam.mapper.known_poses) {
+    ROS_ERROR("initialpose is refused: with ~map_with_known_poses the pose comes from tf.");
+    return;
+  }
   const std::string& frame = message.header.frame_id;
   if (frame != config_.map_frame && frame != "/" + config_.map_frame) {
     ROS_ERROR("initialpose is refused: its frame is '%s', but must be '%s'.",

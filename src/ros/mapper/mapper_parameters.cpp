@@ -24,7 +24,6 @@ UnneededParameters unneededParameters() {
       {"map_multi_res_levels", "the matcher chooses its resolutions itself"},
       {"use_tf_scan_transformation", "the mounting of the laser is always taken from tf"},
       {"use_tf_pose_start_estimate", "the odometry is used whenever odom_frame is set"},
-      {"map_with_known_poses", "the pose always comes from matching"},
       {"pub_drawings", kNoDebug},
       {"pub_debug_output", kNoDebug},
       {"output_timing", "the time per scan is in /diagnostics"},
@@ -54,10 +53,20 @@ const std::set<std::string>& hectorNumbers() {
 /// The prefix of a frame with its slash: "uav1/" for "uav1/base_link".
 std::string prefixOf(const std::string& frame) { return frame.substr(0, frame.rfind('/') + 1); }
 
+/// The known poses are the odometry's, or those of map_frame -> base_frame if others publish
+/// map_frame -> odom_frame, too.
+void resolveKnownPoses(MapperNodeConfig& config) {
+  if (config.usesOdometry() && config.pub_map_odom_transform) return;
+  config.odom_frame = config.map_frame;
+  config.pub_map_odom_transform = false;
+}
+
 /// hector_mapping starts with frames that would make loops in tf. So does this node, without the
 /// transform that would be wrong.
 void resolveFrames(MapperNodeConfig& config) {
-  if (config.odom_frame == config.map_frame) {
+  if (config.slam.mapper.known_poses) {
+    resolveKnownPoses(config);
+  } else if (config.odom_frame == config.map_frame) {
     ROS_WARN("odom_frame = %s is the same as map_frame: no odometry is used; tf is %s -> %s.",
              config.odom_frame.c_str(), config.map_frame.c_str(), config.base_frame.c_str());
     config.odom_frame.clear();
@@ -130,9 +139,9 @@ std::vector<Parameter> outputParametersOf(MapperNodeConfig& config) {
   return {
       text("pose_update_topic", &config.pose_update_topic,
            "Topic of the published pose with covariance."),
-      number("map_pub_period", "s", &config.map_pub_period, kMinPeriod, kMaxPeriod,
-             "Time between two published maps; a map that did not change is not published "
-             "again."),
+      live(number("map_pub_period", "s", &config.map_pub_period, kMinPeriod, kMaxPeriod,
+                  "Time between two published maps; a map that did not change is not published "
+                  "again.")),
       number("transform_tolerance", "s", &config.transform_tolerance, 0.0, kMaxTolerance,
              "Time by which map_frame -> odom_frame is dated into the future; a larger value "
              "bridges longer gaps between scans."),

@@ -227,6 +227,11 @@ std::string ScanInput::missingTransform(const ReceivedScan& scan) const {
     return "no transform from the laser's frame '" + name + "' to the base frame '" + base +
            "'. Publish it (" + publishHint(base, name) + "), or set ~base_frame to '" + name + "'";
   }
+  if (config_.slam.mapper.known_poses) {
+    return "no transform from '" + config_.odom_frame + "' to '" + base +
+           "' at the time of the scan. ~map_with_known_poses needs it; for the poses of an "
+           "odometry, set ~odom_frame";
+  }
   return "no transform from '" + base + "' to the odometry's frame '" + config_.odom_frame +
          "' at the time of the scan. Its source should publish it; without odometry, set "
          "~odom_frame to ''";

@@ -30,7 +30,7 @@ SharedMapper::SharedMapper(const MapperConfig& config, const LoopConfig& loops,
     : config_(config),
       loops_(loops),
       mapping_(config, keep_out_moving),
-      graph_(config.window.enabled ? std::make_unique<GraphWorker>(config, loops) : nullptr) {}
+      graph_(config.usesGraph() ? std::make_unique<GraphWorker>(config, loops) : nullptr) {}
 
 MapperResult SharedMapper::process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                                    const ros::Time& stamp) {
@@ -43,6 +43,19 @@ MapperResult SharedMapper::process(PlanarScan& scan, const std::optional<Pose2>&
   if (!graph_) return result;
   graph_->add(scan, result);
   return inMap(std::move(result), graph_->mapTLocal());
+}
+
+void SharedMapper::configure(const MapperConfig& config, const LoopConfig& loops) {
+  const Lock lock(mutex_);
+  config_ = config;
+  loops_ = loops;
+  mapping_.configure(config);
+  if (graph_) graph_->configure(loops);
+}
+
+std::pair<MapperConfig, LoopConfig> SharedMapper::parameters() const {
+  const Lock lock(mutex_);
+  return {config_, loops_};
 }
 
 void SharedMapper::reset(const Pose2& map_T_base) {
@@ -63,13 +76,15 @@ void SharedMapper::requireGraph() const {
 void SharedMapper::continueWith(GraphRecord record,
                                 const std::optional<GaussianPose2>& map_T_base) {
   requireGraph();
-  auto graph = std::make_unique<SubmapGraph>(config_, loops_, std::move(record));
-  auto map = std::make_unique<ComposedMap>(config_.grid);
+  const auto [config, loops] = parameters();
+  auto graph = std::make_unique<SubmapGraph>(config, loops, std::move(record));
+  auto map = std::make_unique<ComposedMap>(config.grid);
   map->add(*graph);
   graph->beginPart(map_T_base);
   const Lock lock(mutex_);
   mapping_.reset(map_T_base ? map_T_base->mean : Pose2());
   graph_->replace(std::move(graph), std::move(map));
+  graph_->configure(loops_);  // they may have changed meanwhile
   full_ = false;
   ++map_number_;
   ++version_;

@@ -8,15 +8,19 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
+#include <QTimer>
 #include <functional>
 #include <future>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "kestrel_slam/ros/panel/mapper_summary.h"
 
 namespace kestrel {
 
-/// A panel of rviz: the state of the mapper with its reason, and buttons for its services.
+/// A panel of rviz: the state of the mapper with its reason, and buttons for its services. A button
+/// whose service does not exist is gray, and its tool tip says why.
 class MapperPanel : public rviz::Panel {
   Q_OBJECT
 
@@ -27,16 +31,25 @@ class MapperPanel : public rviz::Panel {
   void save(rviz::Config config) const override;
 
  private:
+  /// A button and the service that it calls.
+  struct Action {
+    QPushButton* button;
+    std::string service;
+  };
+  using Call = std::function<std::string(const std::string& service)>;
+
+  void addWidgets();
+  QPushButton* addButton(const std::string& text, const std::string& service,
+                         const std::function<Call()>& call);
   void onDiagnostics(const diagnostic_msgs::DiagnosticArray& message);
   void show();
-  void addButtons();
+  QString numbersText() const;
   std::string nodeName() const;
-  /// Calls a service on another thread, so that rviz does not stand still, and shows the answer.
-  void call(const std::function<std::string()>& service);
   std::string serviceName(const std::string& name) const;
-  void reset();
-  void pause();
-  void saveMap();
+  /// Calls the service on another thread, so that rviz does not stand still, and shows the answer.
+  void call(const std::string& service, const Call& call);
+  void lookForServices();
+  void enableButtons();
 
   ros::NodeHandle nh_;
   ros::Subscriber subscriber_;
@@ -44,12 +57,17 @@ class MapperPanel : public rviz::Panel {
   double scans_per_s_ = 0.0;
   ros::WallTime last_;
   QLineEdit* node_;
-  QLineEdit* path_;
+  QLineEdit* map_path_;
+  QLineEdit* session_path_;
   QLabel* state_;
   QLabel* numbers_;
   QLabel* answer_;
-  QPushButton* pause_;
-  std::future<void> running_;
+  QPushButton* pause_ = nullptr;
+  QPushButton* mode_ = nullptr;
+  std::vector<Action> actions_;
+  std::set<std::string> services_;  ///< all that the master knows
+  QTimer timer_;
+  std::future<void> call_, search_;
 };
 
 }  // namespace kestrel

@@ -39,12 +39,16 @@ void takeScans(const DiagnosticStatus& status, MapperSummary& summary) {
 void takeMatch(const DiagnosticStatus& status, MapperSummary& summary) {
   if (summary.state != "paused") summary.state = valueOf(status, "state");
   summary.reason = valueOf(status, "reason");
+  summary.mode = valueOf(status, "mode");
 }
 
 void takeMap(const DiagnosticStatus& status, MapperSummary& summary) {
   summary.map = rounded(valueOf(status, "width (m)")) + " m x " +
                 rounded(valueOf(status, "height (m)")) + " m, " +
                 rounded(valueOf(status, "memory (MB)")) + " MB";
+  const std::string closed = valueOf(status, "loops closed");
+  summary.loops =
+      closed.empty() ? "" : closed + " closed, " + valueOf(status, "loops refused") + " refused";
   if (status.level != DiagnosticStatus::OK) summary.problem = status.message;
 }
 
@@ -65,10 +69,18 @@ std::string mapperIn(const diagnostic_msgs::DiagnosticArray& message) {
   return "";
 }
 
+/// The tracker is another node, with an item "Tracks".
+void takeTracks(const diagnostic_msgs::DiagnosticArray& message, MapperSummary& summary) {
+  for (const DiagnosticStatus& status : message.status) {
+    if (splitName(status.name).second == "Tracks") summary.tracks = valueOf(status, "tracks");
+  }
+}
+
 }  // namespace
 
 bool takeOver(const diagnostic_msgs::DiagnosticArray& message, const std::string& node,
               MapperSummary& summary) {
+  takeTracks(message, summary);
   const std::string mapper = mapperIn(message);
   if (mapper.empty() || (!node.empty() && mapper != node)) return false;
   summary.node = mapper;

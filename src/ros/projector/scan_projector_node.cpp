@@ -42,6 +42,7 @@ std::vector<OwnTransform> ownTransforms(const ProjectorNodeConfig& config) {
 
 ScanProjectorNode::ScanProjectorNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
     : config_(loadProjectorParameters(private_nh)),
+      live_config_(config_),
       projection_(projectionConfigOf(config_)),
       queue_(static_cast<std::size_t>(config_.queue_size)),
       mountings_(nh, config_.base_frame, ownTransforms(config_)),
@@ -71,6 +72,11 @@ ScanProjectorNode::ScanProjectorNode(ros::NodeHandle nh, ros::NodeHandle private
       [this] { statistics_.dropped_lately = 0; });
   timer_ = nh.createSteadyTimer(ros::WallDuration(kPatrolPeriod),
                                 [this](const ros::SteadyTimerEvent&) { processQueue(); });
+  live_parameters_ =
+      std::make_unique<LiveParameters>(private_nh, parametersOf(live_config_), [this] {
+        validate(live_config_.slam);
+        projection_.configure(live_config_.slam.projector);
+      });
   ProjectorReport start;
   describeAttitude(start);
   ROS_INFO("Projecting %s; attitude from %s.", input_->topics().c_str(),

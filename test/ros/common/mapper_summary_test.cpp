@@ -33,7 +33,12 @@ diagnostic_msgs::DiagnosticArray mapperMessage(const std::string& node) {
                 {"ms per scan, mean", "2.5"}}),
       statusOf(node + ": Match", 2, "lost", {{"state", "lost"}, {"reason", "fits nowhere"}}),
       statusOf(node + ": Map", 0, "ok",
-               {{"width (m)", "12.345"}, {"height (m)", "8.0"}, {"memory (MB)", "1.5"}})};
+               {{"width (m)", "12.345"},
+                {"height (m)", "8.0"},
+                {"memory (MB)", "1.5"},
+                {"loops closed", "3"},
+                {"loops refused", "1"}}),
+      statusOf("/tracker: Tracks", 0, "ok", {{"tracks", "2"}})};
   return message;
 }
 
@@ -48,6 +53,8 @@ TEST(MapperSummaryTest, SaysStateReasonDropsAndMap) {
   EXPECT_EQ(summary.ms, 2.5);
   EXPECT_EQ(summary.dropped, (Values{{"overload", "3"}}));
   EXPECT_EQ(summary.map, "12.3 m x 8.0 m, 1.5 MB");
+  EXPECT_EQ(summary.loops, "3 closed, 1 refused");
+  EXPECT_EQ(summary.tracks, "2");
 }
 
 TEST(MapperSummaryTest, APauseHidesTheLastMatch) {

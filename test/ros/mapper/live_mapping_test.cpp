@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "kestrel_slam/messages/conversions.h"
 #include "mapper_client.h"
@@ -233,6 +234,26 @@ TEST_F(LiveMapping, DiagnosticsCountTheScans) {
 TEST_F(LiveMapping, DiagnosticsWarnAboutASilentLaser) {
   ASSERT_TRUE(client_->waitFor([] { return client_->diagnosis("Scans", "level") == "1"; }, 8.0));
   EXPECT_NE(client_->diagnosis("Scans", "message").find("no scan on /scan"), std::string::npos);
+}
+
+/// A subscriber gets the present probabilities at once, in the geometry of the map.
+TEST_F(LiveMapping, ProbabilityMapAgreesWithTheMap) {
+  nav_msgs::OccupancyGrid probabilities;
+  const boost::function<void(const nav_msgs::OccupancyGrid&)> keep =
+      [&](const nav_msgs::OccupancyGrid& message) { probabilities = message; };
+  const ros::Subscriber subscriber =
+      client_->nh.subscribe<nav_msgs::OccupancyGrid>("probability_map", 1, keep);
+  ASSERT_TRUE(client_->waitFor([&] { return !probabilities.data.empty(); }));
+  const nav_msgs::OccupancyGrid& map = client_->map;
+  ASSERT_EQ(probabilities.data.size(), map.data.size());
+  EXPECT_EQ(probabilities.info.origin.position.x, map.info.origin.position.x);
+  std::set<int> values;
+  for (std::size_t i = 0; i < map.data.size(); ++i) {
+    const int p = probabilities.data[i];
+    values.insert(p);
+    ASSERT_EQ(map.data[i], p < 0 ? -1 : p > 50 ? 100 : 0) << "probability " << p;
+  }
+  EXPECT_GT(values.size(), 10U);
 }
 
 }  // namespace

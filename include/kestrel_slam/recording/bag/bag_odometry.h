@@ -11,6 +11,7 @@
 #include "kestrel_slam/recording/bag/bag_files.h"
 #include "kestrel_slam/recording/bag/bag_topics.h"
 #include "kestrel_slam/recording/bag/bag_transforms.h"
+#include "kestrel_slam/recording/trajectory.h"
 
 namespace kestrel {
 
@@ -19,21 +20,14 @@ class BagOdometry {
  public:
   BagOdometry(const BagFiles& files, const std::string& topic);
 
-  /// odom_T_child at `stamp` (s). Nothing if the two nearest messages are more than kMaxGap apart.
+  /// odom_T_child at `stamp` (s). Nothing if the two nearest messages are too far apart (poseAt).
   std::optional<Pose2> at(double stamp) const;
 
   bool empty() const { return poses_.empty(); }
   const std::string& childFrame() const { return child_frame_; }
 
-  static constexpr double kMaxGap = 0.5;  ///< s
-
  private:
-  struct Entry {
-    double stamp;
-    Pose2 pose;
-  };
-
-  std::vector<Entry> poses_;  ///< ascending stamps
+  Trajectory poses_;  ///< ascending stamps
   std::string child_frame_;
 };
 

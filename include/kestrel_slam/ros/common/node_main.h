@@ -16,8 +16,9 @@ namespace kestrel {
 /// Runs the node and returns the exit code. ROS logging stops when the last node handle is
 /// destroyed. Therefore `nh` must exist until the error is logged.
 template <typename Node>
-int spinNode(const char* program) {
+int spinNode(const char* program, const std::string& unused_arguments) {
   const ros::NodeHandle nh;
+  if (!unused_arguments.empty()) ROS_WARN("%s", unused_arguments.c_str());
   try {
     const Node node(nh, ros::NodeHandle("~"));
     ros::spin();
@@ -39,8 +40,9 @@ int runNode(int argc, char** argv, const NodeProgram& program) {
     return 0;
   }
   try {
-    ros::init(argc, argv, program.node);
-    return spinNode<Node>(program.program);
+    ros::init(argc, argv, program.node);  // takes the remappings out of the arguments
+    const std::string unused = unusedArguments(argc, argv);
+    return spinNode<Node>(program.program, unused);
   } catch (const std::exception& error) {  // error before ROS logging is available
     std::fprintf(stderr, "%s cannot start: %s\n", program.program, error.what());
     return 1;

@@ -23,4 +23,8 @@ std::optional<std::string> answerTo(const std::vector<std::string>& arguments,
                                     const NodeProgram& program,
                                     const std::vector<Parameter>& table);
 
+/// What to tell a user whose arguments have no effect, for example those of another package's node;
+/// "" if there are none.
+std::string unusedArguments(int argc, char** argv);
+
 }  // namespace kestrel

@@ -5,6 +5,7 @@
 #include <ros/node_handle.h>
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "kestrel_slam/ros/common/silence_watch.h"
@@ -12,12 +13,19 @@
 
 namespace kestrel {
 
-/// Map size for the diagnostics.
+/// Loops of the pose graph.
+struct LoopCounts {
+  int closed = 0;
+  int refused = 0;
+};
+
+/// Size of the map, and its loops, for the diagnostics.
 struct MapSize {
   int width = 0;  ///< cells
   int height = 0;
   double resolution_m = 0.0;
   std::size_t memory_bytes = 0;
+  std::optional<LoopCounts> loops;  ///< of a pose graph
 };
 
 /// Publishes /diagnostics: three items for the scans, the match and the map.

@@ -43,6 +43,9 @@ class GraphWorker {
   /// Takes the scan if the mapper inserted it. `result.pose` is in the local frame.
   void add(const PlanarScan& scan, const MapperResult& result);
 
+  /// See SubmapGraph::configure. Does not wait for a search that runs.
+  void configure(const LoopConfig& loops);
+
   /// Deletes the graph and the map.
   void reset();
 
@@ -79,12 +82,11 @@ class GraphWorker {
   void answer(std::vector<std::promise<GraphSnapshot>> wanted) const;
 
   MapperConfig mapper_;
-  LoopConfig loops_;
-
   mutable std::mutex queue_mutex_;  ///< for the queue, and what is asked for often
   std::condition_variable arrived_;
   std::deque<Work> queue_;
-  bool closed_ = false;
+  LoopConfig loops_;
+  bool closed_ = false, reconfigured_ = false;
   std::unique_ptr<SubmapGraph> next_graph_;  ///< replaces `graph_`
   std::unique_ptr<ComposedMap> next_map_;
   std::vector<std::promise<GraphSnapshot>> wanted_;

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "kestrel_slam/SaveMap.h"
@@ -35,6 +36,9 @@ class MapPublisher {
   /// A node handle whose timers run on the thread of this class.
   const ros::NodeHandle& nodeHandle() const { return nh_; }
 
+  /// Time between two maps, s. Any thread may set it.
+  void setPeriod(double period_s) { period_s_ = period_s; }
+
   /// Size of the last published map. Call it only on the thread of this class.
   MapSize mapSize() const;
 
@@ -49,20 +53,22 @@ class MapPublisher {
   void publishGraph();
   bool dynamicMap(nav_msgs::GetMap::Request& request, nav_msgs::GetMap::Response& response);
   bool saveMap(kestrel_slam::SaveMap::Request& request, kestrel_slam::SaveMap::Response& response);
-  nav_msgs::OccupancyGrid message();
+  nav_msgs::OccupancyGrid message(MapSnapshot map);
+  bool isHeard() const;
   bool hasGeometryOfLastMap() const;
 
   ros::CallbackQueue queue_;
   ros::NodeHandle nh_;
   std::string map_frame_;
   bool with_map_service_;
-  ros::WallDuration period_;
+  std::atomic<double> period_s_;
   SaveFolder save_folder_;
   SharedMapper& mapper_;
   TrajectoryLog& trajectory_;
 
   ros::Publisher graph_publisher_, loop_publisher_;
   ros::Publisher map_publisher_, update_publisher_, metadata_publisher_, trajectory_publisher_;
+  ros::Publisher probability_publisher_;
   ros::ServiceServer map_server_, save_server_;
   ros::WallTimer timer_;
 
@@ -79,6 +85,7 @@ class MapPublisher {
   std::uint64_t published_graph_ = 0;
   ros::WallTime next_map_, next_update_, next_trajectory_, next_graph_;
   nav_msgs::MapMetaData last_info_;
+  std::optional<LoopCounts> loops_;
   std::unique_ptr<ros::AsyncSpinner> spinner_;
 };
 

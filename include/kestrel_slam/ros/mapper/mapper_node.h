@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -17,6 +18,7 @@
 #include "kestrel_slam/ResetMapping.h"
 #include "kestrel_slam/pipeline/projection_stage.h"
 #include "kestrel_slam/ros/common/bounded_queue.h"
+#include "kestrel_slam/ros/common/live_parameters.h"
 #include "kestrel_slam/ros/mapper/diagnostics.h"
 #include "kestrel_slam/ros/mapper/map_publisher.h"
 #include "kestrel_slam/ros/mapper/mapper_parameters.h"
@@ -52,6 +54,8 @@ class MapperNode {
   void drop(const std::string& reason, const std::string& sentence);
   void continueAfter(const ReadyScan& scan);
   void restart(const Pose2& map_T_base);
+  void onParameters();
+  void takeParameters();
   void onSession();
 
   void onCommand(const std_msgs::String& message);
@@ -63,7 +67,7 @@ class MapperNode {
   bool restartMapping(kestrel_slam::ResetMapping::Request& request,
                       kestrel_slam::ResetMapping::Response& response);
 
-  const MapperNodeConfig config_;
+  const MapperNodeConfig config_;  ///< as at the start
   SharedMapper mapper_;
   ScanStatistics statistics_;
   TrajectoryLog trajectory_;
@@ -78,12 +82,17 @@ class MapperNode {
   std::atomic<bool> placed_{false};  ///< by a user, since the last scan
   std::thread match_thread_;
 
+  MapperNodeConfig live_config_;  ///< with what was changed since the start
+  std::mutex new_parameters_mutex_;
+  std::optional<SlamConfig> new_parameters_;  ///< that the matching thread does not have yet
+
   ros::Subscriber command_subscriber_, initial_pose_subscriber_;
   ros::ServiceServer reset_server_, pause_server_, restart_server_, relocalize_server_;
   std::unique_ptr<ScanInput> input_;
   std::unique_ptr<MapPublisher> map_publisher_;
   std::unique_ptr<TrajectoryServices> trajectory_services_;
   std::unique_ptr<Diagnostics> diagnostics_;
+  std::unique_ptr<LiveParameters> live_parameters_;
   std::unique_ptr<SessionServices> session_services_;
 };
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "kestrel_slam/pipeline/mapping_stage.h"
@@ -35,6 +36,9 @@ class SharedMapper {
 
   MapperResult process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                        const ros::Time& stamp);
+
+  /// Uses these parameters from the next scan on, see Mapper::configure and SubmapGraph::configure.
+  void configure(const MapperConfig& config, const LoopConfig& loops);
 
   /// Deletes the map. The next scan starts a new map at `map_T_base`.
   void reset(const Pose2& map_T_base);
@@ -75,11 +79,12 @@ class SharedMapper {
   const GraphWorker* graph() const { return graph_.get(); }
 
  private:
+  std::pair<MapperConfig, LoopConfig> parameters() const;
   void requireGraph() const;
   Pose2 mapTLocal() const { return graph_ ? graph_->mapTLocal() : Pose2(); }
 
-  const MapperConfig config_;
-  const LoopConfig loops_;
+  MapperConfig config_;
+  LoopConfig loops_;
   mutable FairMutex mutex_;
   MappingStage mapping_;
   std::unique_ptr<GraphWorker> graph_;

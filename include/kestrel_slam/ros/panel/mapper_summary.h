@@ -16,6 +16,9 @@ struct MapperSummary {
   std::string reason;   ///< of the state
   std::string problem;  ///< of the scans or of the map, for the user; "" if there is none
   std::string map;      ///< size and memory
+  std::string mode;     ///< mapping, localization; "" if the mapper has no modes
+  std::string loops;    ///< "3 closed, 1 refused"; "" without a pose graph
+  std::string tracks;   ///< number of moving objects; "" without a tracker
   double received = 0.0;
   double used = 0.0;
   double ms = 0.0;                                           ///< per scan, mean

@@ -11,6 +11,7 @@
 
 #include "kestrel_slam/pipeline/projection_stage.h"
 #include "kestrel_slam/pipeline/waiting_queue.h"
+#include "kestrel_slam/ros/common/live_parameters.h"
 #include "kestrel_slam/ros/common/mountings.h"
 #include "kestrel_slam/ros/projector/attitude_publisher.h"
 #include "kestrel_slam/ros/projector/filter_input.h"
@@ -54,7 +55,8 @@ class ScanProjectorNode {
   void sayProblems();
   void describeAttitude(ProjectorReport& report) const;
 
-  const ProjectorNodeConfig config_;
+  const ProjectorNodeConfig config_;  ///< as at the start
+  ProjectorNodeConfig live_config_;   ///< with what was changed since the start
   ProjectionStage projection_;
   ProjectorStatistics statistics_;
   WaitingQueue<Sweep> queue_;
@@ -74,6 +76,7 @@ class ScanProjectorNode {
   std::unique_ptr<SweepInput> input_;
   std::unique_ptr<ProjectorDiagnostics> diagnostics_;
   ros::SteadyTimer timer_;
+  std::unique_ptr<LiveParameters> live_parameters_;
 };
 
 }  // namespace kestrel

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <rosgraph_msgs/Log.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+extern char** environ;
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A running roslaunch. Its nodes end with it.
+class Launch {
+ public:
+  explicit Launch(const std::string& file) {
+    std::vector<std::string> words = {"roslaunch", "--disable-title", file};
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    if (posix_spawnp(&process_, "roslaunch", nullptr, nullptr, arguments.data(), environ) != 0)
+      process_ = 0;
+  }
+  ~Launch() {
+    if (process_ == 0) return;
+    kill(process_, SIGINT);
+    waitpid(process_, nullptr, 0);
+  }
+  Launch(const Launch&) = delete;
+  Launch& operator=(const Launch&) = delete;
+
+ private:
+  pid_t process_ = 0;
+};
+
+/// What all nodes log, as one text.
+class Migration : public testing::TestWithParam<std::string> {
+ protected:
+  Migration() {
+    const boost::function<void(const rosgraph_msgs::Log&)> keep =
+        [this](const rosgraph_msgs::Log& message) {
+          log_ += message.name + ": " + message.msg + "\n";
+        };
+    subscriber_ = nh_.subscribe<rosgraph_msgs::Log>("/rosout", 1000, keep);
+  }
+
+  bool says(const std::string& part) const { return log_.find(part) != std::string::npos; }
+  bool waitFor(const std::string& part) {
+    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(20.0);
+    while (!says(part) && ros::WallTime::now() < end) {
+      ros::spinOnce();
+      ros::WallDuration(0.02).sleep();
+    }
+    return says(part);
+  }
+
+  ros::NodeHandle nh_;
+  ros::Subscriber subscriber_;
+  std::string log_;
+};
+
+/// The file of a real robot starts, and every line that has no effect is explained.
+TEST_P(Migration, TheMapperStartsAndKnowsEveryName) {
+  const std::string file = KESTREL_SOURCE_DIR "/test/ros/migration/launch/" + GetParam();
+  const Launch launch(file);
+  EXPECT_TRUE(waitFor("Mapping scans on")) << log_;
+  EXPECT_FALSE(says("Unknown parameter")) << log_;
+  EXPECT_FALSE(says("cannot run")) << log_;
+  const bool is_cartographer = GetParam().find("cartographer") != std::string::npos;
+  EXPECT_EQ(says("The arguments -configuration_directory"), is_cartographer) << log_;
+}
+
+std::vector<std::string> launchFiles() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(KESTREL_SOURCE_DIR "/test/ros/migration/launch"))
+    names.push_back(entry.path().filename());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, Migration, testing::ValuesIn(launchFiles()),
+                         [](const auto& file) { return fs::path(file.param).stem().string(); });
+
+}  // namespace
+}  // namespace kestrel
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "migration_test");
+  const ros::NodeHandle keeps_the_node_alive;
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <rviz/panel.h>
+#include <std_srvs/Trigger.h>
+
+#include <QApplication>
+#include <QLabel>
+#include <QLineEdit>
+#include <QPushButton>
+#include <QtTest/QTest>
+#include <filesystem>
+#include <pluginlib/class_loader.hpp>
+#include <string>
+
+#include "mapper_client.h"
+#include "temporary_folder.h"
+
+namespace kestrel {
+namespace {
+
+/// The panel as rviz loads it, on a screen that nobody sees, and a mapper that gets scans. Buttons
+/// are pressed with the mouse.
+class PanelTest : public testing::Test {
+ protected:
+  PanelTest() : loader_("rviz", "rviz::Panel"), client_("uav1"), flight_(laboratoryFlight(300)) {
+    panel_.reset(loader_.createUnmanagedInstance("kestrel_slam/Mapper"));
+    panel_->resize(420, 420);
+    panel_->show();
+  }
+
+  /// Runs Qt and ROS, with 10 scans per second, until the condition holds.
+  bool waitFor(const std::function<bool()>& condition, double timeout_s = 15.0) {
+    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(timeout_s);
+    while (!condition() && ros::WallTime::now() < end) {
+      const std::size_t count = flight_.scans.size(), lap = next_ / count;
+      client_.publish(messageOf(flight_.scans[next_ % count].scan, "base_link",
+                                60.0 * static_cast<double>(lap)));
+      ++next_;
+      const ros::WallTime pause = ros::WallTime::now() + ros::WallDuration(0.1);
+      while (ros::WallTime::now() < pause) {
+        ros::spinOnce();
+        QTest::qWait(5);
+      }
+    }
+    return condition();
+  }
+
+  QPushButton* button(const std::string& service) {
+    return panel_->findChild<QPushButton*>(QString::fromStdString(service));
+  }
+  std::string label(const std::string& name) {
+    return panel_->findChild<QLabel*>(QString::fromStdString(name))->text().toStdString();
+  }
+  bool says(const std::string& name, const std::string& part) {
+    return waitFor([&] { return label(name).find(part) != std::string::npos; });
+  }
+  bool press(const std::string& service) {
+    if (!waitFor([&] { return button(service)->isEnabled(); })) return false;
+    QTest::mouseClick(button(service), Qt::LeftButton);
+    return true;
+  }
+
+  pluginlib::ClassLoader<rviz::Panel> loader_;
+  MapperClient client_;
+  TestFlight flight_;
+  std::size_t next_ = 0;
+  std::unique_ptr<rviz::Panel> panel_;
+};
+
+TEST_F(PanelTest, ButtonsCallTheServicesAndTheStateIsShown) {
+  EXPECT_FALSE(button("save_map")->isEnabled()) << "before it knows of a mapper";
+  ASSERT_TRUE(says("state", "ok")) << label("state");
+  EXPECT_NE(label("state").find("fits"), std::string::npos) << "the reason";
+
+  ASSERT_TRUE(press("pause_mapping"));
+  EXPECT_TRUE(says("answer", "mapping is now paused")) << label("answer");
+  EXPECT_TRUE(says("state", "paused"));
+  EXPECT_EQ(button("pause_mapping")->text().toStdString(), "Continue");
+  ASSERT_TRUE(press("pause_mapping"));
+  EXPECT_TRUE(says("answer", "mapping is now running")) << label("answer");
+
+  const TemporaryFolder folder;
+  for (QLineEdit* field : panel_->findChildren<QLineEdit*>()) {
+    if (field->text() == "map") field->setText(QString::fromStdString(folder.file("saved")));
+  }
+  ASSERT_TRUE(press("save_map"));
+  EXPECT_TRUE(says("answer", "wrote " + folder.file("saved.pgm"))) << label("answer");
+  EXPECT_TRUE(std::filesystem::exists(folder.file("saved.yaml")));
+
+  ASSERT_TRUE(press("reset_map"));
+  EXPECT_TRUE(says("answer", "the map was deleted")) << label("answer");
+}
+
+/// Functions that this mapper does not have may be services of another node.
+TEST_F(PanelTest, AServiceInTheRootIsUsedAndItsRefusalShown) {
+  int calls = 0;
+  using Trigger = std_srvs::Trigger;
+  const boost::function<bool(Trigger::Request&, Trigger::Response&)> refuse =
+      [&](Trigger::Request&, Trigger::Response& response) {
+        ++calls;
+        response.success = false;
+        response.message = "the maps do not overlap";
+        return true;
+      };
+  const ros::ServiceServer server =
+      ros::NodeHandle().advertiseService<Trigger::Request, Trigger::Response>("/join", refuse);
+  ASSERT_TRUE(says("state", "ok"));
+  ASSERT_TRUE(press("join"));
+  EXPECT_TRUE(says("answer", "refused: the maps do not overlap")) << label("answer");
+  EXPECT_EQ(calls, 1);
+}
+
+TEST_F(PanelTest, WithoutAMapperEveryButtonIsGrayAndSaysWhy) {
+  panel_->findChildren<QLineEdit*>().front()->setText("/nobody/mapper");
+  EXPECT_TRUE(waitFor([&] {
+    const auto buttons = panel_->findChildren<QPushButton*>();
+    return std::all_of(buttons.begin(), buttons.end(),
+                       [](const QPushButton* b) { return !b->isEnabled(); });
+  }));
+  const std::string tip = button("save_session")->toolTip().toStdString();
+  EXPECT_NE(tip.find("/nobody/save_session does not exist"), std::string::npos) << tip;
+}
+
+}  // namespace
+}  // namespace kestrel
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "panel_test");
+  const ros::NodeHandle keeps_the_node_alive;
+  setenv("QT_QPA_PLATFORM", "offscreen", 1);
+  const QApplication application(argc, argv);
+  return RUN_ALL_TESTS();
+}
