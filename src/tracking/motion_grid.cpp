@@ -56,7 +56,7 @@ const typename MotionGrid<D>::Result& MotionGrid<D>::insert(const std::vector<Gr
   if (scan_ == 0) scale_ = 1.0F;
   result_.full = false;
   result_.moving.clear();
-  result_.motion.assign(rays.size(), Motion::kNone);
+  result_.motion.assign(rays.size(), CellMotion::kNone);
   result_.was_free.assign(rays.size(), false);
   // All returns are classified by the grids of the last scan before the first cell changes.
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -67,7 +67,7 @@ const typename MotionGrid<D>::Result& MotionGrid<D>::insert(const std::vector<Gr
   ++scan_;
   time_ += std::max(seconds, 0.0);
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (result_.motion[i] != Motion::kNone) updateHit(rays[i], i);
+    if (result_.motion[i] != CellMotion::kNone) updateHit(rays[i], i);
   }
   protectSurface(rays);
   for (const GridRay<D>& ray : rays) {
@@ -85,18 +85,18 @@ bool MotionGrid<D>::isUsable(const GridRay<D>& ray) const {
 /// The rows of table 1 and 2 with an occupied measurement. A return near something static belongs
 /// to it, because of the noise of laser and pose.
 template <int D>
-Motion MotionGrid<D>::classify(const GridRay<D>& ray) const {
+CellMotion MotionGrid<D>::classify(const GridRay<D>& ray) const {
   const CellState state = staticState(indexOf(ray.end));
   const double range = static_cast<double>((ray.end - ray.origin).norm());
   const Surroundings near =
       surroundingsOf(ray.end, config_.tolerance_m + config_.tolerance_rad * range);
-  if (near.is_static) return Motion::kStatic;
+  if (near.is_static) return CellMotion::kStatic;
   const CellData* own = cells_.find(indexOf(ray.end));
   const bool was_moving = own != nullptr && own->was_moving && state != CellState::kFree;
-  if (near.has_stopped || was_moving) return Motion::kStopped;
-  if (state == CellState::kFree || isImposed(indexOf(ray.end))) return Motion::kMoving;
+  if (near.has_stopped || was_moving) return CellMotion::kStopped;
+  if (state == CellState::kFree || isImposed(indexOf(ray.end))) return CellMotion::kMoving;
   const bool is_new = near.is_new || state == CellState::kUnobserved;
-  return is_new && scan_ > 0 && config_.new_s > 0.0 ? Motion::kNew : Motion::kStatic;
+  return is_new && scan_ > 0 && config_.new_s > 0.0 ? CellMotion::kNew : CellMotion::kStatic;
 }
 
 template <int D>
@@ -124,9 +124,9 @@ typename MotionGrid<D>::Surroundings MotionGrid<D>::surroundingsOf(const Vector&
 
 template <int D>
 void MotionGrid<D>::updateHit(const GridRay<D>& ray, std::size_t number) {
-  const Motion motion = result_.motion[number];
+  const CellMotion motion = result_.motion[number];
   const Index index = indexOf(ray.end);
-  const bool is_moving = motion == Motion::kMoving;
+  const bool is_moving = motion == CellMotion::kMoving;
   CellData* cell = is_moving ? addMoving(index) : cells_.obtain(index);
   if (cell == nullptr) {
     result_.full = true;
@@ -138,8 +138,8 @@ void MotionGrid<D>::updateHit(const GridRay<D>& ray, std::size_t number) {
   const auto now = static_cast<float>(time_);
   if (cell->last_hit < 0.0F || now - cell->last_hit > kEpisodeGap) cell->first_hit = now;
   cell->last_hit = now;
-  cell->was_moving = is_moving || (cell->was_moving && motion == Motion::kStopped);
-  const bool by_medium = is_moving || motion == Motion::kStopped;
+  cell->was_moving = is_moving || (cell->was_moving && motion == CellMotion::kStopped);
+  const bool by_medium = is_moving || motion == CellMotion::kStopped;
   add(*cell, by_medium ? medium_ : high_, is_moving ? high_ : low_);
 }
 
@@ -166,13 +166,13 @@ template <int D>
 void MotionGrid<D>::protectSurface(const std::vector<GridRay<D>>& rays) {
   const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (result_.motion[i] == Motion::kNone) continue;
+    if (result_.motion[i] == CellMotion::kNone) continue;
     const Index index = indexOf(rays[i].end);
     for (int axis = 0; axis < D; ++axis) {
       protectCell(index + Index::Unit(axis));
       protectCell(index - Index::Unit(axis));
     }
-    const bool has_neighbor = D == 2 && i > 0 && result_.motion[i - 1] != Motion::kNone;
+    const bool has_neighbor = D == 2 && i > 0 && result_.motion[i - 1] != CellMotion::kNone;
     if (!has_neighbor || (rays[i].end - rays[i - 1].end).norm() > kMaxSpacing) continue;
     traverse<D>(rays[i - 1].end * inverse, rays[i].end * inverse, [this](const Index& between) {
       protectCell(between);

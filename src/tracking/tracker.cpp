@@ -43,12 +43,12 @@ std::vector<GridRay<2>> raysOf(const PlanarScan& scan, const Pose2& odom_T_base)
 /// Rays that ended at something new which goes on in something static: most of it is a wall that
 /// comes into view.
 std::vector<bool> attachedToStatic(const std::vector<GridRay<2>>& rays,
-                                   const std::vector<Motion>& motion, double beam_step,
+                                   const std::vector<CellMotion>& motion, double beam_step,
                                    const TrackerConfig& config) {
   std::vector<bool> attached(rays.size(), false);
   const auto spread = [&](std::size_t i, std::size_t last) {
-    if (motion[i] != Motion::kNew) return;
-    const bool source = motion[last] == Motion::kStatic || attached[last];
+    if (motion[i] != CellMotion::kNew) return;
+    const bool source = motion[last] == CellMotion::kStatic || attached[last];
     const double range = static_cast<double>((rays[i].end - rays[i].origin).norm());
     const double gap = std::max(config.join_gap_m, kGrazing * beam_step * range);
     if (source && static_cast<double>((rays[i].end - rays[last].end).norm()) < gap) {
@@ -113,9 +113,9 @@ struct Tracker::State {
     std::vector<MovingPoint> points;
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const Eigen::Vector2d end = rays[i].end.cast<double>();
-      const Motion motion = result.motion[i];
-      const bool wanted = motion == Motion::kMoving || (motion == Motion::kNew && !attached[i]) ||
-                          (motion == Motion::kStopped && tracks.covers(end));
+      const CellMotion motion = result.motion[i];
+      const bool wanted = motion == CellMotion::kMoving || (motion == CellMotion::kNew && !attached[i]) ||
+                          (motion == CellMotion::kStopped && tracks.covers(end));
       if (!wanted || is_vehicle[i]) continue;
       if (points.size() == config.max_points) {
         result.saturated = true;
@@ -209,7 +209,7 @@ struct Tracker::State {
     result.is_moving.assign(rays.size(), false);
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const bool may_move =
-          result.motion[i] != Motion::kNone && result.motion[i] != Motion::kStatic;
+          result.motion[i] != CellMotion::kNone && result.motion[i] != CellMotion::kStatic;
       result.is_moving[i] = may_move && tracks.showsAt(rays[i].end.cast<double>(), 0.0);
     }
     result.used = true;

@@ -54,17 +54,17 @@ TYPED_TEST(MotionGridTest, UpdatesFollowBothTables) {
     CellState state;
     bool hit, imposed;
     double static_value, dynamic_value;
-    Motion motion;
+    CellMotion motion;
   };
   const MotionGridConfig c = exactConfig();
   const std::vector<Row> rows = {
-      {CellState::kFree, false, false, c.low, c.low, Motion::kNone},
-      {CellState::kUnobserved, false, false, c.low, c.low, Motion::kNone},
-      {CellState::kOccupied, false, false, c.low, c.low, Motion::kNone},
-      {CellState::kFree, true, false, c.medium, c.high, Motion::kMoving},
-      {CellState::kUnobserved, true, true, c.medium, c.high, Motion::kMoving},
-      {CellState::kUnobserved, true, false, c.high, c.low, Motion::kStatic},
-      {CellState::kOccupied, true, false, c.high, c.low, Motion::kStatic}};
+      {CellState::kFree, false, false, c.low, c.low, CellMotion::kNone},
+      {CellState::kUnobserved, false, false, c.low, c.low, CellMotion::kNone},
+      {CellState::kOccupied, false, false, c.low, c.low, CellMotion::kNone},
+      {CellState::kFree, true, false, c.medium, c.high, CellMotion::kMoving},
+      {CellState::kUnobserved, true, true, c.medium, c.high, CellMotion::kMoving},
+      {CellState::kUnobserved, true, false, c.high, c.low, CellMotion::kStatic},
+      {CellState::kOccupied, true, false, c.high, c.low, CellMotion::kStatic}};
   for (const Row& row : rows) {
     MotionGrid<D> grid(c);
     bring(grid, row.state);
@@ -83,7 +83,7 @@ TYPED_TEST(MotionGridTest, UpdatesFollowBothTables) {
         std::pair(logOdds(grid.staticProbability(cell)), logOdds(grid.dynamicProbability(cell)));
     const auto& result = grid.insert(row.hit ? rayTo<D>(2.05F) : rayTo<D>(4.05F, false), 0.1);
     EXPECT_EQ(result.motion[0], row.motion);
-    EXPECT_EQ(result.moving.size(), row.motion == Motion::kMoving ? 1U : 0U);
+    EXPECT_EQ(result.moving.size(), row.motion == CellMotion::kMoving ? 1U : 0U);
     const auto bounded = [&](double odds) {
       return std::clamp(odds, logOdds(c.min_probability), logOdds(c.max_probability));
     };
@@ -99,16 +99,16 @@ TYPED_TEST(MotionGridTest, WhatStopsBecomesStaticAndAWallComesBack) {
   MotionGrid<D> grid(exactConfig());
   bring(grid, CellState::kFree);
   int moving = 0;
-  while (grid.insert(rayTo<D>(2.05F), 0.1).motion[0] == Motion::kMoving) ASSERT_LT(++moving, 200);
+  while (grid.insert(rayTo<D>(2.05F), 0.1).motion[0] == CellMotion::kMoving) ASSERT_LT(++moving, 200);
   EXPECT_GT(moving, 5);
   for (int i = 0; i < 100; ++i) grid.insert(rayTo<D>(2.05F), 0.1);
   EXPECT_EQ(grid.staticState(grid.indexOf(onX<D>(2.05F))), CellState::kOccupied);
-  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], Motion::kStopped);
+  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], CellMotion::kStopped);
   // It goes away: the cell is free again, and nothing remembers it.
   bring(grid, CellState::kFree);
   bring(grid, CellState::kFree);
   EXPECT_EQ(grid.staticState(grid.indexOf(onX<D>(2.05F))), CellState::kFree);
-  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], Motion::kMoving);
+  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], CellMotion::kMoving);
 }
 
 TYPED_TEST(MotionGridTest, TimeUntilStaticDoesNotDependOnTheRate) {
@@ -117,7 +117,7 @@ TYPED_TEST(MotionGridTest, TimeUntilStaticDoesNotDependOnTheRate) {
     MotionGrid<D> grid(exactConfig());
     for (int i = 0; i < 100; ++i) grid.insert(rayTo<D>(4.05F, false), period);
     double seconds = 0.0;
-    while (grid.insert(rayTo<D>(2.05F), period).motion[0] == Motion::kMoving) seconds += period;
+    while (grid.insert(rayTo<D>(2.05F), period).motion[0] == CellMotion::kMoving) seconds += period;
     return seconds;
   };
   EXPECT_NEAR(secondsUntilStatic(0.025), secondsUntilStatic(0.1), 0.15);
@@ -130,7 +130,7 @@ TYPED_TEST(MotionGridTest, NoiseOfAWallDoesNotMove) {
   int moving = 0;
   for (int i = 0; i < 500; ++i) {
     const auto x = static_cast<float>(3.0 + 0.03 * random.gaussian());
-    if (grid.insert(rayTo<D>(x), 0.1).motion[0] == Motion::kMoving) ++moving;
+    if (grid.insert(rayTo<D>(x), 0.1).motion[0] == CellMotion::kMoving) ++moving;
   }
   EXPECT_EQ(moving, 0);
 }
@@ -142,7 +142,7 @@ TYPED_TEST(MotionGridTest, BadRaysAreIgnored) {
   rays.push_back(rayTo<D>(INFINITY)[0]);
   rays.push_back(rayTo<D>(3e38F)[0]);
   const auto& result = grid.insert(rays, 0.1);
-  for (const Motion motion : result.motion) EXPECT_EQ(motion, Motion::kNone);
+  for (const CellMotion motion : result.motion) EXPECT_EQ(motion, CellMotion::kNone);
   EXPECT_EQ(grid.memoryBytes(), MotionGrid<D>().memoryBytes());
 }
 
@@ -179,10 +179,10 @@ TYPED_TEST(MotionGridTest, WhatIsSeenInUnknownSpaceIsNewForAWhile) {
   config.new_s = 1.0;
   MotionGrid<D> grid(config);
   grid.insert(rayTo<D>(1.05F), 0.1);
-  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], Motion::kNew);
-  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.5).motion[0], Motion::kNew);
+  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], CellMotion::kNew);
+  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.5).motion[0], CellMotion::kNew);
   grid.insert(rayTo<D>(2.05F), 0.6);
-  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], Motion::kStatic);
+  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], CellMotion::kStatic);
 }
 
 /// Cells that many points of the segment lie in.

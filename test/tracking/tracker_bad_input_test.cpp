@@ -41,8 +41,8 @@ TEST(TrackerBadInput, ClutterLikeRainIsBounded) {
   // What stands is still known behind the rain.
   std::size_t walls = 0;
   const PlanarScan clear = room.scan(60, Pose2(), {});
-  for (const Motion motion : tracker.process(clear, Pose2()).motion) {
-    if (motion == Motion::kStatic) ++walls;
+  for (const CellMotion motion : tracker.process(clear, Pose2()).motion) {
+    if (motion == CellMotion::kStatic) ++walls;
   }
   EXPECT_GT(walls, clear.rays.size() * 9 / 10);
 }

@@ -51,7 +51,7 @@ struct GridRay {
 };
 
 /// What a return belongs to.
-enum class Motion : std::uint8_t {
+enum class CellMotion : std::uint8_t {
   kNone,  ///< no return
   kStatic,
   kNew,      ///< where nothing was known until a moment ago: most of it stands
@@ -80,7 +80,7 @@ class MotionGrid {
     std::vector<std::size_t> rays;
   };
   struct Result {
-    std::vector<Motion> motion;      ///< of each ray
+    std::vector<CellMotion> motion;      ///< of each ray
     std::vector<bool> was_free;      ///< of each ray: the return is in a cell that was free
     std::vector<MovingCell> moving;  ///< occupied cells of the new dynamic map
     bool full = false;               ///< cells are missing because of the memory limit
@@ -145,7 +145,7 @@ class MotionGrid {
   bool isUsable(const GridRay<D>& ray) const;
   Surroundings surroundingsOf(const Vector& point, double distance) const;
   CellState stateOf(const CellData& cell) const;
-  Motion classify(const GridRay<D>& ray) const;
+  CellMotion classify(const GridRay<D>& ray) const;
   CellData* addMoving(const Index& index);
   void updateHit(const GridRay<D>& ray, std::size_t number);
   void protectSurface(const std::vector<GridRay<D>>& rays);
