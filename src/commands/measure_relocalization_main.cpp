@@ -2,12 +2,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "kestrel_slam/commands/mapping_command.h"
 #include "kestrel_slam/commands/run_tool.h"
+#include "kestrel_slam/evaluation/evaluation.h"
 #include "kestrel_slam/experiments/relocalization_measurement.h"
 #include "kestrel_slam/geometry/angles.h"
 
@@ -19,6 +21,8 @@ struct Options {
   std::size_t step = 20;
   double travel_m = 2.0;
   std::string trials;
+  bool search = true, localize = true;
+  std::size_t kidnappings = 100;
 };
 
 struct Log {
@@ -42,7 +46,7 @@ struct Row {
   void add(const RelocalizationTrial& trial, bool same_building) {
     ++scans;
     const bool right_one = trial.isFound() && trial.isRight() && same_building;
-    false_accepts += trial.isFound() && !right_one ? 1 : 0;
+    false_accepts += trial.isFound() && !right_one ? 1U : 0U;
     seconds.insert(seconds.end(), trial.seconds.begin(), trial.seconds.end());
     work.push_back(static_cast<double>(trial.answer.work) * 1e-6);
     memory_bytes = std::max(memory_bytes, trial.memory_bytes);
@@ -118,6 +122,64 @@ void measure(const Options& options, const Log& own, const std::vector<Log>& log
   }
 }
 
+void printLocalization(const Log& log, const LocalizationTrial& trial, const std::string& file) {
+  std::printf(
+      "%s: second half in the map of the first: %zu scans, %zu lost, %zu wrong; distance "
+      "from the trajectory with loops %.4f m, at most %.3f m; %.2f s, mapping %.2f s",
+      log.name.c_str(), trial.scans, trial.lost, trial.wrong, trial.mean_m, trial.max_m,
+      trial.seconds, trial.mapping_seconds);
+  std::error_code error;
+  if (!file.empty() && std::filesystem::exists(file, error)) {
+    Trajectory both;
+    const double begin = trial.trajectory.empty() ? 0.0 : trial.trajectory.front().stamp;
+    for (std::size_t i = 0; i < log.scans.size() / 2; ++i)
+      both.push_back({log.scans[i].scan.stamp, log.scans[i].pose});
+    both.insert(both.end(), trial.trajectory.begin(), trial.trajectory.end());
+    std::vector<Relation> across;
+    for (const Relation& relation : readRelations(file)) {
+      if ((relation.stamp1 < begin) != (relation.stamp2 < begin)) across.push_back(relation);
+    }
+    const ErrorStatistics of = evaluateRelations(both, across).all.translation_m;
+    std::printf("; %zu relations across: %.4f m, at most %.3f m", of.count, of.mean, of.max);
+  }
+  std::puts("");
+  std::fflush(stdout);
+}
+
+/// Carries the vehicle from place to place of the second half, 5 to 40 m away.
+void printKidnapping(const Log& log, const RelocalizationMap& map, std::size_t count) {
+  constexpr double kLeastM = 5.0, kMostM = 40.0, kTravelM = 3.0;
+  const std::size_t half = log.scans.size() / 2, room = half - half / 8;
+  std::size_t trials = 0, noticed = 0, found = 0, wrong = 0;
+  for (std::size_t n = 0; trials < count && n < 50 * count; ++n) {
+    // A fixed sequence that visits all places.
+    const std::size_t from = half + n * 7919 % room + 1, to = half + n * 104729 % room + 1;
+    const double away = log.scans[from].pose.between(log.scans[to].pose).distance();
+    if (away < kLeastM || away > kMostM || !map.isKnown(log.scans[from]) ||
+        !map.isKnown(log.scans[to]))
+      continue;
+    ++trials;
+    const double covered_s = trials % 4 == 0 ? 0.0 : 2.0;
+    const KidnapTrial trial = map.kidnap(log.scans, from, to, covered_s, kTravelM);
+    noticed += trial.noticed && !trial.wrong ? 1 : 0;
+    found += trial.found ? 1 : 0;
+    wrong += trial.wrong ? 1 : 0;
+  }
+  std::printf(
+      "%s: carried %.0f to %.0f m away, a quarter of the time in no time: noticed within 1 "
+      "s %zu of %zu, found within %.0f m %zu, at a wrong place after 1 s %zu\n",
+      log.name.c_str(), kLeastM, kMostM, noticed, trials, kTravelM, found, wrong);
+  std::fflush(stdout);
+}
+
+void measureLocalization(const Options& options, const Log& log, const std::string& path) {
+  const RelocalizationMap map(log.scans, 0, log.scans.size() / 2);
+  std::string relations = path.substr(0, path.rfind(".clf")) + ".relations";
+  printLocalization(log, map.localize(log.scans, log.scans.size() / 2, log.scans.size()),
+                    relations);
+  if (options.kidnappings > 0) printKidnapping(log, map, options.kidnappings);
+}
+
 void run(const Options& options) {
   std::FILE* trials = options.trials.empty() ? nullptr : std::fopen(options.trials.c_str(), "w");
   if (trials == nullptr && !options.trials.empty())
@@ -132,7 +194,9 @@ void run(const Options& options) {
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
   const std::size_t maps = logs.size();
   for (const std::string& path : options.others) logs.push_back({nameOf(path), placeScans(path)});
-  for (std::size_t m = 0; m < maps; ++m) measure(options, logs[m], logs, trials);
+  for (std::size_t m = 0; m < maps && options.search; ++m) measure(options, logs[m], logs, trials);
+  for (std::size_t m = 0; m < maps && options.localize; ++m)
+    measureLocalization(options, logs[m], options.recordings[m]);
   if (trials != nullptr) std::fclose(trials);
 }
 
@@ -164,5 +228,12 @@ int main(int argc, char** argv) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--trials", options.trials, "write a table of all searches to this file");
+  app.add_option("--search", options.search, "1: measure the search")->capture_default_str();
+  app.add_option("--localize", options.localize,
+                 "1: localize the second half in the map of the first; relations are read from the "
+                 "file with the ending .relations beside the recording")
+      ->capture_default_str();
+  app.add_option("--kidnappings", options.kidnappings, "how often the vehicle is carried away")
+      ->capture_default_str();
   return runTool("measure_relocalization", app, argc, argv, [&] { run(options); });
 }

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/graph/localizer.h"
 #include "kestrel_slam/graph/place_finder.h"
 #include "kestrel_slam/matching/fit.h"
 #include "kestrel_slam/offline/offline_run.h"
@@ -20,6 +21,9 @@ constexpr double kRightM = 0.5, kRightDeg = 5.0;
 /// The path is measured in steps of this length, m.
 constexpr double kPathStepM = 0.1;
 constexpr std::int64_t kWorkStep = 50'000'000;
+/// Of a kidnapping: scans before it, and limits of the time between two scans, s.
+constexpr std::size_t kFollowedScans = 20;
+constexpr double kLeastStepS = 0.01, kMostStepS = 0.5, kCoveredStepS = 0.1, kNoticeS = 1.0;
 
 double processorSeconds() {
   return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
@@ -60,7 +64,11 @@ std::vector<PlacedScan> placeScans(const std::string& path) {
 
 RelocalizationMap::RelocalizationMap(const std::vector<PlacedScan>& scans, std::size_t first,
                                      std::size_t last)
-    : map_(mapOfScans(scans, first, last, config_.grid)), global_(map_) {}
+    : scans_(scans),
+      first_(first),
+      last_(last),
+      map_(mapOfScans(scans, first, last, config_.grid)),
+      global_(map_) {}
 
 void RelocalizationMap::compare(const PlacedScan& scan, RelocalizationTrial& trial) const {
   trial.stamp = scan.scan.stamp;
@@ -72,6 +80,10 @@ void RelocalizationMap::compare(const PlacedScan& scan, RelocalizationTrial& tri
   const Pose2 error = scan.pose.between(trial.answer.pose().mean);
   trial.error_m = error.distance();
   trial.error_deg = radToDeg(std::abs(error.yaw));
+}
+
+bool RelocalizationMap::isKnown(const PlacedScan& scan) const {
+  return fitOf(map_, hitsOf(scan.scan), scan.pose, config_.matcher.score_scale_m).known >= kInMap;
 }
 
 RelocalizationTrial RelocalizationMap::locate(const PlacedScan& scan) const {
@@ -114,6 +126,76 @@ RelocalizationTrial RelocalizationMap::follow(const std::vector<PlacedScan>& sca
   }
   trial.in_map &= begins_in_map;
   trial.memory_bytes = finder.memoryBytes();
+  return trial;
+}
+
+LocalizationTrial RelocalizationMap::localize(const std::vector<PlacedScan>& scans,
+                                              std::size_t first, std::size_t last) const {
+  LocalizationTrial trial;
+  trial.scans = last - first;
+  Localizer localizer(config_, mapOfScans(scans_, first_, last_, config_.grid));
+  bool found = false;
+  double sum = 0.0;
+  const double start = processorSeconds();
+  for (std::size_t i = first; i < last; ++i) {
+    const MapperResult result = localizer.process(scans[i].scan);
+    if (localizer.isLost()) {
+      trial.lost += found ? 1 : 0;
+      continue;
+    }
+    found = true;
+    trial.trajectory.push_back({scans[i].scan.stamp, result.pose});
+    const double error = scans[i].pose.between(result.pose).distance();
+    trial.wrong += error > kRightM ? 1 : 0;
+    sum += error;
+    trial.max_m = std::max(trial.max_m, error);
+  }
+  trial.seconds = processorSeconds() - start;
+  trial.mean_m = sum / static_cast<double>(std::max<std::size_t>(1, trial.trajectory.size()));
+  Mapper mapper(config_);
+  const double begin = processorSeconds();
+  for (std::size_t i = first; i < last; ++i) mapper.process(scans[i].scan);
+  trial.mapping_seconds = processorSeconds() - begin;
+  return trial;
+}
+
+KidnapTrial RelocalizationMap::kidnap(const std::vector<PlacedScan>& scans, std::size_t from,
+                                      std::size_t to, double covered_s, double travel_m) const {
+  KidnapTrial trial;
+  Localizer localizer(config_, mapOfScans(scans_, first_, last_, config_.grid));
+  localizer.setPose(scans[from].pose);
+  double time = 0.0;
+  const auto process = [&](PlanarScan scan, double step) {
+    scan.time = time += step;
+    return localizer.process(scan);
+  };
+  const auto stepTo = [&](std::size_t i) {
+    return std::clamp(scans[i].scan.time - scans[i - 1].scan.time, kLeastStepS, kMostStepS);
+  };
+  for (std::size_t i = from; i < from + kFollowedScans && i < scans.size(); ++i)
+    process(scans[i].scan, stepTo(i));
+  for (double covered = 0.0; covered < covered_s; covered += kCoveredStepS) {
+    PlanarScan nothing = scans[from].scan;
+    nothing.rays.clear();
+    process(nothing, kCoveredStepS);
+  }
+  const double uncovered = time;
+  for (std::size_t i = to; i < scans.size() && trial.travel_m <= travel_m; ++i) {
+    const MapperResult result = process(scans[i].scan, stepTo(i));
+    if (i > to) trial.travel_m += scans[i - 1].pose.between(scans[i].pose).distance();
+    const double error = scans[i].pose.between(result.pose).distance();
+    if (localizer.isLost()) {
+      if (!trial.noticed) trial.noticed_s = time - uncovered;
+      trial.noticed = true;
+      continue;
+    }
+    if (error < kRightM) {
+      trial.found = true;
+      trial.noticed = true;
+      break;
+    }
+    if (time - uncovered > kNoticeS) trial.wrong = true;
+  }
   return trial;
 }
 

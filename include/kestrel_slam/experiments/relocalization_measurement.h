@@ -8,6 +8,7 @@
 #include "kestrel_slam/graph/relocalizer.h"
 #include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/mapping/mapper_config.h"
+#include "kestrel_slam/recording/trajectory.h"
 
 namespace kestrel {
 
@@ -40,26 +41,57 @@ struct RelocalizationTrial {
 
 constexpr double kInMap = 0.6;
 
+/// A vehicle that was localized over many scans.
+struct LocalizationTrial {
+  Trajectory trajectory;             ///< of the scans with a known pose
+  std::size_t scans = 0, lost = 0;   ///< lost: the pose was unknown; the scans before it was found
+                                     ///< for the first time do not count
+  std::size_t wrong = 0;             ///< the pose is farther than kRightM from the truth
+  double mean_m = 0.0, max_m = 0.0;  ///< distance from the trajectory with loops
+  double seconds = 0.0;              ///< processor time
+  double mapping_seconds = 0.0;      ///< of mapping the same scans
+};
+
+/// A vehicle that was carried away with a covered laser.
+struct KidnapTrial {
+  bool noticed = false;    ///< while it was covered, or within a second of seeing again
+  bool found = false;      ///< at the right place
+  bool wrong = false;      ///< it was told to be somewhere else
+  double noticed_s = 0.0;  ///< after it saw again
+  double travel_m = 0.0;   ///< until it was found
+};
+
 /// A map in which vehicles are searched for.
 class RelocalizationMap {
  public:
-  /// Of the inserted scans [first, last).
+  /// Of the inserted scans [first, last). `scans` must outlive the object.
   RelocalizationMap(const std::vector<PlacedScan>& scans, std::size_t first, std::size_t last);
 
   const Submap& map() const { return map_; }
   const GlobalMap& global() const { return global_; }
 
+  /// Whether the place of the scan is in the map: kInMap.
+  bool isKnown(const PlacedScan& scan) const;
   /// Searches for one scan alone.
   RelocalizationTrial locate(const PlacedScan& scan) const;
   /// Searches while the vehicle moves on from the scan `first`, until it is found or has moved by
   /// `travel_m`. A new mapper measures the motion with the laser.
   RelocalizationTrial follow(const std::vector<PlacedScan>& scans, std::size_t first,
                              double travel_m) const;
+  /// Localizes the scans [first, last), which begin with an unknown pose.
+  LocalizationTrial localize(const std::vector<PlacedScan>& scans, std::size_t first,
+                             std::size_t last) const;
+  /// Follows the vehicle for a second from the scan `from`, covers the laser for `covered_s`, and
+  /// goes on from the scan `to` for `travel_m`.
+  KidnapTrial kidnap(const std::vector<PlacedScan>& scans, std::size_t from, std::size_t to,
+                     double covered_s, double travel_m) const;
 
  private:
   void compare(const PlacedScan& scan, RelocalizationTrial& trial) const;
 
   MapperConfig config_;
+  const std::vector<PlacedScan>& scans_;
+  std::size_t first_, last_;
   Submap map_;
   GlobalMap global_;
 };
