@@ -19,7 +19,8 @@ struct PlacedObject {
 };
 using Path = std::vector<PlacedObject>;
 
-Pose2 poseAt(const Trajectory& trajectory, double stamp) {
+/// Beyond its ends: the pose at the end.
+Pose2 extendedPoseAt(const Trajectory& trajectory, double stamp) {
   const auto next = std::lower_bound(trajectory.begin(), trajectory.end(), stamp,
                                      [](const StampedPose& a, double s) { return a.stamp < s; });
   if (next == trajectory.begin()) return trajectory.front().pose;
@@ -62,7 +63,7 @@ class Evaluator {
   /// Pose of the scan that the true position belongs to: with annotated scans its own, without
   /// interpolation.
   Pose2 poseOf(double stamp) const {
-    if (options_.max_gap_s > 0.0) return poseAt(trajectory_, stamp);
+    if (options_.max_gap_s > 0.0) return extendedPoseAt(trajectory_, stamp);
     const auto nearest = std::min_element(
         trajectory_.begin(), trajectory_.end(), [stamp](const auto& a, const auto& b) {
           return std::abs(a.stamp - stamp) < std::abs(b.stamp - stamp);
