@@ -15,12 +15,12 @@
 #include "kestrel_slam/map/map_folder.h"
 #include "kestrel_slam/merging/merged_session.h"
 #include "kestrel_slam/offline/stats.h"
-#include "kestrel_slam/session/version.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
 #include "kestrel_slam/recording/trajectory.h"
 #include "kestrel_slam/report/map_image.h"
 #include "kestrel_slam/report/plot.h"
 #include "kestrel_slam/session/session_file.h"
+#include "kestrel_slam/session/version.h"
 
 namespace kestrel {
 namespace {

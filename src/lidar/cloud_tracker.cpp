@@ -109,7 +109,8 @@ struct CloudTracker::State {
     std::vector<std::uint32_t> slot(voxels.sums.size(), VoxelTable::kNone);
     for (std::uint32_t v = 0; v < voxels.sums.size(); ++v) {
       const Eigen::Vector3d& centroid = voxels.sums[v].mean;
-      const bool wanted = inserted.motion[v] == CellMotion::kMoving || tracks.claims(centroid, grid);
+      const bool wanted =
+          inserted.motion[v] == CellMotion::kMoving || tracks.claims(centroid, grid);
       if (!wanted) continue;
       if (moving.size() == config.max_moving_voxels) {
         result.saturated = true;
@@ -203,7 +204,8 @@ struct CloudTracker::State {
 
   /// What does not move becomes a part of the map for the localization.
   void extendSurfaces(const std::vector<Eigen::Vector3f>& points, const Voxels& voxels,
-                      const std::vector<CellMotion>& motion, const std::vector<MovingVoxel>& moving) {
+                      const std::vector<CellMotion>& motion,
+                      const std::vector<MovingVoxel>& moving) {
     std::vector<bool> stands;
     for (const CellMotion of_voxel : motion) stands.push_back(of_voxel == CellMotion::kStatic);
     for (const MovingVoxel& voxel : moving) stands[voxel.number] = false;

@@ -114,7 +114,8 @@ struct Tracker::State {
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const Eigen::Vector2d end = rays[i].end.cast<double>();
       const CellMotion motion = result.motion[i];
-      const bool wanted = motion == CellMotion::kMoving || (motion == CellMotion::kNew && !attached[i]) ||
+      const bool wanted = motion == CellMotion::kMoving ||
+                          (motion == CellMotion::kNew && !attached[i]) ||
                           (motion == CellMotion::kStopped && tracks.covers(end));
       if (!wanted || is_vehicle[i]) continue;
       if (points.size() == config.max_points) {

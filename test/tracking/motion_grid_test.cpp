@@ -99,7 +99,8 @@ TYPED_TEST(MotionGridTest, WhatStopsBecomesStaticAndAWallComesBack) {
   MotionGrid<D> grid(exactConfig());
   bring(grid, CellState::kFree);
   int moving = 0;
-  while (grid.insert(rayTo<D>(2.05F), 0.1).motion[0] == CellMotion::kMoving) ASSERT_LT(++moving, 200);
+  while (grid.insert(rayTo<D>(2.05F), 0.1).motion[0] == CellMotion::kMoving)
+    ASSERT_LT(++moving, 200);
   EXPECT_GT(moving, 5);
   for (int i = 0; i < 100; ++i) grid.insert(rayTo<D>(2.05F), 0.1);
   EXPECT_EQ(grid.staticState(grid.indexOf(onX<D>(2.05F))), CellState::kOccupied);

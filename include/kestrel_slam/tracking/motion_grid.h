@@ -80,7 +80,7 @@ class MotionGrid {
     std::vector<std::size_t> rays;
   };
   struct Result {
-    std::vector<CellMotion> motion;      ///< of each ray
+    std::vector<CellMotion> motion;  ///< of each ray
     std::vector<bool> was_free;      ///< of each ray: the return is in a cell that was free
     std::vector<MovingCell> moving;  ///< occupied cells of the new dynamic map
     bool full = false;               ///< cells are missing because of the memory limit

@@ -63,11 +63,11 @@ class Tracker {
   Tracker& operator=(Tracker&&) noexcept;
 
   struct Result {
-    std::vector<Track> tracks;    ///< all, also those that do not move, by rising id
-    std::vector<CellMotion> motion;   ///< of each ray of the scan
-    std::vector<bool> is_moving;  ///< of each ray: its return is from an object that is shown
-    bool saturated = false;       ///< a bound on the work was reached; something may be missing
-    bool used = false;            ///< false: time or pose cannot be used, nothing has changed
+    std::vector<Track> tracks;       ///< all, also those that do not move, by rising id
+    std::vector<CellMotion> motion;  ///< of each ray of the scan
+    std::vector<bool> is_moving;     ///< of each ray: its return is from an object that is shown
+    bool saturated = false;          ///< a bound on the work was reached; something may be missing
+    bool used = false;               ///< false: time or pose cannot be used, nothing has changed
   };
 
   /// Adds a scan. `odom_T_base`: pose at the time of the scan, in a frame without jumps. Scans that
