@@ -6,30 +6,18 @@
 #include <cmath>
 #include <utility>
 
-#include "kestrel_slam/mapping/jump_check.h"
-#include "kestrel_slam/mapping/local_map.h"
 #include "kestrel_slam/mapping/match_reason.h"
-#include "kestrel_slam/mapping/motion_model.h"
-#include "kestrel_slam/mapping/pose_uncertainty.h"
 #include "kestrel_slam/matching/ambiguity.h"
 #include "kestrel_slam/matching/fit.h"
 #include "kestrel_slam/matching/thinned.h"
 #include "kestrel_slam/sensor/projection.h"
+#include "mapper_state.h"
 #include "unobservable_motion.h"
 #include "usable_scan.h"
 
 namespace kestrel {
 namespace {
 
-/// A vehicle that was not matched is found if the scan fits well (search_score) and this share of
-/// it is in known space; in a large window half of a scan fits at many places. Near the prediction
-/// less is enough, above all if a part of the scan is in new space: the second score is that of a
-/// scan in known space.
-constexpr double kSureKnownShare = 0.5, kFoundScore = 0.5, kKnownFoundScore = 0.7,
-                 kFoundKnownShare = 0.3;
-constexpr double kFoundSigmas = 3.0;
-/// After a lost or ambiguous pose this many scans must fit before the state is ok.
-constexpr int kSettlingScans = 10;
 /// At least this many points are matched, where a scan has more. The time of a match and of a
 /// search is proportional to their number; more points add little accuracy. All are inserted.
 constexpr std::size_t kMatchPoints = 1100;
@@ -43,54 +31,6 @@ constexpr std::size_t kFewHits = 2;
 constexpr double kWellConstrained = 0.1;
 
 }  // namespace
-
-struct Mapper::State {
-  explicit State(const MapperConfig& c, const Pose2& map_T_base = Pose2())
-      : config(c),
-        map(c.grid, submapOptions(c.matcher), c.usedWindow()),
-        matcher(makeMatcher(c.matcher)),
-        motion(c, map_T_base) {}
-
-  State(const MapperConfig& c, Submap fixed)
-      : config(c), map(std::move(fixed)), matcher(makeMatcher(c.matcher)), motion(c, Pose2()) {
-    uncertainty.begin(Pose2());
-    uncertainty.insert();
-  }
-
-  MapperConfig config;
-  LocalMap map;
-  std::unique_ptr<Matcher> matcher;
-  MotionModel motion;
-  JumpCheck jumps;
-  bool few_hits = false;        ///< the scan has hits in a small part of its beams
-  UncertainPose inserted_pose;  ///< pose of the last inserted scan
-  PoseUncertainty uncertainty;
-  int unsettled_scans = 0;  ///< scans that have to fit before the state is ok again
-
-  void begin(MapperResult& result);
-  void follow(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& map_T_base,
-              MapperResult& result);
-  void match(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
-             const PredictionError& error, MapperResult& result);
-  void followAlong(const Points& points, const PlanarScan& scan, const Pose2& motion_prediction,
-                   PredictionSource source, MatchResult& match);
-  void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
-             const PredictionError& error, MapperResult& result);
-  bool isCarried(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
-                 const PredictionError& error) const;
-  void carryUnmatched(const Points& points, const PlanarScan& scan,
-                      const std::optional<Pose2>& odom_T_base, const PredictionError& error,
-                      MapperResult& result);
-  bool isBlank(const Points& points, const PlanarScan& scan,
-               const std::optional<Pose2>& odom_T_base) const;
-  bool isLikely(const MatchResult& match, const MatchRequest& request,
-                const PredictionError& error);
-  MatchState judge(const MatchResult& match, const MatchRequest& request,
-                   const PredictionError& error);
-  void settle(MapperResult& result);
-  void insert(const PlanarScan& scan, bool has_odometry, MapperResult& result);
-  bool movedEnough() const;
-};
 
 /// Whether the scan has too few hits for a match: a few hits fit in many places. If they are most
 /// of the beams, the laser has no more, and without another source they are better than nothing.
@@ -160,16 +100,18 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request, error);
   if ((request.lost || request.wide) && result.state != MatchState::kLost &&
-      secondExplanation(map.current(), request, result.match, config.matcher)) {
+      (secondExplanation(map.current(), request, result.match, config.matcher) ||
+       (prediction_source == PredictionSource::kVelocity &&
+        !laser_odometry.agrees(request, result.match.pose)))) {
     result.match.ambiguous = true;
     result.state = request.lost ? MatchState::kLost : MatchState::kDegraded;
   }
   settle(result);
   const bool lost = result.state == MatchState::kLost;
-  if (lost && isCarried(scan, odom_T_base, error)) {
-    carryUnmatched(points, scan, odom_T_base, error, result);
-    return;
-  }
+  if (lost && laser_odometry.carry(scan, prediction_source, error, motion, uncertainty, result))
+    return fillFit(points, result);
+  if (lost && isCarried(scan, odom_T_base, error))
+    return carryUnmatched(points, scan, odom_T_base, error, result);
   motion.learnOdometry(
       result.match.pose, odom_T_base,
       result.state == MatchState::kOk && result.match.constraint > kWellConstrained);
@@ -210,6 +152,12 @@ void Mapper::State::carryUnmatched(const Points& points, const PlanarScan& scan,
                                    const std::optional<Pose2>& odom_T_base,
                                    const PredictionError& error, MapperResult& result) {
   carry(scan, odom_T_base, error, result);
+  fillFit(points, result);
+}
+
+/// The fit to the map at a pose that was not found in it.
+void Mapper::State::fillFit(const Points& points, MapperResult& result) const {
+  result.match.pose = motion.pose();
   const Fit fit = fitOf(map.current(), points, motion.pose(), config.matcher.score_scale_m);
   result.match.score = fit.score;
   result.match.known = fit.known;
@@ -217,53 +165,15 @@ void Mapper::State::carryUnmatched(const Points& points, const PlanarScan& scan,
   result.evaluation = evaluationFunction(result.match, config.evaluation);
 }
 
-/// After a pose that may be wrong, the state is degraded until some scans in a row fit.
-void Mapper::State::settle(MapperResult& result) {
-  if (result.state == MatchState::kLost || result.match.ambiguous) {
-    unsettled_scans = kSettlingScans;
-  } else if (unsettled_scans > 0) {
-    if (result.state == MatchState::kOk) --unsettled_scans;
-    result.state = MatchState::kDegraded;
-  }
-}
-
-/// A poor fit far from where the vehicle is predicted is worth less than the prediction.
-bool Mapper::State::isLikely(const MatchResult& match, const MatchRequest& request,
-                             const PredictionError& error) {
-  const MatcherConfig& limits = config.matcher;
-  if (request.prior) {
-    return match.score >= limits.search_score || request.prior->isPlausible(match.pose);
-  }
-  const Pose2& predicted = request.initial_guesses.front();
-  const bool sure = match.score >= limits.search_score && match.known >= kSureKnownShare;
-  if (!request.lost && !jumps.accepts(predicted, match.pose, error) && (few_hits || !sure))
-    return false;
-  if (!request.lost && !motion.isCarried()) return true;
-  if (sure) return true;
-  const Pose2 away = predicted.between(match.pose);
-  const double least = kFoundScore + (kKnownFoundScore - kFoundScore) * match.known;
-  return match.score >= least && match.known >= kFoundKnownShare &&
-         away.distance() <= kFoundSigmas * error.position_m() &&
-         std::abs(away.yaw) <= kFoundSigmas * error.yaw_rad();
-}
-
-MatchState Mapper::State::judge(const MatchResult& match, const MatchRequest& request,
-                                const PredictionError& error) {
-  if (match.score < config.lost_score || match.known < config.min_known_share ||
-      !isLikely(match, request, error))
-    return MatchState::kLost;
-  const bool good = match.score >= config.matcher.search_score && !match.degenerate;
-  return good ? MatchState::kOk : MatchState::kDegraded;
-}
-
 /// Only a scan that fits well enough is inserted [MAV SLAM 2013, eq. 4-5].
 void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResult& result) {
   if (map.isFixed()) return;
   const bool first = map.scans() == 0;
   const bool new_space = result.carried && result.match.known < config.min_known_share;
-  const bool accepted = !config.evaluation.enabled || first || new_space ||
+  const bool accepted = !config.evaluation.enabled || first || new_space || result.new_part ||
                         result.evaluation < config.evaluation.threshold;
-  const bool known_pose = result.state != MatchState::kLost && (!result.carried || has_odometry);
+  const bool known_pose =
+      result.state != MatchState::kLost && (!result.carried || has_odometry || result.followed);
   if (!known_pose || !accepted || !(first || movedEnough())) return;
   // Without an IMU the laser is level and always sees the same slice: a new object is moving or was
   // moved, and is not a new view.
@@ -317,7 +227,8 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   s.insert(scan, s.motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry,
            result);
   result.map_full = s.map.current().isFull();
-  s.motion.remember(scan, odom_T_base, result.isMatched() ? std::nullopt : std::optional(error));
+  s.motion.remember(scan, odom_T_base, s.laser_odometry.errorAfter(result, error));
+  s.laser_odometry.update(scan, result, s.motion.pose());
   result.pose = s.motion.pose();
   result.velocity = Eigen::Rotation2Dd(-result.pose.yaw) * s.motion.velocity();
   result.uncertain = s.uncertainty.last();
@@ -343,6 +254,7 @@ void Mapper::reset(const Pose2& map_T_base) {
 void Mapper::setPose(const Pose2& map_T_base) {
   if (!isUsable(map_T_base)) return;
   state_->motion.setPose(map_T_base);
+  state_->laser_odometry.stop();
   state_->unsettled_scans = 0;
 }
 
@@ -353,6 +265,8 @@ MapSnapshot Mapper::snapshot() const { return state_->map.current().grid().snaps
 bool Mapper::takeChangedTiles(std::size_t max_tiles, std::vector<TileImage>& images) {
   return state_->map.current().grid().takeChangedTiles(max_tiles, images);
 }
-std::size_t Mapper::memoryBytes() const { return state_->map.memoryBytes(); }
+std::size_t Mapper::memoryBytes() const {
+  return state_->map.memoryBytes() + state_->laser_odometry.memoryBytes();
+}
 
 }  // namespace kestrel

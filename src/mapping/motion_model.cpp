@@ -109,7 +109,7 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
   result.search_all_yaws = result.lost && !result.yaw_known;
   result.prior = priorAt(odom_T_base, error, scan);
   if (result.prior) result.last = result.prior->pose;
-  if (is_gap) result.last = result.initial_guesses.front();
+  if (is_gap || (result.wide && !result.prior)) result.last = result.initial_guesses.front();
   if (result.lost) {
     const double distance =
         lost_scans_ > 0 ? kMaxSpeed * (scan.time - found_time_) : kSigmas * error.position_m();
@@ -251,7 +251,7 @@ void MotionModel::move(const Pose2& found, const Pose2& predicted, bool lost,
 /// large as the motion. The accelerometer gives changes without delay. While lost, the velocity is
 /// kept.
 void MotionModel::updateVelocity(const Pose2& next, const PlanarScan& scan, bool lost) {
-  const double seconds = scan.time - time_, since_found = scan.time - found_time_;
+  const double seconds = scan.time - time_, since_measured = scan.time - measured_time_;
   if (placed_ || !(seconds > 0.0) || seconds > kMaxPredicted_s) {
     velocity_.setZero();
     yaw_rate_ = 0.0;
@@ -265,7 +265,7 @@ void MotionModel::updateVelocity(const Pose2& next, const PlanarScan& scan, bool
     return;
   }
   const Pose2 expected = movedWithVelocity(scan);
-  const double gain = 1.0 / (since_found + kVelocityTime);
+  const double gain = 1.0 / (since_measured + kVelocityTime);
   const Eigen::Vector2d missed = next.translation() - expected.translation();
   velocity_ += gained + gain * missed + (along_gain_ - gain) * along_.dot(missed) * along_;
   yaw_rate_ += gain * normalizeAngle(next.yaw - pose_.yaw - seconds * yaw_rate_);
@@ -286,6 +286,12 @@ void MotionModel::carry(const PlanarScan& scan, const std::optional<Pose2>& odom
   carried_ = true;
 }
 
+void MotionModel::follow(const Pose2& pose, const PlanarScan& scan) {
+  move(pose, pose, false, scan);
+  measured_time_ = scan.time;
+  carried_ = true;
+}
+
 void MotionModel::remember(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                            const std::optional<PredictionError>& error) {
   odom_ = odom_T_base;
@@ -298,7 +304,7 @@ void MotionModel::remember(const PlanarScan& scan, const std::optional<Pose2>& o
     const double usual_s = std::min(interval_s_, kLongInterval * typical_s_);
     typical_s_ =
         typical_s_ > 0.0 ? typical_s_ + kIntervalGain * (usual_s - typical_s_) : interval_s_;
-    found_time_ = scan.time;
+    found_time_ = measured_time_ = scan.time;
   }
   time_ = scan.time;
 }

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/offline/offline_run.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -15,6 +12,7 @@
 #include "kestrel_slam/offline/arrival_order.h"
 #include "kestrel_slam/offline/saved_session.h"
 #include "kestrel_slam/session/graph_session.h"
+#include "peak_memory.h"
 #include "stage_clock.h"
 
 namespace kestrel {
@@ -22,7 +20,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kKilobytesPerMegabyte = 1024.0;
 constexpr double kMillisecondsPerSecond = 1e3;
 // The path length is measured in steps of this length. So the pose noise of a stationary vehicle is
 // not counted.
@@ -30,18 +27,6 @@ constexpr double kDistanceStep_m = 0.1;
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// Uses VmHWM, because getrusage may report the peak memory of the parent process.
-double peakMemoryMb() {
-  std::ifstream status("/proc/self/status");
-  for (std::string key; status >> key;) {
-    double kilobytes = 0.0;
-    if (key == "VmHWM:" && status >> kilobytes) return kilobytes / kKilobytesPerMegabyte;
-  }
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / kKilobytesPerMegabyte;
 }
 
 /// Describes the position of a scan in the recording, for warnings.

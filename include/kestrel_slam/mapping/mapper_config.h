@@ -20,7 +20,9 @@ struct MapperConfig {
   double lost_score = 0.35;         ///< lost if the best score is below this,
   double min_known_share = 0.1;     ///< or if the share of beams in known space is below this
   bool known_poses = false;         ///< the odometry is the pose: nothing is matched
-  double gap_s = 1.0;               ///< all yaws are searched after this time without a scan
+  /// Scans that do not fit the map are matched with the scans before them.
+  bool laser_odometry = true;
+  double gap_s = 1.0;  ///< all yaws are searched after this time without a scan
 
   /// Scans are matched against the last submaps, and a pose graph corrects the map.
   bool usesGraph() const { return window.enabled && !known_poses; }

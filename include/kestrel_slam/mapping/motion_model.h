@@ -77,6 +77,9 @@ class MotionModel {
   /// Moves to the predicted pose at `scan`, which shows nothing to match.
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base);
 
+  /// Moves to the pose by the laser odometry; the scan at `scan` does not fit the map.
+  void follow(const Pose2& pose, const PlanarScan& scan);
+
   /// Stores the sensor readings at `scan`, from which the motion to the next scan is computed.
   /// `error`: of a pose that is only predicted, since the last match; none if the scan was matched.
   void remember(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
@@ -118,12 +121,13 @@ class MotionModel {
   OdometryModel odometry_;
   bool last_well_matched_ = false;  ///< the last scan was matched well in every direction
   double time_ = 0.0;
-  double typical_s_ = 0.0;   ///< smoothed interval between two matched scans, s
-  double interval_s_ = 0.0;  ///< between the last two matched scans, s
-  double found_time_ = 0.0;  ///< time of the last matched scan, s
-  int lost_scans_ = 0;       ///< consecutive lost scans
-  bool carried_ = false;     ///< the pose is predicted, because the last scan had nothing to match
-  bool placed_ = false;      ///< setPose was called since the last scan
+  double typical_s_ = 0.0;      ///< smoothed interval between two matched scans, s
+  double interval_s_ = 0.0;     ///< between the last two matched scans, s
+  double found_time_ = 0.0;     ///< time of the last matched scan, s
+  double measured_time_ = 0.0;  ///< time of the last pose that was not only predicted, s
+  int lost_scans_ = 0;          ///< consecutive lost scans
+  bool carried_ = false;  ///< the pose is predicted, because the last scan had nothing to match
+  bool placed_ = false;   ///< setPose was called since the last scan
 };
 
 }  // namespace kestrel

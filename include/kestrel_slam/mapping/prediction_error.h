@@ -22,6 +22,11 @@ struct PredictedStep {
 /// have the same sign over many steps, so standard deviations are added, not variances.
 class PredictionError {
  public:
+  PredictionError() = default;
+  /// The error of a measured motion.
+  explicit PredictionError(const MotionError& measured)
+      : position_m_(measured.position_m), yaw_rad_(measured.yaw_rad) {}
+
   void grow(const PredictedStep& step);
 
   double position_m() const { return position_m_; }  ///< standard deviation along x and along y, m

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "kestrel_slam/mapping/jump_check.h"
+#include "kestrel_slam/mapping/laser_odometry.h"
+#include "kestrel_slam/mapping/local_map.h"
+#include "kestrel_slam/mapping/mapper.h"
+#include "kestrel_slam/mapping/motion_model.h"
+#include "kestrel_slam/mapping/pose_uncertainty.h"
+#include "kestrel_slam/matching/matcher.h"
+
+namespace kestrel {
+
+/// What the mapper knows, and the steps of its work on a scan.
+struct Mapper::State {
+  explicit State(const MapperConfig& c, const Pose2& map_T_base = Pose2())
+      : config(c),
+        map(c.grid, submapOptions(c.matcher), c.usedWindow()),
+        matcher(makeMatcher(c.matcher)),
+        motion(c, map_T_base),
+        laser_odometry(c) {}
+
+  State(const MapperConfig& c, Submap fixed)
+      : config(c),
+        map(std::move(fixed)),
+        matcher(makeMatcher(c.matcher)),
+        motion(c, Pose2()),
+        laser_odometry(c) {
+    uncertainty.begin(Pose2());
+    uncertainty.insert();
+  }
+
+  MapperConfig config;
+  LocalMap map;
+  std::unique_ptr<Matcher> matcher;
+  MotionModel motion;
+  LaserOdometry laser_odometry;
+  JumpCheck jumps;
+  bool few_hits = false;        ///< the scan has hits in a small part of its beams
+  UncertainPose inserted_pose;  ///< pose of the last inserted scan
+  PoseUncertainty uncertainty;
+  int unsettled_scans = 0;  ///< scans that have to fit before the state is ok again
+
+  void begin(MapperResult& result);
+  void follow(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& map_T_base,
+              MapperResult& result);
+  void match(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
+             const PredictionError& error, MapperResult& result);
+  void followAlong(const Points& points, const PlanarScan& scan, const Pose2& motion_prediction,
+                   PredictionSource source, MatchResult& match);
+  void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
+             const PredictionError& error, MapperResult& result);
+  bool isCarried(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
+                 const PredictionError& error) const;
+  void carryUnmatched(const Points& points, const PlanarScan& scan,
+                      const std::optional<Pose2>& odom_T_base, const PredictionError& error,
+                      MapperResult& result);
+  void fillFit(const Points& points, MapperResult& result) const;
+  bool isBlank(const Points& points, const PlanarScan& scan,
+               const std::optional<Pose2>& odom_T_base) const;
+  bool isLikely(const MatchResult& match, const MatchRequest& request,
+                const PredictionError& error);
+  MatchState judge(const MatchResult& match, const MatchRequest& request,
+                   const PredictionError& error);
+  void settle(MapperResult& result);
+  void insert(const PlanarScan& scan, bool has_odometry, MapperResult& result);
+  bool movedEnough() const;
+};
+
+}  // namespace kestrel

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The mapper's decision what a match is worth.
+#include <algorithm>
+#include <cmath>
+
+#include "mapper_state.h"
+
+namespace kestrel {
+namespace {
+
+/// A vehicle that was not matched is found if the scan fits well (search_score) and this share of
+/// it is in known space; in a large window half of a scan fits at many places. Near the prediction
+/// less is enough, above all if a part of the scan is in new space: the second score is that of a
+/// scan in known space.
+constexpr double kSureKnownShare = 0.5, kFoundScore = 0.5, kKnownFoundScore = 0.7,
+                 kFoundKnownShare = 0.3;
+constexpr double kFoundSigmas = 3.0;
+/// After a lost or ambiguous pose this many scans must fit before the state is ok.
+constexpr int kSettlingScans = 10;
+
+}  // namespace
+
+/// After a pose that may be wrong, the state is degraded until some scans in a row fit.
+void Mapper::State::settle(MapperResult& result) {
+  if (result.state == MatchState::kLost || result.match.ambiguous) {
+    unsettled_scans = kSettlingScans;
+  } else if (unsettled_scans > 0) {
+    if (result.state == MatchState::kOk) --unsettled_scans;
+    result.state = MatchState::kDegraded;
+  }
+}
+
+/// A poor fit far from where the vehicle is predicted is worth less than the prediction.
+bool Mapper::State::isLikely(const MatchResult& match, const MatchRequest& request,
+                             const PredictionError& error) {
+  const MatcherConfig& limits = config.matcher;
+  if (request.prior) {
+    return match.score >= limits.search_score || request.prior->isPlausible(match.pose);
+  }
+  const Pose2& predicted = request.initial_guesses.front();
+  const bool sure = match.score >= limits.search_score && match.known >= kSureKnownShare;
+  if (!request.lost && !jumps.accepts(predicted, match.pose, error) && (few_hits || !sure))
+    return false;
+  if (!request.lost && !motion.isCarried()) return true;
+  if (sure) return true;
+  const Pose2 away = predicted.between(match.pose);
+  const double least = kFoundScore + (kKnownFoundScore - kFoundScore) * match.known;
+  return match.score >= least && match.known >= kFoundKnownShare &&
+         away.distance() <= kFoundSigmas * error.position_m() &&
+         std::abs(away.yaw) <= kFoundSigmas * error.yaw_rad();
+}
+
+MatchState Mapper::State::judge(const MatchResult& match, const MatchRequest& request,
+                                const PredictionError& error) {
+  if (match.score < config.lost_score || match.known < config.min_known_share ||
+      !isLikely(match, request, error))
+    return MatchState::kLost;
+  const bool good = match.score >= config.matcher.search_score && !match.degenerate;
+  return good ? MatchState::kOk : MatchState::kDegraded;
+}
+
+}  // namespace kestrel
