@@ -109,7 +109,7 @@ std::string stagesText(const OfflineRun& run) {
   std::string result;
   for (std::size_t i = 0; i < kPipelineStages; ++i) {
     const auto stage = static_cast<PipelineStage>(i);
-    result += (result.empty() ? "" : ", ") + std::string(toString(stage)) +
+    result += (result.empty() ? "" : ", ") + std::string(toString(stage)) + " " +
               text({stageTimes(run, stage).mean, kMillimeter, " ms"});
   }
   return result;

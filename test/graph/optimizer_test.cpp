@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <numeric>
 
 #include "graph/graph_samples.h"
@@ -132,17 +131,12 @@ TEST(Optimizer, ExtremeNumbersGiveAResultOrAReason) {
   }
 }
 
-TEST(Optimizer, IsDeterministicAndQuick) {
+TEST(Optimizer, IsDeterministicAndNeedsFewSteps) {
   Random random(7);
   PoseGraph a = loopedGraph(squareDrive(25), kLap, random);  // 2001 vertices, 3921 edges
   PoseGraph b = a;
-  const auto begin = std::chrono::steady_clock::now();
   const OptimizerResult first = optimize(a);
-  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
-  RecordProperty("seconds", std::to_string(time.count()));
-  std::printf("%zu vertices, %zu edges: %.3f s, %d steps\n", a.vertices.size(), a.edges.size(),
-              time.count(), first.iterations);
-  EXPECT_LT(time.count(), 2.0);  // 0.1 s on an idle machine
+  EXPECT_LT(first.iterations, 25);
   const OptimizerResult second = optimize(b);
   EXPECT_EQ(first.final_cost, second.final_cost);
   for (std::size_t i = 0; i < a.vertices.size(); ++i) {

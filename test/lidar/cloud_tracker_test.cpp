@@ -54,8 +54,8 @@ TEST(CloudTrackerTest, AMillionPointsAreThinned) {
 /// The crossing with fewer columns and frames.
 TrafficScene shortCrossing() {
   TrafficScene scene = crossingScene();
-  scene.lidar.columns = 720;
-  scene.frames = 25;
+  scene.lidar.columns = 1080;
+  scene.frames = 30;
   return scene;
 }
 

@@ -79,6 +79,8 @@ TEST(StatsTest, CountsAndShares) {
   EXPECT_EQ(stats["timing"].dump(),
             R"({"ms_per_scan":{"mean":4.0,"median":2.5,"p99":10.0,"max":10.0,)"
             R"("median_first_quarter":1.0,"median_last_quarter":10.0},)"
+            R"("stages_ms":{"filter":{"mean":0.0,"p99":0.0},"projection":{"mean":0.0,"p99":0.0},)"
+            R"("matching":{"mean":0.0,"p99":0.0},"graph":{"mean":0.0,"p99":0.0}},)"
             R"("processing_s":0.5,"speed_factor":6.0,"peak_memory_mb":33.3})");
   EXPECT_EQ(stats["distance_m"], 12.346);
   EXPECT_EQ(stats["duration_s"], 3.0);
