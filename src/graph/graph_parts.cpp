@@ -36,7 +36,7 @@ SubmapGraph::SubmapGraph(const MapperConfig& mapper, const LoopConfig& config, G
     : SubmapGraph(mapper, config) {
   keyframes_ = std::move(record.keyframes);
   graph_ = std::move(record.graph);
-  for (const Place& place : record.places) places_.add(place.submap, place.first, place.last);
+  for (const KnownPlace& place : record.places) places_.add(place.submap, place.first, place.last);
   loaded_ = searched_ = keyframes_.size();
   joined_ = connectedParts(graph_);
   std::vector<const PoseEdge*> odometry(keyframes_.size(), nullptr);  // to each keyframe

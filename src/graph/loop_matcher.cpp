@@ -38,7 +38,7 @@ Points pointsOf(const std::vector<LocalKeyframe>& keyframes, const LoopQuery& qu
   return sampled(result, kQueryPoints);
 }
 
-std::size_t nearestKeyframe(const Place& place, const std::vector<LocalKeyframe>& keyframes,
+std::size_t nearestKeyframe(const KnownPlace& place, const std::vector<LocalKeyframe>& keyframes,
                             const Pose2& local_T_base) {
   std::size_t nearest = place.first;
   double least = std::numeric_limits<double>::infinity();
@@ -90,7 +90,7 @@ PoseEdge graphEdgeOf(const Loop& loop) {
           loop.anchor_T_query.covariance.inverse(), EdgeKind::kLoop};
 }
 
-Loop LoopMatcher::loopAt(const Place& place, const std::vector<LocalKeyframe>& keyframes,
+Loop LoopMatcher::loopAt(const KnownPlace& place, const std::vector<LocalKeyframe>& keyframes,
                          std::size_t query, const MatchResult& match) const {
   Loop loop;
   loop.anchor = nearestKeyframe(place, keyframes, match.pose);
@@ -115,7 +115,7 @@ const char* LoopMatcher::problemOf(const Loop& loop) const {
   return "";
 }
 
-Loop LoopMatcher::search(const Submap& map, const Place& place,
+Loop LoopMatcher::search(const Submap& map, const KnownPlace& place,
                          const std::vector<LocalKeyframe>& keyframes, const LoopQuery& query,
                          const Pose2& expected, double radius_m, double yaw_rad) const {
   const SearchWindow window{std::max(radius_m, config_.wide_radius_m), yaw_rad};
@@ -136,7 +136,7 @@ Loop LoopMatcher::search(const Submap& map, const Place& place,
   return loop;
 }
 
-Loop LoopMatcher::matchExpected(const Submap& map, const Place& place,
+Loop LoopMatcher::matchExpected(const Submap& map, const KnownPlace& place,
                                 const std::vector<LocalKeyframe>& keyframes, std::size_t keyframe,
                                 const Pose2& expected, double radius_m) const {
   const Points points = sampled(keyframes[keyframe].keyframe->scan.hits(), kScanPoints);

@@ -38,7 +38,7 @@ const Submap& Places::mapOf(std::size_t place, const std::vector<LocalKeyframe>&
 }
 
 std::size_t Places::memoryBytes() const {
-  return places_.capacity() * sizeof(Place) + cached_bytes_;
+  return places_.capacity() * sizeof(KnownPlace) + cached_bytes_;
 }
 
 }  // namespace kestrel

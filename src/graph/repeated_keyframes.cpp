@@ -145,8 +145,8 @@ class Thinning {
 
   GraphRecord run() {
     addKeyframes();
-    for (const Place& place : old_.places) {
-      const Place moved{place.submap, new_index_[place.first], new_index_[place.last]};
+    for (const KnownPlace& place : old_.places) {
+      const KnownPlace moved{place.submap, new_index_[place.first], new_index_[place.last]};
       if (moved.last > moved.first) result_.places.push_back(moved);
     }
     for (const PoseEdge& edge : old_.graph.edges) {

@@ -119,7 +119,7 @@ bool SubmapGraph::areNear(std::size_t a, std::size_t b) const {
 }
 
 /// Neighbors of a place are not matched with it: they were inserted relative to it.
-bool SubmapGraph::isNeighbor(const Place& place, std::size_t keyframe) const {
+bool SubmapGraph::isNeighbor(const KnownPlace& place, std::size_t keyframe) const {
   return chain_.partOf(place.first) == chain_.partOf(keyframe) &&
          keyframe + kNeighbors >= place.first && keyframe < place.last + kNeighbors;
 }
@@ -148,7 +148,7 @@ std::vector<SubmapGraph::Candidate> SubmapGraph::candidatesFor(std::size_t query
   const std::vector<RelativeUncertainty> uncertain = uncertainties(query);
   std::vector<Candidate> result;
   for (std::size_t p = 0; p < places_.all().size(); ++p) {
-    const Place& place = places_.all()[p];
+    const KnownPlace& place = places_.all()[p];
     if (isNeighbor(place, query)) continue;
     Candidate candidate = candidateAt(p, query);
     const RelativeUncertainty& error = uncertain[candidate.anchor];
@@ -286,9 +286,9 @@ bool SubmapGraph::takeBack(const std::vector<double>& weights) {
 
 /// The finished submap of a keyframe.
 std::size_t SubmapGraph::placeOf(std::size_t keyframe) const {
-  const auto found =
-      std::find_if(places_.all().begin(), places_.all().end(),
-                   [&](const Place& place) { return place.submap == keyframes_[keyframe].submap; });
+  const auto found = std::find_if(
+      places_.all().begin(), places_.all().end(),
+      [&](const KnownPlace& place) { return place.submap == keyframes_[keyframe].submap; });
   return static_cast<std::size_t>(found - places_.all().begin());
 }
 
@@ -321,7 +321,7 @@ void SubmapGraph::finish() {
 
 /// Matches keyframes of other visits with the place. `matched`: how often each keyframe was.
 void SubmapGraph::refineAt(std::size_t number, std::vector<int>& matched) {
-  const Place& place = places_.all()[number];
+  const KnownPlace& place = places_.all()[number];
   for (std::size_t query = 0; query < keyframes_.size(); query += kRefineEvery) {
     if (isNeighbor(place, query) || joined_[place.first] != joined_[query]) continue;
     if (matched[query] >= kRefinePlaces || std::max(place.last, query + 1) <= loaded_) continue;

@@ -13,11 +13,6 @@
 namespace kestrel {
 namespace {
 
-/// Scans that fit each other but not the map become a new part of it after this number of scans
-/// and this motion. An object that covers the laser moves with the vehicle, and shows no motion.
-constexpr int kNewPartScans = 10;
-constexpr double kNewPartM = 1.0;
-
 MotionError errorOf(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> position(covariance.topLeftCorner<2, 2>(),
                                                                 Eigen::EigenvaluesOnly);
@@ -48,7 +43,6 @@ void LaserOdometry::stop() {
   mapper_.reset();
   first_scan_.reset();
   error_ = PredictionError();
-  steps_ = 0;
   begins_at_match_ = false;
 }
 
@@ -62,9 +56,8 @@ bool LaserOdometry::follow(const PlanarScan& scan) {
   const MapperResult result = mapper_->process(scan);
   if (!isUsable(result.pose) || !result.covariance.allFinite()) return false;
   pose_ = result.pose;
-  if (!result.isMatched()) return false;
+  if (!result.isMatched() || result.match.ambiguous) return false;
   error_ = PredictionError(errorOf(result.covariance));
-  ++steps_;
   return true;
 }
 
@@ -72,20 +65,20 @@ bool LaserOdometry::carry(const PlanarScan& scan, PredictionSource source,
                           const PredictionError& predicted, MotionModel& motion,
                           PoseUncertainty& uncertainty, MapperResult& result) {
   if (!config_.laser_odometry || source == PredictionSource::kOdometry) return false;
+  // After a gap the vehicle may be where no scan was.
+  if (motion.isGap(motion.secondsSince(scan))) return false;
   // A good prediction is better than scans that may show an object that covers the laser.
   if (!begins_at_match_ && !motion.isWide(predicted)) return false;
   if (!follow(scan)) return false;
   const PredictionError& error = begins_at_match_ ? error_ : predicted;
   result.followed = true;
   result.carried = !motion.isWide(error);
-  result.new_part = !result.carried && steps_ >= kNewPartScans && moved_m() >= kNewPartM &&
-                    !result.match.incomplete;
   if (result.carried) {
     uncertainty.carry(pose_, error);
   } else {
     uncertainty.lose(pose_, error);
   }
-  if (result.carried || result.new_part) {
+  if (result.carried) {
     motion.follow(pose_, scan);
     result.state = MatchState::kDegraded;
   } else {

@@ -170,7 +170,7 @@ void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResu
   if (map.isFixed()) return;
   const bool first = map.scans() == 0;
   const bool new_space = result.carried && result.match.known < config.min_known_share;
-  const bool accepted = !config.evaluation.enabled || first || new_space || result.new_part ||
+  const bool accepted = !config.evaluation.enabled || first || new_space ||
                         result.evaluation < config.evaluation.threshold;
   const bool known_pose =
       result.state != MatchState::kLost && (!result.carried || has_odometry || result.followed);

@@ -19,7 +19,6 @@ const char* reasonOfLost(const MapperResult& result, const MapperConfig& config)
 }
 
 const char* reasonOfDegraded(const MapperResult& result, const MapperConfig& config) {
-  if (result.new_part) return "new part";
   if (result.match.ambiguous) return "ambiguous";
   if (result.match.degenerate) return "direction unobservable";
   // A scan that fits is degraded only for some time after a pose that may be wrong.

@@ -49,7 +49,7 @@ Loop refused(const LoopQuery& query, const char* reason) {
 
 CommonPlaces::Found CommonPlaces::searchPlace(JointMap& joint, std::size_t number,
                                               const Points& points) const {
-  const Place& place = joint.place(number);
+  const KnownPlace& place = joint.place(number);
   Eigen::AlignedBox2d box;
   for (std::size_t i = place.first; i < place.last; ++i)
     box.extend(joint.keyframes()[i].local_T_base.translation());

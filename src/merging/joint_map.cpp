@@ -19,7 +19,7 @@ void JointMap::add(const VehicleMap& vehicle) {
     keyframes_.push_back(keyframe);
     graph_.vertices.push_back({keyframe.local_T_base});
   }
-  for (const Place& place : vehicle.places)
+  for (const KnownPlace& place : vehicle.places)
     places_.add(place.submap, part.first + place.first, part.first + place.last);
   for (PoseEdge edge : vehicle.edges) {
     edge.from += part.first;

@@ -15,7 +15,7 @@ void addVehicle(const VehicleMap& vehicle, const std::vector<Pose2>& poses, Sess
     session.vertices.push_back({VertexKind::kKeyframe, keyframe->id, {poses[i], i + first == 0}});
     session.keyframes.push_back(std::move(keyframe));
   }
-  for (const Place& place : vehicle.places) {
+  for (const KnownPlace& place : vehicle.places) {
     SubmapRecord submap{session.submaps.size(), poses[place.first], true, {}};
     for (std::size_t i = place.first; i < place.last; ++i) submap.keyframes.push_back(first + i);
     session.submaps.push_back(std::move(submap));

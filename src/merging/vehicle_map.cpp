@@ -105,7 +105,7 @@ VehicleMap vehicleMapOf(const std::string& name, const Session& session) {
     map.keyframes.push_back({session.keyframes[i], 0, poses[i]});
   addSubmaps(session, map);
   std::size_t covered = 0;
-  for (const Place& place : map.places) covered = std::max(covered, place.last);
+  for (const KnownPlace& place : map.places) covered = std::max(covered, place.last);
   cutIntoPlaces(map, covered);
   addEdges(session, map);
   if (map.edges.empty()) addMotions(map);

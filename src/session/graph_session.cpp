@@ -47,13 +47,13 @@ Loop loopOf(const LoopRecord& record) {
 }
 
 /// The first keyframe of the submap itself: those before are of the submap before.
-std::size_t firstOf(const Place& place, const GraphRecord& record) {
+std::size_t firstOf(const KnownPlace& place, const GraphRecord& record) {
   std::size_t first = place.first;
   while (first + 1 < place.last && record.keyframes[first].submap != place.submap) ++first;
   return first;
 }
 
-SubmapRecord submapOf(const Place& place, bool finished, const GraphRecord& record) {
+SubmapRecord submapOf(const KnownPlace& place, bool finished, const GraphRecord& record) {
   const std::size_t first = firstOf(place, record);
   SubmapRecord submap{
       place.submap,
@@ -66,7 +66,7 @@ SubmapRecord submapOf(const Place& place, bool finished, const GraphRecord& reco
 }
 
 /// The keyframes at the end that are in no finished submap.
-Place openPlace(const GraphRecord& record) {
+KnownPlace openPlace(const GraphRecord& record) {
   const std::size_t last = record.keyframes.size();
   const std::uint32_t submap = record.keyframes.back().submap;
   if (!record.places.empty() && record.places.back().submap == submap) return {submap, last, last};
@@ -116,7 +116,7 @@ class Restoration {
   void addSubmap(const SubmapRecord& submap) {
     if (submap.keyframes.empty()) return;
     if (submap.id >= kNone) refuse("a submap has the number " + std::to_string(submap.id));
-    Place place{static_cast<std::uint32_t>(submap.id), index_.at(submap.keyframes.front()), 0};
+    KnownPlace place{static_cast<std::uint32_t>(submap.id), index_.at(submap.keyframes.front()), 0};
     place.last = place.first;
     for (const std::uint64_t id : submap.keyframes) {
       if (index_.at(id) != place.last++)
@@ -150,9 +150,10 @@ Session sessionOf(const GraphRecord& record, double resolution_m) {
     session.keyframes.push_back(keyframe);
     session.vertices.push_back({VertexKind::kKeyframe, keyframe->id, record.graph.vertices[i]});
   }
-  for (const Place& place : record.places) session.submaps.push_back(submapOf(place, true, record));
+  for (const KnownPlace& place : record.places)
+    session.submaps.push_back(submapOf(place, true, record));
   if (!record.keyframes.empty()) {
-    const Place open = openPlace(record);
+    const KnownPlace open = openPlace(record);
     if (open.last > open.first) session.submaps.push_back(submapOf(open, false, record));
   }
   for (const Loop& loop : record.loops) session.loops.push_back(recordOf(loop));

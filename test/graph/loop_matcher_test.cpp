@@ -25,7 +25,7 @@ struct Scene {
 
   Submap map{OccupancyGridConfig()};
   std::vector<LocalKeyframe> keyframes;
-  Place place;
+  KnownPlace place;
   LoopQuery query;
 };
 

@@ -40,8 +40,7 @@ TEST(LaserOdometry, MeasuresTheMotionFromScansAlone) {
     ASSERT_TRUE(odometry.follow(scanAt(truthAt(time), time, kOtherRoom))) << i;
     EXPECT_LT(error(odometry.pose(), truthAt(time)), 0.03) << i;
   }
-  EXPECT_EQ(odometry.steps(), 20);
-  EXPECT_NEAR(odometry.moved_m(), (truthAt(0.0).inverse() * truthAt(20 * kStep)).distance(), 0.03);
+  EXPECT_LT(error(odometry.pose(), truthAt(20 * kStep)), 0.03);
   EXPECT_LT(odometry.error().position_m(), 0.2);
 }
 
@@ -51,7 +50,6 @@ TEST(LaserOdometry, DoesNotFollowAScanOfAnotherPlace) {
   odometry.begin(scanAt(Pose2(), 0.0, kOtherRoom), Pose2(), false);
   const std::vector<room::Segment> cabin = {{-1, -1, 1, -1}, {1, -1, 0, 1}, {0, 1, -1, -1}};
   EXPECT_FALSE(odometry.follow(scanAt(Pose2(), kStep, cabin)));
-  EXPECT_EQ(odometry.steps(), 0);
 }
 
 /// A scan of an object that covers the laser.
@@ -85,35 +83,6 @@ TEST(LaserOdometry, CarriesThePoseWhereTheViewChanges) {
     EXPECT_NE(result.state, MatchState::kLost) << i;
     EXPECT_LT(error(result.pose, truthAt(time)), 0.1) << i;
   }
-}
-
-/// The vehicle is brought to another place while the laser is covered.
-TEST(LaserOdometry, TheMapGoesOnInANewPart) {
-  const double covered = 2.0, moved = 5.0;
-  Mapper mapper = mapperInRoom(covered);
-  for (double time = covered; time < moved - 0.5 * kStep; time += kStep)
-    mapper.process(coveredScan(time));
-  int lost = 0, new_parts = 0;
-  MapperResult before;
-  for (int i = 0; i < 40; ++i) {
-    const double time = moved + i * kStep;
-    const MapperResult result = mapper.process(scanAt(truthAt(i * kStep), time, kOtherRoom));
-    lost += result.state == MatchState::kLost ? 1 : 0;
-    new_parts += result.new_part ? 1 : 0;
-    if (result.new_part) {
-      EXPECT_EQ(result.state, MatchState::kDegraded);
-      EXPECT_EQ(std::string(result.reason), "new part");
-      EXPECT_GT(result.covariance(0, 0), 1.0) << "the place relative to the old part is not known";
-    }
-    if (i > 5) {  // the motion is known, although the place is not
-      const Pose2 motion = before.pose.inverse() * result.pose;
-      EXPECT_LT(error(motion, truthAt((i - 1) * kStep).inverse() * truthAt(i * kStep)), 0.05) << i;
-    }
-    before = result;
-  }
-  EXPECT_EQ(new_parts, 1);
-  EXPECT_LT(lost, 15);
-  EXPECT_EQ(before.state, MatchState::kOk);
 }
 
 /// An object that covers the laser moves with the vehicle. It must not become a part of the map.

@@ -25,17 +25,18 @@ class LoopMatcher {
 
   /// Searches for the query within `radius_m` and `yaw_rad` of `expected` (local_T_base of its
   /// middle keyframe, in the local frame of the place).
-  Loop search(const Submap& map, const Place& place, const std::vector<LocalKeyframe>& keyframes,
-              const LoopQuery& query, const Pose2& expected, double radius_m, double yaw_rad) const;
+  Loop search(const Submap& map, const KnownPlace& place,
+              const std::vector<LocalKeyframe>& keyframes, const LoopQuery& query,
+              const Pose2& expected, double radius_m, double yaw_rad) const;
 
   /// Matches one keyframe where the graph expects it, at most `radius_m` away.
-  Loop matchExpected(const Submap& map, const Place& place,
+  Loop matchExpected(const Submap& map, const KnownPlace& place,
                      const std::vector<LocalKeyframe>& keyframes, std::size_t keyframe,
                      const Pose2& expected, double radius_m) const;
 
  private:
-  Loop loopAt(const Place& place, const std::vector<LocalKeyframe>& keyframes, std::size_t query,
-              const MatchResult& match) const;
+  Loop loopAt(const KnownPlace& place, const std::vector<LocalKeyframe>& keyframes,
+              std::size_t query, const MatchResult& match) const;
   const char* problemOf(const Loop& loop) const;
   double agreementAt(const Submap& map, const std::vector<LocalKeyframe>& keyframes,
                      const LoopQuery& query, const MatchResult& found) const;

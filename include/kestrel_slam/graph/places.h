@@ -20,7 +20,7 @@ struct LocalKeyframe {
 };
 
 /// A finished submap in the local frame.
-struct Place {
+struct KnownPlace {
   std::uint32_t submap = 0;
   std::size_t first = 0, last = 0;  ///< its keyframes [first, last)
 };
@@ -34,7 +34,7 @@ class Places {
   /// Adds the submap of the keyframes [first, last).
   void add(std::uint32_t submap, std::size_t first, std::size_t last);
 
-  const std::vector<Place>& all() const { return places_; }
+  const std::vector<KnownPlace>& all() const { return places_; }
 
   /// The grid of a place. Valid until other grids are asked for.
   const Submap& mapOf(std::size_t place, const std::vector<LocalKeyframe>& keyframes);
@@ -48,7 +48,7 @@ class Places {
   };
 
   MapperConfig config_;
-  std::vector<Place> places_;
+  std::vector<KnownPlace> places_;
   std::list<Cached> cache_;  ///< last used first
   std::size_t cached_bytes_ = 0;
 };

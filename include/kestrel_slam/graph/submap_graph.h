@@ -22,7 +22,7 @@ namespace kestrel {
 /// What a graph consists of. All of it is saved, and a graph that is made of it goes on from there.
 struct GraphRecord {
   std::vector<LocalKeyframe> keyframes;
-  std::vector<Place> places;
+  std::vector<KnownPlace> places;
   PoseGraph graph;          ///< its vertices are the keyframes
   std::vector<Loop> loops;  ///< of the accepted ones, `graph` has edges
 };
@@ -95,7 +95,7 @@ class SubmapGraph {
   void addPlace();
   double pathBetween(std::size_t a, std::size_t b) const;
   bool areNear(std::size_t a, std::size_t b) const;
-  bool isNeighbor(const Place& place, std::size_t keyframe) const;
+  bool isNeighbor(const KnownPlace& place, std::size_t keyframe) const;
   std::vector<PlacedKeyframe> joinedKeyframes() const;
   void guess(std::size_t keyframe);
   void lookForPart(const PlanarScan& scan);

@@ -39,16 +39,11 @@ class LaserOdometry {
   const Pose2& pose() const { return pose_; }
   /// The error of the motion since begin().
   const PredictionError& error() const { return error_; }
-  /// Number of scans that were matched since begin().
-  int steps() const { return steps_; }
-  /// Distance from the pose at begin().
-  double moved_m() const { return (first_pose_.inverse() * pose_).distance(); }
 
   /// For a scan that does not fit the map. If it fits the scans before it, this moves the vehicle,
   /// fills the state, and returns true. Not with an odometry, which is better. `predicted`: the
   /// error of the prediction by `source`. The state is
   ///  - degraded (carried), if the motion from the last match to this scan is known well enough;
-  ///  - degraded (new part), if enough scans fit each other but not the map: the map goes on here;
   ///  - lost otherwise. The pose is then relative to an unknown place.
   bool carry(const PlanarScan& scan, PredictionSource source, const PredictionError& predicted,
              MotionModel& motion, PoseUncertainty& uncertainty, MapperResult& result);
@@ -74,7 +69,6 @@ class LaserOdometry {
   std::optional<PlanarScan> first_scan_;
   Pose2 first_pose_, pose_;
   PredictionError error_;
-  int steps_ = 0;
   bool begins_at_match_ = false;  ///< and all scans since then fit
 };
 

@@ -39,7 +39,6 @@ struct MapperResult {
   bool blank = false;       ///< too few hits for a match
   bool carried = false;     ///< there is no match: `pose` is the prediction, not a measurement
   bool followed = false;    ///< the scan was matched with the scans before it, not with the map
-  bool new_part = false;    ///< the map goes on here, at a place that is not known well
   double evaluation = 0.0;  ///< f of [MAV SLAM 2013, eq. 4]: small if the scan fits
   bool inserted = false;    ///< the scan was inserted into the map
   /// Of an inserted scan:

@@ -77,6 +77,9 @@ class MotionModel {
   /// Moves to the predicted pose at `scan`, which shows nothing to match.
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base);
 
+  /// Whether scans are missing in this time since the last one, s.
+  bool isGap(double seconds) const;
+
   /// Moves to the pose by the laser odometry; the scan at `scan` does not fit the map.
   void follow(const Pose2& pose, const PlanarScan& scan);
 
@@ -94,7 +97,6 @@ class MotionModel {
   bool needsOdometry(const PlanarScan& scan) const;
   std::optional<MotionPrior> priorAt(const std::optional<Pose2>& odom_T_base,
                                      const PredictionError& error, const PlanarScan& scan) const;
-  bool isGap(double seconds) const;
   bool isLongAgo(const PlanarScan& scan) const;
   std::optional<Pose2> odometryMotion(const std::optional<Pose2>& odom_T_base) const;
   Pose2 continuedMotion(const PlanarScan& scan) const;

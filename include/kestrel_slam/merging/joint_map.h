@@ -24,7 +24,7 @@ class JointMap {
 
   const std::vector<Part>& parts() const { return parts_; }
   const std::vector<LocalKeyframe>& keyframes() const { return keyframes_; }
-  const Place& place(std::size_t number) const { return places_.all()[number]; }
+  const KnownPlace& place(std::size_t number) const { return places_.all()[number]; }
   /// The grid of a place, in the frame of its vehicle's map. Valid until the next call.
   const Submap& mapOf(std::size_t place) { return places_.mapOf(place, keyframes_); }
   /// The graphs of the vehicles side by side, each in its own map.

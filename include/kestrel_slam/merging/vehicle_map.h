@@ -19,7 +19,7 @@ struct VehicleMap {
   std::string name;
   /// In the order of the flight. `local_T_base` is the corrected pose in the vehicle's map.
   std::vector<LocalKeyframe> keyframes;
-  std::vector<Place> places;
+  std::vector<KnownPlace> places;
   std::vector<PoseEdge> edges;       ///< odometry and accepted loops; vertices are the keyframes
   std::optional<Pose2> world_T_map;  ///< a guess of the user, as a known start pose
 };

@@ -239,5 +239,6 @@ TEST_F(LiveSession, ASessionThatCannotBeLoadedEndsTheNodeAtItsStart) {
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   ros::init(argc, argv, "live_session_test");
+  const ros::NodeHandle started;  // the fixtures use the time of ROS
   return RUN_ALL_TESTS();
 }
