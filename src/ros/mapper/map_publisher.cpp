@@ -70,7 +70,9 @@ void MapPublisher::advertise() {
   map_publisher_ = nh_.advertise<nav_msgs::OccupancyGrid>(
       "map", kQueueSize, connected, ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
   probability_publisher_ = nh_.advertise<nav_msgs::OccupancyGrid>(
-      "probability_map", kQueueSize, connected, ros::SubscriberStatusCallback(),
+      "probability_map", kQueueSize,
+      [this](const ros::SingleSubscriberPublisher&) { wants_probabilities_ = true; },
+      ros::SubscriberStatusCallback(),
       ros::VoidConstPtr(), true);
   update_publisher_ = nh_.advertise<map_msgs::OccupancyGridUpdate>("map_updates", kQueueSize);
   metadata_publisher_ = nh_.advertise<nav_msgs::MapMetaData>("map_metadata", kQueueSize, true);
@@ -92,6 +94,7 @@ void MapPublisher::tick() {
   try {
     warnOfFullMap();
     publishMap();
+    if (wants_probabilities_) publishProbabilities();
     publishUpdate();
     publishTrajectory();
     publishGraph();
@@ -117,8 +120,13 @@ void MapPublisher::publishMap() {
   const nav_msgs::OccupancyGrid map = message(replica_.snapshot());
   map_publisher_.publish(map);
   metadata_publisher_.publish(map.info);
-  if (probability_publisher_.getNumSubscribers() > 0)
-    probability_publisher_.publish(message(replica_.probabilities()));
+  if (probability_publisher_.getNumSubscribers() > 0) publishProbabilities();
+}
+
+void MapPublisher::publishProbabilities() {
+  if (replica_.known().empty()) return;
+  wants_probabilities_ = false;
+  probability_publisher_.publish(message(replica_.probabilities()));
 }
 
 bool MapPublisher::isHeard() const {

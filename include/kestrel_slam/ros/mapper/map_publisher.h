@@ -46,6 +46,7 @@ class MapPublisher {
   void advertise();
   void tick();
   void publishMap();
+  void publishProbabilities();
   void publishUpdate();
   void refresh();
   void warnOfFullMap();
@@ -72,7 +73,7 @@ class MapPublisher {
   ros::ServiceServer map_server_, save_server_;
   ros::WallTimer timer_;
 
-  std::atomic<bool> new_subscriber_{false};
+  std::atomic<bool> new_subscriber_{false}, wants_probabilities_{false};
   bool stands_behind_ = false;  ///< true: the thread already has low priority
   bool warned_of_full_map_ = false;
   MapReplica replica_;
