@@ -72,8 +72,7 @@ void MapPublisher::advertise() {
   probability_publisher_ = nh_.advertise<nav_msgs::OccupancyGrid>(
       "probability_map", kQueueSize,
       [this](const ros::SingleSubscriberPublisher&) { wants_probabilities_ = true; },
-      ros::SubscriberStatusCallback(),
-      ros::VoidConstPtr(), true);
+      ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
   update_publisher_ = nh_.advertise<map_msgs::OccupancyGridUpdate>("map_updates", kQueueSize);
   metadata_publisher_ = nh_.advertise<nav_msgs::MapMetaData>("map_metadata", kQueueSize, true);
   trajectory_publisher_ = nh_.advertise<nav_msgs::Path>("trajectory", kQueueSize, true);

@@ -167,7 +167,8 @@ void SessionServices::autosave() {
   if (version == saved_version_ || mapper_.graph()->view().keyframes.empty()) return;
   try {
     keepOldAutosave();
-    ROS_DEBUG("%s", saveTo(kAutosave).c_str());
+    const std::string done = saveTo(kAutosave);  // ROS_DEBUG may leave its arguments out
+    ROS_DEBUG("%s", done.c_str());
     saved_version_ = version;
   } catch (const std::exception& error) {
     ROS_ERROR("autosave: %s", error.what());
