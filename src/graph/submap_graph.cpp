@@ -125,9 +125,8 @@ bool SubmapGraph::isNeighbor(const KnownPlace& place, std::size_t keyframe) cons
 }
 
 Pose2 SubmapGraph::mapTLocal(std::size_t keyframe) const {
-  // Without rounding errors, as long as nothing was corrected.
-  if (poseOf(keyframe) == keyframes_[keyframe].local_T_base) return Pose2();
-  return poseOf(keyframe) * keyframes_[keyframe].local_T_base.inverse();
+  const Pose2& local = keyframes_[keyframe].local_T_base;
+  return poseOf(keyframe) == local ? Pose2() : poseOf(keyframe) * local.inverse();  // exact
 }
 
 Pose2 SubmapGraph::mapTLocal() const {

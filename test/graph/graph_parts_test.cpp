@@ -144,7 +144,7 @@ TEST_F(GraphParts, NewPlacesStayAndStayJoined) {
   EXPECT_LT(record.keyframes.size(), graph.keyframes().size());
   SubmapGraph again{MapperConfig(), LoopConfig(), record};
   EXPECT_TRUE(again.isJoined(0)) << "the loops of removed keyframes joined it";
-  for (const Place& place : record.places) EXPECT_LT(place.first, place.last);
+  for (const KnownPlace& place : record.places) EXPECT_LT(place.first, place.last);
 }
 
 TEST_F(GraphParts, KeyframesThatAreNotJoinedAreAllKept) {
