@@ -15,30 +15,13 @@
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/session/session_file.h"
 #include "mapper_client.h"
+#include "ros/mapper/ring_scan.h"
 #include "temporary_folder.h"
 
 namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A scan of a level laser in the ring of corridors.
-sensor_msgs::LaserScan messageAt(const Pose2& pose, const ros::Time& stamp) {
-  constexpr int kBeams = 360;
-  static const std::vector<room::Segment> walls = loop_world::ring();
-  sensor_msgs::LaserScan scan;
-  scan.header.stamp = stamp;
-  scan.header.frame_id = "base_link";
-  scan.angle_min = static_cast<float>(-kPi);
-  scan.angle_increment = static_cast<float>(2.0 * kPi / kBeams);
-  scan.angle_max = scan.angle_min + static_cast<float>(kBeams - 1) * scan.angle_increment;
-  scan.range_max = 30.0F;
-  for (int i = 0; i < kBeams; ++i) {
-    const double angle = -kPi + 2.0 * kPi * i / kBeams;
-    scan.ranges.push_back(static_cast<float>(room::cast(walls, pose, angle)));
-  }
-  return scan;
-}
 
 /// A mapper node as a process of its own.
 class Node {
