@@ -47,6 +47,7 @@ class TrackList {
   struct Sample {
     double time;  ///< of the grid, s
     Eigen::Vector2d position;
+    double variance;  ///< of the position, m²
     std::vector<GridIndex<2>> cells;
   };
   struct Entry {
@@ -66,6 +67,9 @@ class TrackList {
                 const MotionGrid<2>& grid) const;
   bool hasLeft(const Entry& entry, const ObjectCluster& object, const Visibility& visibility,
                const MotionGrid<2>& grid) const;
+  static bool isEmptyNow(const Sample& place, const ObjectCluster& object,
+                         const Visibility& visibility, const MotionGrid<2>& grid);
+  static bool cameAfter(double time, const ObjectCluster& object, const MotionGrid<2>& grid);
   void miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility);
   static void setState(const Eigen::Matrix<double, 5, 1>& mean,
                        const Eigen::Matrix<double, 5, 5>& covariance, Track& track);

@@ -122,7 +122,7 @@ struct Tracker::State {
         result.saturated = true;
         break;
       }
-      points.push_back({end, inserted.was_free[i]});
+      points.push_back({end, inserted.was_free[i], i});
     }
     return points;
   }
@@ -195,7 +195,7 @@ struct Tracker::State {
     const std::vector<PhdComponent<5>> new_targets = births();
     objects =
         findObjects(movingPoints(rays, inserted, mask.update(scan, pose), visibility.beamStep()),
-                    visibility, config);
+                    rays, visibility, config);
     limitObjects(visibility);
     std::vector<Observation<2>> observations;
     for (const ObjectCluster& object : objects) observations.push_back(object.observation);
