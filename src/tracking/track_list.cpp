@@ -21,7 +21,20 @@ constexpr std::size_t kPathPoints = 3;
 /// After a longer gap without observations (s), the path starts anew: what is seen then may be
 /// something else that stands.
 constexpr double kPathGap = 0.5;
+/// What stood at a place for longer than this before an object came there is something else, s.
+constexpr double kEarlier = 1.0;
+constexpr double kPathStep = 0.1;  ///< m, between the noted places of an object
+constexpr std::size_t kPathPlaces = 50;
 constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
+
+std::vector<GridIndex<2>> cellsOf(const ObjectCluster& object, const MotionGrid<2>& grid) {
+  std::vector<GridIndex<2>> cells;
+  for (const Eigen::Vector2d& point : object.points) {
+    const GridIndex<2> cell = grid.indexOf(point.cast<float>());
+    if (std::find(cells.begin(), cells.end(), cell) == cells.end()) cells.push_back(cell);
+  }
+  return cells;
+}
 
 }  // namespace
 
@@ -94,6 +107,7 @@ void TrackList::see(Entry& entry, const LabeledTarget<5>& target, const ObjectCl
   track.unseen_s = entry.hidden_s = 0.0;
   entry.seen_s += seconds_;
   track.box = object.box;
+  if (track.moved) notePath(entry, grid.time());
   entry.length = std::max(entry.length, object.box.size.x());
   track.size = sizeClassOf(entry.length);
   if (track.state != TrackState::kTentative || entry.seen_s >= config_.confirm_s) {
@@ -101,14 +115,37 @@ void TrackList::see(Entry& entry, const LabeledTarget<5>& target, const ObjectCl
   }
 }
 
+void TrackList::notePath(Entry& entry, double time) {
+  std::deque<Place>& path = entry.path;
+  const Eigen::Vector2d& position = entry.track.position;
+  if (!path.empty() && (path.back().position - position).norm() < kPathStep) return;
+  path.push_back({time, position});
+  if (path.size() > kPathPlaces) path.pop_front();
+}
+
+/// When the object has come to the place, s; the start of its path if it was always there.
+double TrackList::arrivalAt(const Entry& entry, const Eigen::Vector2d& place) {
+  const double radius = 0.5 * std::max(entry.length, kPersonWidth) + kMargin;
+  const auto outside = std::find_if(
+      entry.path.rbegin(), entry.path.rend(),
+      [&](const Place& past) { return (past.position - place).norm() > radius; });
+  return outside == entry.path.rend() ? entry.path.front().time : outside->time;
+}
+
+bool TrackList::mayBe(TargetLabel label, const ObjectCluster& object,
+                      const MotionGrid<2>& grid) const {
+  const auto entry = std::find_if(entries_.begin(), entries_.end(),
+                                  [label](const Entry& e) { return e.label == label; });
+  if (entry == entries_.end() || entry->path.empty()) return true;
+  return cameAfter(arrivalAt(*entry, object.observation.value) - kEarlier, object, grid);
+}
+
 /// Does it move? A straight path is fitted to its last positions: the velocity must be significant,
 /// measured by how well the path fits. A track that jumps between things that stand has none.
 void TrackList::noteMove(Entry& entry, const ObjectCluster& object, const Visibility& visibility,
                          const MotionGrid<2>& grid) const {
-  Sample sample{grid.time(), object.observation.value, object.observation.noise(0, 0), {}};
-  for (const Eigen::Vector2d& point : object.points) {
-    sample.cells.push_back(grid.indexOf(point.cast<float>()));
-  }
+  Sample sample{grid.time(), object.observation.value, object.observation.noise(0, 0),
+                cellsOf(object, grid)};
   std::deque<Sample>& samples = entry.samples;
   if (!samples.empty() && sample.time - samples.back().time > kPathGap) samples.clear();
   samples.push_back(std::move(sample));
@@ -147,11 +184,11 @@ bool TrackList::isEmptyNow(const Sample& place, const ObjectCluster& object,
 }
 
 bool TrackList::cameAfter(double time, const ObjectCluster& object, const MotionGrid<2>& grid) {
-  const auto arrived =
-      std::count_if(object.points.begin(), object.points.end(), [&](const auto& p) {
-        return grid.cameAfter(grid.indexOf(p.template cast<float>()), time);
-      });
-  return 2 * static_cast<std::size_t>(arrived) > object.points.size();
+  const std::vector<GridIndex<2>> cells = cellsOf(object, grid);
+  const auto arrived = std::count_if(cells.begin(), cells.end(), [&](const GridIndex<2>& cell) {
+    return grid.cameAfter(cell, time);
+  });
+  return 2 * static_cast<std::size_t>(arrived) > cells.size();
 }
 
 void TrackList::miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility) {
