@@ -56,13 +56,6 @@ MapPublisher::MapPublisher(const ros::NodeHandle& nh, const MapperNodeConfig& co
   advertise();
   timer_ =
       nh_.createWallTimer(ros::WallDuration(kTick), [this](const ros::WallTimerEvent&) { tick(); });
-  spinner_ = std::make_unique<ros::AsyncSpinner>(1, &queue_);
-  spinner_->start();
-}
-
-MapPublisher::~MapPublisher() {
-  spinner_->stop();
-  timer_.stop();
 }
 
 void MapPublisher::advertise() {
