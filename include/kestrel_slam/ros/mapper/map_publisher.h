@@ -72,7 +72,7 @@ class MapPublisher {
   SharedMapper& mapper_;
   TrajectoryLog& trajectory_;
 
-  ros::Publisher graph_publisher_, loop_publisher_;
+  ros::Publisher graph_publisher_, loop_publisher_, submap_publisher_;
   ros::Publisher map_publisher_, update_publisher_, metadata_publisher_, trajectory_publisher_;
   ros::Publisher probability_publisher_;
   ros::ServiceServer map_server_, save_server_;
