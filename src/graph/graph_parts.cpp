@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The parts of a submap graph: flights that only loops can join, and going on from a record.
+// The parts of a submap graph: flights that only loops can join, going on from a record, and what
+// is known of the end.
 #include <Eigen/LU>
 #include <algorithm>
 #include <limits>
 #include <utility>
 
+#include "kestrel_slam/graph/marginals.h"
 #include "kestrel_slam/graph/submap_graph.h"
 
 namespace kestrel {
@@ -165,6 +167,26 @@ bool SubmapGraph::addLoop(const Loop& loop) {
   loops_.back().state = LoopState::kPending;
   judge(loops_.back());
   return loops_.size() > 0 && loops_.back().state == LoopState::kAccepted;
+}
+
+std::optional<GraphCorrection::Known> SubmapGraph::knownEnd() const {
+  if (solutions_ == 0 || keyframes_.empty()) return std::nullopt;
+  std::vector<double> weights = weights_;
+  weights.resize(graph_.edges.size(), 1.0);  // edges since then
+  const std::size_t end = keyframes_.size() - 1;
+  const std::optional<GaussianPose2> first_T_end =
+      GraphMarginals(graph_, weights).between(joined_[end], end);
+  if (!first_T_end) return std::nullopt;
+  return GraphCorrection::Known{{poseOf(end), first_T_end->covariance}, end_};
+}
+
+std::size_t SubmapGraph::memoryBytes() const {
+  std::size_t bytes = places_.memoryBytes() + graph_.edges.capacity() * sizeof(PoseEdge) +
+                      graph_.vertices.capacity() * sizeof(PoseVertex) +
+                      loops_.capacity() * sizeof(Loop);
+  for (const LocalKeyframe& keyframe : keyframes_)
+    bytes += sizeof keyframe + keyframe.keyframe->memoryBytes();
+  return bytes + (finder_ ? finder_->memoryBytes() : 0);
 }
 
 }  // namespace kestrel

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "kestrel_slam/graph/graph_correction.h"
 #include "kestrel_slam/graph/graph_uncertainty.h"
 #include "kestrel_slam/graph/loop.h"
 #include "kestrel_slam/graph/loop_matcher.h"
@@ -70,6 +71,12 @@ class SubmapGraph {
   /// The correction at the last keyframe.
   Pose2 mapTLocal() const;
 
+  /// The last keyframe relative to the first one, with the marginal covariance of the graph. Only
+  /// after a loop: nothing before, and where no edges lead from one to the other.
+  std::optional<GraphCorrection::Known> knownEnd() const;
+  /// Changes when the graph is optimized.
+  std::size_t solutionCount() const { return solutions_; }
+
   const std::vector<LocalKeyframe>& keyframes() const { return keyframes_; }
   const PoseGraph& graph() const { return graph_; }
   std::size_t submapCount() const { return places_.all().size(); }
@@ -132,6 +139,9 @@ class SubmapGraph {
   std::vector<std::size_t> loop_of_edge_;  ///< for every edge of `graph_`, the loop
   std::vector<std::size_t> verified_;      ///< numbers in `loops_` of those in `consistency_`
   std::vector<std::size_t> joined_;        ///< see connectedParts()
+  std::vector<double> weights_;            ///< of the edges in the last optimization
+  std::size_t solutions_ = 0;              ///< number of optimizations
+  UncertainPose end_;                      ///< the last keyframe in the local frame
   std::size_t loaded_ = 0;                 ///< keyframes of the record
   std::size_t part_begin_ = 0;             ///< first keyframe of the newest part
   std::uint32_t submap_offset_ = 0;        ///< the mapper numbers the submaps of a part from 0

@@ -22,6 +22,7 @@ namespace kestrel {
 /// Keyframes and loops as they are now, for publishing.
 struct GraphView {
   std::vector<Pose2> keyframes;  ///< map_T_base
+  std::vector<KnownPlace> submaps;
   std::vector<Loop> loops;
 };
 
@@ -56,7 +57,7 @@ class GraphWorker {
   GraphSnapshot snapshot();
 
   /// The newest correction of the local frame.
-  Pose2 mapTLocal() const;
+  GraphCorrection correction() const;
 
   /// See OccupancyGrid::takeChangedTiles. For one reader. `map_number`: another one means that the
   /// map was composed again, and that the older tiles are not valid.
@@ -78,6 +79,7 @@ class GraphWorker {
   void run();
   bool isIdle() const;
   void handle(const Work& work);
+  GraphCorrection correctionNow();
   void change(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<ComposedMap> map);
   void answer(std::vector<std::promise<GraphSnapshot>> wanted) const;
 
@@ -90,7 +92,7 @@ class GraphWorker {
   std::unique_ptr<SubmapGraph> next_graph_;  ///< replaces `graph_`
   std::unique_ptr<ComposedMap> next_map_;
   std::vector<std::promise<GraphSnapshot>> wanted_;
-  Pose2 map_T_local_;
+  GraphCorrection correction_;
   GraphView view_;
 
   FairMutex map_mutex_;
@@ -98,6 +100,7 @@ class GraphWorker {
   std::uint64_t map_number_ = 1;
 
   std::unique_ptr<SubmapGraph> graph_;  ///< only the thread uses it
+  std::size_t solutions_ = 0;           ///< SubmapGraph::solutionCount() of the known end
   std::atomic<std::uint64_t> version_{0};
   std::atomic<std::size_t> memory_bytes_{0};
   std::thread thread_;

@@ -81,7 +81,7 @@ class SharedMapper {
  private:
   std::pair<MapperConfig, LoopConfig> parameters() const;
   void requireGraph() const;
-  Pose2 mapTLocal() const { return graph_ ? graph_->mapTLocal() : Pose2(); }
+  Pose2 mapTLocal() const { return graph_ ? graph_->correction().map_T_local : Pose2(); }
 
   MapperConfig config_;
   LoopConfig loops_;
