@@ -126,9 +126,9 @@ void TrackList::notePath(Entry& entry, double time) {
 /// When the object has come to the place, s; the start of its path if it was always there.
 double TrackList::arrivalAt(const Entry& entry, const Eigen::Vector2d& place) {
   const double radius = 0.5 * std::max(entry.length, kPersonWidth) + kMargin;
-  const auto outside = std::find_if(
-      entry.path.rbegin(), entry.path.rend(),
-      [&](const Place& past) { return (past.position - place).norm() > radius; });
+  const auto outside = std::find_if(entry.path.rbegin(), entry.path.rend(), [&](const Place& past) {
+    return (past.position - place).norm() > radius;
+  });
   return outside == entry.path.rend() ? entry.path.front().time : outside->time;
 }
 
