@@ -14,7 +14,7 @@ constexpr double kPersonWidth = 0.4;  ///< m
 constexpr double kMargin = 0.25;
 /// A place is left if it gave no return for this time, s, and for this share of the time since the
 /// object was seen there: thin objects are not hit by every scan.
-constexpr double kLeftTime = 0.2, kLeftShare = 0.25;
+constexpr double kLeftTime = 0.2, kLeftShare = 0.4;
 constexpr double kNotFinite = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPathTime = 2.0;  ///< s, of the path that shows whether an object moves
 constexpr std::size_t kPathPoints = 3;
@@ -38,7 +38,27 @@ std::vector<GridIndex<2>> cellsOf(const ObjectCluster& object, const MotionGrid<
 
 }  // namespace
 
-/// Velocity of the straight path with the least squares, in its sigmas.
+/// Sum of the squared residuals if it stood, and was then at another place: the track has changed
+/// from one thing that stands to another. `origin`: near the path.
+double TrackList::stepResidual(const std::deque<Sample>& samples, const Eigen::Vector2d& origin) {
+  Eigen::Vector2d before = Eigen::Vector2d::Zero(), after = Eigen::Vector2d::Zero();
+  double squares = 0.0;
+  for (const Sample& sample : samples) {
+    after += sample.position - origin;
+    squares += (sample.position - origin).squaredNorm();
+  }
+  double explained = 0.0;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    before += samples[i - 1].position - origin;
+    after -= samples[i - 1].position - origin;
+    explained = std::max(explained, before.squaredNorm() / static_cast<double>(i) +
+                                        after.squaredNorm() / static_cast<double>(samples.size() - i));
+  }
+  return squares - explained;
+}
+
+/// Velocity of the straight path with the least squares, in its sigmas; 0 if a step explains the
+/// positions better.
 double TrackList::speedSignificance(const std::deque<Sample>& samples) {
   const auto count = static_cast<double>(samples.size());
   if (samples.size() < kPathPoints) return 0.0;
@@ -57,6 +77,7 @@ double TrackList::speedSignificance(const std::deque<Sample>& samples) {
   for (const Sample& sample : samples) {
     residual2 += (sample.position - mean - (sample.time - time) * velocity).squaredNorm();
   }
+  if (stepResidual(samples, mean) <= residual2) return 0.0;
   const double variance = std::max(residual2 / (2.0 * (count - 2.0)), noise);
   return velocity.norm() * std::sqrt(time2 / variance);
 }
