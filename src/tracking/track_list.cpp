@@ -25,6 +25,7 @@ constexpr double kPathGap = 0.5;
 constexpr double kEarlier = 1.0;
 constexpr double kPathStep = 0.1;  ///< m, between the noted places of an object
 constexpr std::size_t kPathPlaces = 50;
+constexpr double kMissed = 1.5;  ///< periods between two observations, from which on one is missing
 constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
 
 std::vector<GridIndex<2>> cellsOf(const ObjectCluster& object, const MotionGrid<2>& grid) {
@@ -38,9 +39,10 @@ std::vector<GridIndex<2>> cellsOf(const ObjectCluster& object, const MotionGrid<
 
 }  // namespace
 
-/// Sum of the squared residuals if it stood, and was then at another place: the track has changed
-/// from one thing that stands to another. `origin`: near the path.
-double TrackList::stepResidual(const std::deque<Sample>& samples, const Eigen::Vector2d& origin) {
+/// Sum of the squared residuals if it stood, was missed, and was then at another place: the track
+/// has changed from one thing that stands to another. `origin`: near the path.
+double TrackList::stepResidual(const std::deque<Sample>& samples,
+                               const Eigen::Vector2d& origin) const {
   Eigen::Vector2d before = Eigen::Vector2d::Zero(), after = Eigen::Vector2d::Zero();
   double squares = 0.0;
   for (const Sample& sample : samples) {
@@ -51,15 +53,17 @@ double TrackList::stepResidual(const std::deque<Sample>& samples, const Eigen::V
   for (std::size_t i = 1; i < samples.size(); ++i) {
     before += samples[i - 1].position - origin;
     after -= samples[i - 1].position - origin;
-    explained = std::max(explained, before.squaredNorm() / static_cast<double>(i) +
-                                        after.squaredNorm() / static_cast<double>(samples.size() - i));
+    if (samples[i].time - samples[i - 1].time < kMissed * seconds_) continue;
+    explained =
+        std::max(explained, before.squaredNorm() / static_cast<double>(i) +
+                                after.squaredNorm() / static_cast<double>(samples.size() - i));
   }
   return squares - explained;
 }
 
 /// Velocity of the straight path with the least squares, in its sigmas; 0 if a step explains the
 /// positions better.
-double TrackList::speedSignificance(const std::deque<Sample>& samples) {
+double TrackList::speedSignificance(const std::deque<Sample>& samples) const {
   const auto count = static_cast<double>(samples.size());
   if (samples.size() < kPathPoints) return 0.0;
   double time = 0.0, time2 = 0.0, residual2 = 0.0, noise = 0.0;

@@ -70,8 +70,8 @@ class TrackList {
   const Entry* at(const Eigen::Vector2d& point) const;
   void see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster& object,
            const Visibility& visibility, const MotionGrid<2>& grid);
-  static double stepResidual(const std::deque<Sample>& samples, const Eigen::Vector2d& origin);
-  static double speedSignificance(const std::deque<Sample>& samples);
+  double stepResidual(const std::deque<Sample>& samples, const Eigen::Vector2d& origin) const;
+  double speedSignificance(const std::deque<Sample>& samples) const;
   static double arrivalAt(const Entry& entry, const Eigen::Vector2d& place);
   static void notePath(Entry& entry, double time);
   void noteMove(Entry& entry, const ObjectCluster& object, const Visibility& visibility,
