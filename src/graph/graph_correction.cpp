@@ -17,9 +17,8 @@ MapperResult GraphCorrection::inMap(MapperResult result) const {
 }
 
 void noteUnlocated(MapperResult& result) {
-  if (result.state == MatchState::kLost) return;
-  result.state = MatchState::kDegraded;
-  result.reason = "place unknown";
+  if (result.state != MatchState::kLost) result.reason = kPlaceUnknown;
+  result.state = MatchState::kLost;
 }
 
 /// Of (x, y, yaw) in map: the error of the keyframe, and of the motion since then.

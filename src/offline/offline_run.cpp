@@ -234,7 +234,11 @@ class Runner {
     if (options_.polish) polish_.keep(sweep.scan);
     addDistance(result.pose);
     const std::string place = placeOf(sweep.input);
-    if (result.state == MatchState::kLost) lost_.add(place);
+    if (result.reason == kPlaceUnknown) {
+      unlocated_.add(place);
+    } else if (result.state == MatchState::kLost) {
+      lost_.add(place);
+    }
     if (result.map_full) full_.add(place);
     if (options_.use_odometry && !sweep.input.odom_T_base) without_odometry_.add(place);
     noteWarnings(sweep);
@@ -304,6 +308,7 @@ class Runner {
                               "), the first " + doubt.scans.first + ": " + doubt.text);
     }
     warn(lost_, "did not match the map and were not inserted", "");
+    warn(unlocated_, "came when the vehicle was in a new map whose place was unknown", "");
     std::ostringstream limit;
     limit << config_.slam.mapper.grid.memory_limit_mb;
     warn(full_, "came after the map was full, so that it is not complete",
@@ -335,7 +340,7 @@ class Runner {
   std::optional<double> first_time_;
   std::optional<double> first_stamp_;  ///< arrival of the first scan, s
   std::optional<Pose2> last_counted_;
-  Occurrence lost_, full_, without_odometry_;
+  Occurrence lost_, unlocated_, full_, without_odometry_;
   std::map<std::string, Doubt> doubts_;  ///< by kind
   bool says_filter_ = false;             ///< a warning says why the filter does not run
 };

@@ -24,14 +24,17 @@ struct GraphCorrection {
   /// false: the vehicle began a new map and was not yet found in the old one.
   bool located = true;
 
-  /// The result of the mapper in map. It is at most degraded where the vehicle is not located.
+  /// The result of the mapper in map: lost where the vehicle is not located.
   MapperResult inMap(MapperResult result) const;
 
  private:
   Eigen::Matrix3d covarianceOf(const UncertainPose& local) const;
 };
 
-/// The vehicle moves in a new map whose place in the old one is unknown.
+/// The reason of the state while the vehicle moves in a new map whose place in the old one is
+/// unknown.
+constexpr char kPlaceUnknown[] = "place unknown";
+/// Sets this state and reason.
 void noteUnlocated(MapperResult& result);
 
 }  // namespace kestrel
