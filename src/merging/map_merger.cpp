@@ -248,7 +248,9 @@ void MapMerger::compare(JointMap& joint, const Pair& pair, Decision& decision) c
   result.compared = overlap.compared;
   result.contradicting = overlap.contradicting;
   result.longest_contradiction_m = overlap.longest_contradiction_m;
-  result.differing_wall_m = longestContradictingWall(joint, decision.poses, pair.a, pair.b);
+  decision.poses = joinedByLoops(joint, pair.a, pair.b, decision.loops, decision.refined);
+  result.differing_wall_m =
+      longestContradictingWall(joint, decision.poses, decision.refined, pair.a, pair.b);
   const double agreeing = overlap.compared == 0 ? 0.0
                                                 : 1.0 - static_cast<double>(overlap.contradicting) /
                                                             static_cast<double>(overlap.compared);

@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <limits>
+#include <utility>
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/map/occupancy_grid.h"
@@ -15,19 +16,55 @@ constexpr double kCellM = 0.1;
 /// Both vehicles must be sure: several hits, and several beams that passed.
 constexpr double kOccupied = 0.9, kFree = 0.25;
 /// A wall that the other map has so near is the same one: maps have errors.
-constexpr std::int64_t kNearCells = 5;
+constexpr std::int64_t kNearCells = 3;
 /// The cells of a wall are within this width, without larger gaps.
 constexpr double kWidthM = 0.2, kGapM = 0.35;
 constexpr int kDirections = 60;
 constexpr std::size_t kMostPoints = 20'000;
+/// What is compared: up to this way from an agreeing keyframe, and up to this range.
+constexpr double kWayM = 5.0;
+constexpr float kReachM = 10.0F;
+
+double stepOf(const std::vector<LocalKeyframe>& keyframes, std::size_t i) {
+  return keyframes[i - 1].local_T_base.between(keyframes[i].local_T_base).distance();
+}
+
+/// For each keyframe, whether an agreeing one is near on the way of the vehicle.
+std::vector<bool> nearAgreeing(const JointMap& joint, const std::vector<Loop>& agreeing) {
+  const std::vector<LocalKeyframe>& keyframes = joint.keyframes();
+  std::vector<double> away(keyframes.size(), std::numeric_limits<double>::infinity());
+  for (const Loop& loop : agreeing) away[loop.query] = away[loop.anchor] = 0.0;
+  for (const JointMap::Part& part : joint.parts()) {
+    for (std::size_t i = part.first + 1; i < part.last; ++i)
+      away[i] = std::min(away[i], away[i - 1] + stepOf(keyframes, i));
+    for (std::size_t i = part.last; i-- > part.first + 1;)
+      away[i - 1] = std::min(away[i - 1], away[i] + stepOf(keyframes, i));
+  }
+  std::vector<bool> near;
+  for (const double distance : away) near.push_back(distance <= kWayM);
+  return near;
+}
+
+/// The scan up to a distance at which errors of the yaw do not move a wall far.
+PlanarScan nearPart(PlanarScan scan) {
+  for (PlanarRay& ray : scan.rays) {
+    const Eigen::Vector2f along = ray.end - ray.origin;
+    const float length = along.norm();
+    if (length <= kReachM) continue;
+    ray.end = ray.origin + along * (kReachM / length);
+    ray.hit = false;
+  }
+  return scan;
+}
 
 OccupancyGrid gridOf(const JointMap& joint, const std::vector<PoseVertex>& poses,
-                     std::size_t part) {
+                     const std::vector<bool>& used, std::size_t part) {
   OccupancyGridConfig config;
   config.resolution_m = kCellM;
   OccupancyGrid grid(config);
-  for (std::size_t i = joint.parts()[part].first; i < joint.parts()[part].last; ++i)
-    grid.insert(joint.keyframes()[i].keyframe->planarScan(), poses[i].pose);
+  for (std::size_t i = joint.parts()[part].first; i < joint.parts()[part].last; ++i) {
+    if (used[i]) grid.insert(nearPart(joint.keyframes()[i].keyframe->planarScan()), poses[i].pose);
+  }
   return grid;
 }
 
@@ -95,8 +132,10 @@ double longestWall(std::vector<Eigen::Vector2d> points) {
 }  // namespace
 
 double longestContradictingWall(const JointMap& joint, const std::vector<PoseVertex>& poses,
-                                std::size_t a, std::size_t b) {
-  const OccupancyGrid first = gridOf(joint, poses, a), second = gridOf(joint, poses, b);
+                                const std::vector<Loop>& agreeing, std::size_t a, std::size_t b) {
+  const std::vector<bool> used = nearAgreeing(joint, agreeing);
+  const OccupancyGrid first = gridOf(joint, poses, used, a);
+  const OccupancyGrid second = gridOf(joint, poses, used, b);
   return std::max(longestWall(contradictingCells(first, second)),
                   longestWall(contradictingCells(second, first)));
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Three vehicles in one building and one master, with several_vehicles.launch.
+#include <XmlRpcClient.h>
 #include <gtest/gtest.h>
+#include <ros/network.h>
 #include <signal.h>
 #include <std_msgs/String.h>
 #include <sys/wait.h>
@@ -128,7 +130,7 @@ class SeveralVehicles : public testing::Test {
 
   /// Saves as autosave does, so that nothing is lost when the mapper is killed.
   void save(const std::string& name) {
-    SaveSession service;
+    kestrel_slam::SaveSession service;
     service.request.path = "autosave.session";
     ASSERT_TRUE(ros::service::call("/" + name + "/save_session", service));
     ASSERT_TRUE(service.response.success) << service.response.message;
@@ -202,7 +204,7 @@ class SeveralVehicles : public testing::Test {
 };
 
 void SeveralVehicles::checkServices() {
-  JoinVehicle join;
+  kestrel_slam::JoinVehicle join;
   join.request.vehicle = "nobody";
   join.request.world_T_map.orientation.w = 1.0;
   ASSERT_TRUE(ros::service::call("join", join));
@@ -211,7 +213,7 @@ void SeveralVehicles::checkServices() {
   join.request.world_T_map.position.x = std::numeric_limits<double>::quiet_NaN();
   ASSERT_TRUE(ros::service::call("join", join));
   EXPECT_FALSE(join.response.success) << "no pose";
-  SeparateVehicles separate;
+  kestrel_slam::SeparateVehicles separate;
   separate.request.first = separate.request.second = "uav0";
   ASSERT_TRUE(ros::service::call("separate", separate));
   EXPECT_FALSE(separate.response.success) << "one vehicle";
@@ -225,7 +227,7 @@ void SeveralVehicles::checkServices() {
   ASSERT_TRUE(ros::service::call("join", join));
   EXPECT_TRUE(join.response.success) << join.response.message;
   EXPECT_TRUE(waitFor([this] { return stateOf("uav0", "uav2") == "joined"; })) << status_;
-  SaveSession save;
+  kestrel_slam::SaveSession save;
   save.request.path = "../outside";
   ASSERT_TRUE(ros::service::call("save_session", save));
   EXPECT_FALSE(save.response.success);
@@ -254,7 +256,7 @@ TEST_F(SeveralVehicles, OneMapThoughAVehicleAndTheMergerAreRestarted) {
   })) << status_;
   EXPECT_EQ(map_.header.frame_id, "world");
   EXPECT_GT(map_.data.size(), 10'000U);
-  EXPECT_EQ(pose_.header.frame_id, "world");
+  EXPECT_TRUE(waitFor([this] { return pose_.header.frame_id == "world"; }));
   for (const char* name : {"uav0", "uav1", "uav2"}) {
     const std::string frame = std::string(name) + "/map";
     EXPECT_TRUE(waitFor([&] { return vehicles_[0].client->parents[frame].count("world") > 0; }));
