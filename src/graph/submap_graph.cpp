@@ -53,6 +53,7 @@ SubmapGraph::SubmapGraph(const MapperConfig& mapper, const LoopConfig& config)
 
 void SubmapGraph::add(const PlanarScan& scan, const MapperResult& result) {
   if (!result.inserted) return;
+  shown_.reset();
   addKeyframe(scan, result);
   if (!isQuery({searched_, keyframes_.size()})) return;
   const LoopQuery query{searched_, keyframes_.size()};
@@ -86,6 +87,7 @@ void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result
   if (!first && keyframes_.back().submap != submap) addPlace();
   graph_.vertices.push_back({mapTLocal() * result.pose, number == 0});
   keyframes_.push_back({std::move(keyframe), submap, result.pose});
+  end_ = result.uncertain;
   path_.push_back((number == 0 ? 0.0 : path_.back()) + motion.distance());
   joined_.push_back(first ? number : joined_.back());
   if (first) {
@@ -259,9 +261,11 @@ void SubmapGraph::optimizeIfNeeded(const Loop& loop) {
 
 void SubmapGraph::solve() {
   unsolved_ = 0;
+  ++solutions_;
   do {
     const OptimizerResult result = optimize(graph_);
-    if (!result.ok() || !takeBack(result.edge_weights)) return;
+    weights_ = result.edge_weights;
+    if (!result.ok() || !takeBack(weights_)) return;
   } while (true);
 }
 
@@ -312,6 +316,11 @@ void SubmapGraph::searchAround() {
 
 void SubmapGraph::finish() {
   searchAround();
+  refine();
+  shown_ = largestPart(loaded_);
+}
+
+void SubmapGraph::refine() {
   if (graph_.edges.size() == odometry_.edges.size()) return;  // no loop
   solve();
   std::vector<int> matched(keyframes_.size(), 0);
@@ -336,15 +345,6 @@ void SubmapGraph::refineAt(std::size_t number, std::vector<int>& matched) {
     graph_.edges.push_back(graphEdgeOf(loop));
     loop_of_edge_.push_back(loops_.size() - 1);
   }
-}
-
-std::size_t SubmapGraph::memoryBytes() const {
-  std::size_t bytes = places_.memoryBytes() + graph_.edges.capacity() * sizeof(PoseEdge) +
-                      graph_.vertices.capacity() * sizeof(PoseVertex) +
-                      loops_.capacity() * sizeof(Loop);
-  for (const LocalKeyframe& keyframe : keyframes_)
-    bytes += sizeof keyframe + keyframe.keyframe->memoryBytes();
-  return bytes + (finder_ ? finder_->memoryBytes() : 0);
 }
 
 }  // namespace kestrel
