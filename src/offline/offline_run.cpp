@@ -266,15 +266,7 @@ class Runner {
     run_.map = options_.polish ? mapAlong(run_.trajectory, graph, config_.slam.mapper.grid)
                                : mapOf(graph, config_.slam.mapper.grid);
     run_.session = savedSession(graph, config_.slam, options_.session.get(), run_);
-    if (graph.partCount() > 1)
-      run_.warnings.push_back(
-          std::to_string(graph.partCount() - 1) +
-          " part(s) of the recording could not be placed in the map: the vehicle was lost before, "
-          "and saw nothing there that it knew; the map shows the largest part");
-    if (!options_.session || run_.session->keyframes.empty() || graph.isJoined(0)) return;
-    run_.warnings.push_back(
-        "the flight was not found in the map of the session: map and trajectory show the new part "
-        "only, and the session keeps both apart; --start says where it begins");
+    for (const std::string& warning : partWarnings(graph)) run_.warnings.push_back(warning);
   }
 
   void finishFilter() {
