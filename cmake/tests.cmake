@@ -86,6 +86,7 @@ if(KESTREL_WITH_ROS AND CATKIN_ENABLE_TESTING)
   endforeach()
   target_link_libraries(pipeline_parity_test PRIVATE kestrel_offline)
   target_link_libraries(replay_freiburg_test PRIVATE kestrel_evaluation)
+  target_link_libraries(several_vehicles_test PRIVATE kestrel_evaluation kestrel_merging)
   file(GLOB ROS_TESTS CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} test/ros/*.test
     test/ros/*/*.test)
   if(TARGET kestrel_rviz)

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,9 +19,9 @@ namespace {
 
 struct Options {
   std::vector<std::string> recordings;
-  std::string relations, output, odometry = "none";
+  std::string relations, reference, output, odometry = "none";
   std::vector<std::string> settings;
-  std::size_t parts = 1;
+  std::size_t parts = 1, offices = 0;
 };
 
 double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -48,18 +49,29 @@ std::vector<MappedVehicle> mapAll(const Options& options) {
 }
 
 void printPairHead() {
-  std::printf("%-16s %-16s %-16s %6s %7s %6s %5s %6s %6s %8s %6s %7s %6s  %s\n", "a", "b", "state",
-              "conf", "queries", "found", "first", "second", "places", "compared", "not", "along m",
-              "s", "reason");
+  std::printf("%-16s %-16s %-16s %6s %7s %6s %5s %6s %6s %8s %6s %7s %6s %6s  %s\n", "a", "b",
+              "state", "conf", "queries", "found", "first", "second", "places", "compared", "not",
+              "along m", "wall m", "s", "reason");
 }
 
 void printPair(const MapMerger& merger, const PairResult& pair, double seconds) {
-  std::printf("%-16s %-16s %-16s %6.3f %7zu %6zu %5zu %6zu %6zu %8zu %6zu %7.1f %6.1f  %s\n",
+  std::printf("%-16s %-16s %-16s %6.3f %7zu %6zu %5zu %6zu %6zu %8zu %6zu %7.1f %6.1f %6.1f  %s\n",
               merger.vehicles()[pair.a].name.c_str(), merger.vehicles()[pair.b].name.c_str(),
               toString(pair.state), pair.confidence, pair.searched, pair.found, pair.first,
               pair.second, pair.places, pair.compared, pair.contradicting,
-              pair.longest_contradiction_m, seconds, pair.reason.c_str());
+              pair.longest_contradiction_m, pair.differing_wall_m, seconds, pair.reason.c_str());
   std::fflush(stdout);
+}
+
+/// Merges two maps and prints the result. Returns whether they were joined.
+bool measurePair(const SlamConfig& config, const MappedVehicle& a, const MappedVehicle& b) {
+  MapMerger merger(config.mapper, config.loops);
+  merger.update(a.map);
+  merger.update(b.map);
+  const double begin = processorSeconds();
+  const MergeResult result = merger.merge();
+  printPair(merger, result.pairs.front(), processorSeconds() - begin);
+  return result.pairs.front().isJoined();
 }
 
 /// Every two of the recordings alone.
@@ -68,29 +80,56 @@ void measurePairs(const Options& options, const std::vector<MappedVehicle>& vehi
   std::size_t pairs = 0, joined = 0;
   printPairHead();
   for (std::size_t b = 0; b < vehicles.size(); ++b) {
-    for (std::size_t a = 0; a < b; ++a) {
-      MapMerger merger(config.mapper, config.loops);
-      merger.update(vehicles[a].map);
-      merger.update(vehicles[b].map);
-      const double begin = processorSeconds();
-      const MergeResult result = merger.merge();
-      printPair(merger, result.pairs.front(), processorSeconds() - begin);
-      ++pairs;
-      if (result.pairs.front().isJoined()) ++joined;
-    }
+    for (std::size_t a = 0; a < b; ++a, ++pairs)
+      joined += measurePair(config, vehicles[a], vehicles[b]) ? 1 : 0;
   }
   std::printf("%zu pairs, %zu joined\n", pairs, joined);
 }
 
-void printErrors(const Options& options, const std::vector<MappedVehicle>& vehicles,
-                 const MergeResult& result) {
+/// Two vehicles in the same office, and in offices that differ in one room.
+void measureOffices(const Options& options) {
+  const SlamConfig config = configOf(options);
+  constexpr OfficeChange kChanges[] = {OfficeChange::kNone, OfficeChange::kFurniture,
+                                       OfficeChange::kShallow, OfficeChange::kDeep,
+                                       OfficeChange::kPartition};
+  std::map<OfficeChange, std::size_t> joined;
+  printPairHead();
+  for (std::uint64_t seed = 1; seed <= options.offices; ++seed) {
+    const MappedVehicle first = mapOffice(seed, OfficeChange::kNone, 1, config);
+    for (const OfficeChange change : kChanges) {
+      std::printf("%-15s ", toString(change));
+      joined[change] += measurePair(config, first, mapOffice(seed, change, 2, config)) ? 1 : 0;
+    }
+  }
+  for (const OfficeChange change : kChanges)
+    std::printf("%-16s %zu of %zu joined\n", toString(change), joined[change], options.offices);
+}
+
+Trajectory allInWorld(const std::vector<MappedVehicle>& vehicles, const MergeResult& result) {
   Trajectory all;
-  std::vector<double> first;
   for (std::size_t v = 0; v < vehicles.size(); ++v) {
     const Trajectory part = inWorld(vehicles[v], result, v);
-    first.push_back(part.front().stamp);
     all.insert(all.end(), part.begin(), part.end());
   }
+  return all;
+}
+
+void printReference(const Options& options, const std::vector<MappedVehicle>& vehicles,
+                    const MergeResult& result) {
+  const auto print = [&](const char* name, const Trajectory& trajectory) {
+    const ReferenceEvaluation errors = evaluateReference(trajectory, readTum(options.reference));
+    std::printf("%-16s ATE rmse %.2f m, max %.2f m\n", name,
+                errors.ate_statistics.translation_m.rmse, errors.ate_statistics.translation_m.max);
+  };
+  for (const MappedVehicle& vehicle : vehicles) print(vehicle.map.name.c_str(), vehicle.trajectory);
+  print("all in world", allInWorld(vehicles, result));
+}
+
+void printErrors(const Options& options, const std::vector<MappedVehicle>& vehicles,
+                 const MergeResult& result) {
+  const Trajectory all = allInWorld(vehicles, result);
+  std::vector<double> first;
+  for (const MappedVehicle& vehicle : vehicles) first.push_back(vehicle.trajectory.front().stamp);
   const std::vector<Relation> relations = readRelations(options.relations);
   const auto vehicleAt = [&](double stamp) {
     std::size_t vehicle = 0;
@@ -124,12 +163,14 @@ void measureParts(const Options& options, const std::vector<MappedVehicle>& vehi
   std::printf("%zu of %zu vehicles in one map, %zu loops between them\n", result.largestGroup(),
               vehicles.size(), result.loops_between);
   if (!options.relations.empty()) printErrors(options, vehicles, result);
+  if (!options.reference.empty()) printReference(options, vehicles, result);
   if (options.output.empty()) return;
   std::filesystem::create_directories(options.output);
   writeMap(options.output + "/map", mapOf(merger.vehicles(), result, 0, config.mapper.grid));
 }
 
 void run(const Options& options) {
+  if (options.offices > 0) return measureOffices(options);
   const std::vector<MappedVehicle> vehicles = mapAll(options);
   if (options.parts > 1) {
     measureParts(options, vehicles);
@@ -146,13 +187,17 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Measures how maps of several vehicles are merged. With --parts the recordings are cut in "
       "time into vehicles that do not know where they started; otherwise every two recordings are "
-      "tried, as maps of different buildings.\n"
+      "tried, as maps of different buildings. With --offices, two vehicles fly through simulated "
+      "offices: the same one, and two that differ in one room.\n"
       "Exit code 0: done; 1: bad input; 2: wrong usage.");
   Options options;
-  app.add_option("RECORDING", options.recordings, "recordings")->required();
+  app.add_option("RECORDING", options.recordings, "recordings");
+  app.add_option("--offices", options.offices, "N: number of simulated offices");
   app.add_option("--parts", options.parts, "N: number of vehicles that a recording is cut into")
       ->check(CLI::Range(1, 100));
   app.add_option("--relations", options.relations, "relations of the recording, with --parts");
+  app.add_option("--reference", options.reference,
+                 "trajectory of the recording (TUM format), with --parts");
   app.add_option("--odometry", options.odometry, "none: laser only (default); use: where recorded")
       ->check(CLI::IsMember({"none", "use"}));
   app.add_option("--set", options.settings, "name=value: sets a parameter")
@@ -160,5 +205,10 @@ int main(int argc, char** argv) {
       ->take_all()
       ->allow_extra_args(false);
   app.add_option("--output", options.output, "folder for the merged map, with --parts");
-  return runTool("measure_merging", app, argc, argv, [&] { run(options); });
+  return runTool(
+      "measure_merging", app, argc, argv, [&] { run(options); },
+      [&] {
+        if (options.recordings.empty() == (options.offices == 0))
+          throw CLI::RequiredError("RECORDING or --offices");
+      });
 }

@@ -115,7 +115,8 @@ Json statusOf(const std::vector<VehicleMap>& vehicles, const MergeResult& merged
                   {"places", pair.places},
                   {"common_keyframes", pair.compared},
                   {"contradicting_keyframes", pair.contradicting},
-                  {"longest_contradiction_m", rounded(pair.longest_contradiction_m, 2)}};
+                  {"longest_contradiction_m", rounded(pair.longest_contradiction_m, 2)},
+                  {"differing_wall_m", rounded(pair.differing_wall_m, 2)}};
     if (pair.isJoined()) entry["a_T_b"] = jsonOf(pair.a_T_b);
     status["pairs"].push_back(entry);
   }

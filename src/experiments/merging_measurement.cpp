@@ -7,6 +7,8 @@
 
 #include "kestrel_slam/offline/offline_run.h"
 #include "kestrel_slam/recording/recording.h"
+#include "kestrel_slam/recording/simulated_recording.h"
+#include "kestrel_slam/simulation/flight_simulator.h"
 
 namespace kestrel {
 namespace {
@@ -32,18 +34,14 @@ std::vector<VehicleRecording> cutRecording(const std::string& path, std::size_t 
   return result;
 }
 
-MappedVehicle mapVehicle(const VehicleRecording& vehicle, SlamConfig config) {
-  const std::unique_ptr<Recording> recording = openRecording(vehicle.path);
+MappedVehicle mapVehicle(const std::string& name, Recording& recording, SlamConfig config,
+                         const RunOptions& options) {
   config.mapper.window.enabled = true;
+  const OfflineRun run = runOffline(recording, config, options);
+  if (run.scans.empty()) throw std::runtime_error(name + ": " + run.mainProblem());
+  if (!run.session) throw std::runtime_error(name + ": nothing was mapped");
   MappedVehicle mapped;
-  RunOptions options;
-  options.use_odometry = vehicle.use_odometry && recording->hasOdometry();
-  options.perturbation.skip_scans = vehicle.first;
-  options.max_scans = vehicle.last;
-  const OfflineRun run = runOffline(*recording, config, options);
-  if (run.scans.empty()) throw std::runtime_error(vehicle.path + ": " + run.mainProblem());
-  if (!run.session) throw std::runtime_error(vehicle.path + ": nothing was mapped");
-  mapped.map = vehicleMapOf(vehicle.name, *run.session);
+  mapped.map = vehicleMapOf(name, *run.session);
   mapped.trajectory = run.trajectory;
   const std::vector<LocalKeyframe>& keyframes = mapped.map.keyframes;
   std::size_t next = 0;  // keyframe
@@ -52,6 +50,25 @@ MappedVehicle mapVehicle(const VehicleRecording& vehicle, SlamConfig config) {
     mapped.keyframe_before.push_back(next == 0 ? 0 : next - 1);
   }
   return mapped;
+}
+
+MappedVehicle mapVehicle(const VehicleRecording& vehicle, const SlamConfig& config) {
+  const std::unique_ptr<Recording> recording = openRecording(vehicle.path);
+  RunOptions options;
+  options.use_odometry = vehicle.use_odometry && recording->hasOdometry();
+  options.perturbation.skip_scans = vehicle.first;
+  options.max_scans = vehicle.last;
+  return mapVehicle(vehicle.name, *recording, config, options);
+}
+
+MappedVehicle mapOffice(std::uint64_t seed, OfficeChange change, std::uint64_t vehicle,
+                        const SlamConfig& config) {
+  constexpr double kRate = 10.0;  // Hz: enough for a slow flight
+  VehicleModel model = quadrotorWith("utm30lx");
+  model.laser->rate_hz = kRate;
+  SimulatedRecording recording(randomOffice(seed, change, vehicle), model, 10 * seed + vehicle);
+  const std::string name = "office_" + std::to_string(seed) + "_" + std::to_string(vehicle);
+  return mapVehicle(name, recording, config, RunOptions());
 }
 
 Trajectory inWorld(const MappedVehicle& mapped, const MergeResult& merged, std::size_t vehicle) {

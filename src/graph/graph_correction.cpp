@@ -12,7 +12,13 @@ MapperResult GraphCorrection::inMap(MapperResult result) const {
   result.match.degenerate_direction = map_T_local.rotation() * result.match.degenerate_direction;
   result.match.covariance = rotated(result.match.covariance, map_T_local.yaw);
   result.uncertain = placedAt(result.pose, result.uncertain);
+  if (!located) noteUnlocated(result);
   return result;
+}
+
+void noteUnlocated(MapperResult& result) {
+  if (result.state != MatchState::kLost) result.reason = kPlaceUnknown;
+  result.state = MatchState::kLost;
 }
 
 /// Of (x, y, yaw) in map: the error of the keyframe, and of the motion since then.

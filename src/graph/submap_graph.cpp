@@ -53,6 +53,7 @@ SubmapGraph::SubmapGraph(const MapperConfig& mapper, const LoopConfig& config)
 
 void SubmapGraph::add(const PlanarScan& scan, const MapperResult& result) {
   if (!result.inserted) return;
+  shown_.reset();
   addKeyframe(scan, result);
   if (!isQuery({searched_, keyframes_.size()})) return;
   const LoopQuery query{searched_, keyframes_.size()};
@@ -315,6 +316,11 @@ void SubmapGraph::searchAround() {
 
 void SubmapGraph::finish() {
   searchAround();
+  refine();
+  shown_ = largestPart(loaded_);
+}
+
+void SubmapGraph::refine() {
   if (graph_.edges.size() == odometry_.edges.size()) return;  // no loop
   solve();
   std::vector<int> matched(keyframes_.size(), 0);

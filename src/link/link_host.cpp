@@ -20,6 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kHeartbeatMs = 2000, kTimeoutMs = 6000, kReconnectMs = 200, kMaxReconnectMs = 2000;
+/// Without it, the kernel waits longer and longer between its tries while the network is down.
+constexpr int kConnectMs = 3000;
 constexpr int kQueue = 200;           // messages
 constexpr std::size_t kKeyText = 40;  // characters of a key in Z85
 constexpr std::size_t kKeyBytes = 32;
@@ -167,6 +169,7 @@ struct LinkHost::Sockets {
     prepare(socket);
     // Nothing is queued while the peer is not there.
     socket.set(zmq::sockopt::immediate, true);
+    socket.set(zmq::sockopt::connect_timeout, kConnectMs);
     socket.set(zmq::sockopt::reconnect_ivl, kReconnectMs);
     socket.set(zmq::sockopt::reconnect_ivl_max, kMaxReconnectMs);
     if (!keys.empty()) socket.set(zmq::sockopt::curve_serverkey, keys.public_key);

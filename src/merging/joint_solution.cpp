@@ -27,9 +27,10 @@ Pose2 mapPose(const JointMap& joint, const PoseGraph& graph, std::size_t a, cons
 }  // namespace
 
 std::vector<PoseVertex> joinedByLoops(const JointMap& joint, std::size_t a, std::size_t b,
-                                      const std::vector<Loop>& loops) {
+                                      const std::vector<Loop>& loops,
+                                      const std::vector<Loop>& refined) {
   JointSolution solution(joint);
-  solution.join(0, a, b, loops, {});
+  solution.join(0, a, b, loops, refined);
   solution.solve();
   return solution.graph().vertices;
 }

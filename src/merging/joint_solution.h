@@ -9,7 +9,8 @@ namespace kestrel {
 
 /// The poses of all keyframes with the maps of two vehicles joined by loops between them.
 std::vector<PoseVertex> joinedByLoops(const JointMap& joint, std::size_t a, std::size_t b,
-                                      const std::vector<Loop>& loops);
+                                      const std::vector<Loop>& loops,
+                                      const std::vector<Loop>& refined = {});
 
 /// A loop that says where the map of b was said to be in that of a.
 Loop givenLoop(const JointMap& joint, std::size_t a, std::size_t b, const Pose2& a_T_b);

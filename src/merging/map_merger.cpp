@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "joint_solution.h"
+#include "kestrel_slam/merging/wall_comparison.h"
 
 namespace kestrel {
 namespace {
@@ -84,6 +85,11 @@ std::size_t MapMerger::update(VehicleMap map) {
     pairs_.back().b = vehicles_.size() - 1;
   }
   return vehicles_.size() - 1;
+}
+
+std::string MapMerger::tooFew(const PairResult& result) const {
+  return "only " + text(result.first, " matches at ") + text(result.places, " places") +
+         " agree; " + text(config_.min_loops, " at ") + text(config_.min_places, " are needed");
 }
 
 void MapMerger::forget(std::size_t vehicle) {
@@ -204,10 +210,8 @@ void MapMerger::explain(const JointMap& joint, const Pair& pair, Decision& decis
   result.places = placesOf(joint, decision.loops);
   if (loops.empty()) {
     result.reason = "no place of one map was found in the other";
-  } else if (result.first < config_.min_loops || result.places < config_.min_places) {
-    result.reason = "only " + text(result.first, " matches at ") + text(result.places, " places") +
-                    " agree; " + text(config_.min_loops, " at ") +
-                    text(config_.min_places, " are needed");
+  } else if (result.first < config_.min_loops) {
+    result.reason = tooFew(result);
   } else if (static_cast<double>(result.second) > kSimilar * static_cast<double>(result.first)) {
     result.state = PairState::kAmbiguous;
     result.reason =
@@ -237,11 +241,16 @@ void MapMerger::compare(JointMap& joint, const Pair& pair, Decision& decision) c
   PairResult& result = decision.result;
   decision.poses = joinedByLoops(joint, pair.a, pair.b, decision.loops);
   Overlap overlap = compareOverlap(joint, matcher_, decision.poses, pair.a, pair.b);
-  overlap.add(compareOverlap(joint, matcher_, decision.poses, pair.b, pair.a));
+  const Overlap other = compareOverlap(joint, matcher_, decision.poses, pair.b, pair.a);
+  decision.whole = isWhole(joint, pair.b, overlap) || isWhole(joint, pair.a, other);
+  overlap.add(other);
   decision.refined = overlap.agreeing;
   result.compared = overlap.compared;
   result.contradicting = overlap.contradicting;
   result.longest_contradiction_m = overlap.longest_contradiction_m;
+  decision.poses = joinedByLoops(joint, pair.a, pair.b, decision.loops, decision.refined);
+  result.differing_wall_m =
+      longestContradictingWall(joint, decision.poses, decision.refined, pair.a, pair.b);
   const double agreeing = overlap.compared == 0 ? 0.0
                                                 : 1.0 - static_cast<double>(overlap.contradicting) /
                                                             static_cast<double>(overlap.compared);
@@ -251,11 +260,30 @@ void MapMerger::compare(JointMap& joint, const Pair& pair, Decision& decision) c
         text(overlap.contradicting, " of ") + text(overlap.compared, " common scans do not fit");
   } else if (overlap.longest_contradiction_m > config_.max_contradiction_m) {
     result.reason = "the maps differ along " + meters(overlap.longest_contradiction_m) + " of way";
+  } else if (result.places > 0 && result.places < config_.min_places && !decision.whole) {
+    result.state = PairState::kNoOverlap;
+    result.reason = tooFew(result);
+    return;
+  } else if (result.differing_wall_m > config_.max_differing_wall_m) {
+    result.reason = "a wall of " + meters(result.differing_wall_m) + " is only in one of the maps";
   } else {
     result.reason = text(result.first, " matches at ") + text(result.places, " places");
     return;
   }
   result.state = PairState::kContradicted;
+}
+
+/// Whether all that a vehicle has seen fits into the other map.
+bool MapMerger::isWhole(const JointMap& joint, std::size_t vehicle, const Overlap& in_other) const {
+  const JointMap::Part& part = joint.parts()[vehicle];
+  double far = 0.0;
+  for (std::size_t i = part.first; i < part.last; ++i)
+    far = std::max(far, joint.keyframes()[part.first]
+                            .local_T_base.between(joint.keyframes()[i].local_T_base)
+                            .distance());
+  const std::size_t fitting = in_other.compared - in_other.contradicting;
+  return far >= config_.min_whole_m &&
+         static_cast<double>(fitting) >= config_.min_whole * static_cast<double>(in_other.sampled);
 }
 
 /// Nothing was found in common: the maps are joined as was said, unless they contradict it.

@@ -44,6 +44,7 @@ enum class Verdict { kSaysNothing, kAgrees, kContradicts };
 
 void Overlap::add(const Overlap& other) {
   agreeing.insert(agreeing.end(), other.agreeing.begin(), other.agreeing.end());
+  sampled += other.sampled;
   compared += other.compared;
   contradicting += other.contradicting;
   longest_contradiction_m = std::max(longest_contradiction_m, other.longest_contradiction_m);
@@ -73,6 +74,7 @@ Overlap compareOverlap(JointMap& joint, const LoopMatcher& matcher,
   for (std::size_t i = part.first; i < part.last; ++i) {
     if (i > part.first) run += poses[i - 1].pose.between(poses[i].pose).distance();
     if ((i - part.first) % kEvery != 0) continue;
+    ++overlap.sampled;
     if (verdicts[i] != Verdict::kSaysNothing) ++overlap.compared;
     if (verdicts[i] == Verdict::kContradicts) {
       ++overlap.contradicting;

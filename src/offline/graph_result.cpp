@@ -48,6 +48,21 @@ GraphResult resultOf(const SubmapGraph& graph, const Trajectory& before) {
   return result;
 }
 
+std::vector<std::string> partWarnings(const SubmapGraph& graph) {
+  std::vector<std::string> warnings;
+  if (graph.keyframes().empty()) return warnings;
+  if (graph.partCount() > 1)
+    warnings.push_back(
+        std::to_string(graph.partCount() - 1) +
+        " part(s) of the recording could not be placed in the map: the vehicle was lost before, "
+        "and saw nothing there that it knew; the map shows the largest part");
+  if (graph.loadedCount() > 0 && !graph.isJoined(0))
+    warnings.emplace_back(
+        "the flight was not found in the map of the session: map and trajectory show the new part "
+        "only, and the session keeps both apart; --start says where it begins");
+  return warnings;
+}
+
 std::string loopsText(const GraphResult& result) {
   std::string text =
       "query,anchor,x,y,yaw,state,reason,fit,known,constraint,margin,agreement,radius,"

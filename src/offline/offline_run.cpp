@@ -234,7 +234,11 @@ class Runner {
     if (options_.polish) polish_.keep(sweep.scan);
     addDistance(result.pose);
     const std::string place = placeOf(sweep.input);
-    if (result.state == MatchState::kLost) lost_.add(place);
+    if (result.reason == kPlaceUnknown) {
+      unlocated_.add(place);
+    } else if (result.state == MatchState::kLost) {
+      lost_.add(place);
+    }
     if (result.map_full) full_.add(place);
     if (options_.use_odometry && !sweep.input.odom_T_base) without_odometry_.add(place);
     noteWarnings(sweep);
@@ -262,10 +266,7 @@ class Runner {
     run_.map = options_.polish ? mapAlong(run_.trajectory, graph, config_.slam.mapper.grid)
                                : mapOf(graph, config_.slam.mapper.grid);
     run_.session = savedSession(graph, config_.slam, options_.session.get(), run_);
-    if (!options_.session || run_.session->keyframes.empty() || graph.isJoined(0)) return;
-    run_.warnings.push_back(
-        "the flight was not found in the map of the session: map and trajectory show the new part "
-        "only, and the session keeps both apart; --start says where it begins");
+    for (const std::string& warning : partWarnings(graph)) run_.warnings.push_back(warning);
   }
 
   void finishFilter() {
@@ -299,6 +300,7 @@ class Runner {
                               "), the first " + doubt.scans.first + ": " + doubt.text);
     }
     warn(lost_, "did not match the map and were not inserted", "");
+    warn(unlocated_, "came when the vehicle was in a new map whose place was unknown", "");
     std::ostringstream limit;
     limit << config_.slam.mapper.grid.memory_limit_mb;
     warn(full_, "came after the map was full, so that it is not complete",
@@ -330,7 +332,7 @@ class Runner {
   std::optional<double> first_time_;
   std::optional<double> first_stamp_;  ///< arrival of the first scan, s
   std::optional<Pose2> last_counted_;
-  Occurrence lost_, full_, without_odometry_;
+  Occurrence lost_, unlocated_, full_, without_odometry_;
   std::map<std::string, Doubt> doubts_;  ///< by kind
   bool says_filter_ = false;             ///< a warning says why the filter does not run
 };

@@ -257,6 +257,23 @@ TEST(SessionLink, APeerCannotSendALocalVehicleOrTooManyStreams) {
   EXPECT_EQ(receiver.refused().size(), 2U);
 }
 
+TEST(SessionLink, APeerCannotFillTheDisk) {
+  LinkConfig config;
+  config.max_stream_bytes = 5'000;
+  LinkReceiver receiver([](const StreamId& id) { return std::make_shared<ChunkJournal>("", id); },
+                        config);
+  LinkMessage message;
+  message.kind = LinkMessage::Kind::kChunk;
+  message.stream = kStream;
+  message.chunk.content = std::string(1'000, 'x');
+  for (int i = 0; i < 100; ++i) {
+    ++message.chunk.number;
+    receiver.receive(message);
+  }
+  EXPECT_LT(receiver.streams().at(kStream)->bytes(), 7'000U);
+  EXPECT_EQ(receiver.refused().count("too much data"), 1U);
+}
+
 TEST(SessionLink, AnotherVersionIsAnswered) {
   LinkReceiver receiver([](const StreamId& id) { return std::make_shared<ChunkJournal>("", id); });
   LinkMessage message;

@@ -17,6 +17,8 @@ struct Variant {
   bool other_room = false;   ///< one room is smaller and furnished otherwise
   bool mirrored = false;     ///< seen by a laser that is mounted upside down
   bool other_place = false;  ///< another building
+  double deeper_m = 0.0;     ///< how much deeper one room is
+  bool partition = false;    ///< a wall divides one room
   double furniture_m = 0.0;  ///< how far the furniture of one room was moved
 };
 
@@ -29,7 +31,8 @@ inline Walls walls(const Variant& variant = {}) {
   for (int i = 0; i < 3; ++i) {
     const double x = 8.0 * i;
     const bool other = variant.other_room && i == 1;
-    const double d = depth[i] + shift - (other ? 1.2 : 0.0), b = -below[i] - 0.7 * shift;
+    const double deeper = i == 1 ? variant.deeper_m : 0.0;
+    const double d = depth[i] + shift + deeper - (other ? 1.2 : 0.0), b = -below[i] - 0.7 * shift;
     const double left = x + (other ? 1.4 : 0.0);
     // Above: front with a door of 1 m, back and side walls.
     all.insert(all.end(), {{x, 1.2, x + 3.5, 1.2},
@@ -46,6 +49,7 @@ inline Walls walls(const Variant& variant = {}) {
            2.2 + 0.6 * i, 0.8, 0.6 + 0.3 * i);
     addBox(all, x + 1.0 + 0.7 * i + shift, b + 0.2, 1.2 - 0.3 * i, 0.7);
   }
+  if (variant.partition) addBox(all, 10.3, 2.0, 0.1, 3.2);
   addBox(all, 10.3 + shift, 1.0, 0.5, 0.2);
   addBox(all, 1.6, -1.2, 0.4, 0.3);
   addBox(all, 19.1 - shift, 0.95, 0.7, 0.25);

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <memory>
+
 #include "building.h"
 
 namespace kestrel {
@@ -46,6 +49,7 @@ TEST(MapMerger, TwoVehiclesInOneBuildingAreJoined) {
   EXPECT_LT(truth.between(found).distance(), 0.1);
   EXPECT_EQ(result.largestGroup(), 2U);
   EXPECT_GT(result.loops_between, 10U);
+  EXPECT_LT(pair.differing_wall_m, 0.5);
 }
 
 TEST(MapMerger, TheSameInputGivesTheSamePoses) {
@@ -65,6 +69,18 @@ TEST(MapMerger, TwinBuildingsThatDifferInOneRoomAreNotMerged) {
   const MergeResult result = merged({first(), mapOf("b", twin, tour(2, 0))});
   EXPECT_EQ(result.pairs.front().state, PairState::kContradicted) << describe(result.pairs.front());
   EXPECT_EQ(result.largestGroup(), 1U);
+}
+
+TEST(MapMerger, TwinBuildingsThatDifferInOneWallAreNotMerged) {
+  Variant deeper, divided;
+  deeper.deeper_m = 1.2;
+  divided.partition = true;
+  for (const Variant& twin : {deeper, divided}) {
+    const MergeResult result = merged({first(), mapOf("b", twin, tour(2, 0))});
+    const PairResult& pair = result.pairs.front();
+    EXPECT_EQ(pair.state, PairState::kContradicted) << describe(pair);
+    EXPECT_GT(pair.differing_wall_m, 1.2);
+  }
 }
 
 TEST(MapMerger, AnotherBuildingIsNotMerged) {
@@ -87,6 +103,49 @@ TEST(MapMerger, ATinyMapCannotBeUsed) {
   EXPECT_NE(result.pairs.front().reason.find("b"), std::string::npos);
   EXPECT_EQ(merged({first(), VehicleMap{"empty", {}, {}, {}, {}}}).pairs.front().state,
             PairState::kUnusable);
+}
+
+TEST(MapMerger, AMapOfOneSquareMeterIsNotMerged) {
+  std::vector<Pose2> spot;
+  for (int i = 0; i < 60; ++i)
+    spot.emplace_back(4.0 + 0.4 * std::sin(i), 0.4 * std::cos(i), 0.3 * i);
+  const MergeResult result = merged({first(), mapOf("b", {}, spot)});
+  EXPECT_FALSE(result.pairs.front().isJoined()) << describe(result.pairs.front());
+}
+
+TEST(MapMerger, VehiclesInOneRoomAreJoined) {
+  // Nothing is 8 m apart in the whole building.
+  const VehicleMap a = mapOf("a", {}, building::along({{4, 3.8}, {4, -3.5}, {4, 2}}));
+  const MergeResult result = merged({a, mapOf("b", {}, building::along({{4, -3}, {4, 3.5}}))});
+  EXPECT_EQ(result.pairs.front().state, PairState::kJoined) << describe(result.pairs.front());
+}
+
+TEST(MapMerger, ClocksMayDifferByHours) {
+  VehicleMap late = second();
+  for (LocalKeyframe& keyframe : late.keyframes) {
+    auto later = std::make_shared<Keyframe>(*keyframe.keyframe);
+    later->stamp += 5.0 * 3600.0;
+    later->time += 5.0 * 3600.0;
+    keyframe.keyframe = later;
+  }
+  EXPECT_EQ(merged({first(), late}).poses, merged({first(), second()}).poses);
+  EXPECT_EQ(merged({late, first()}).pairs.front().state, PairState::kJoined);
+}
+
+TEST(MapMerger, AWrongPoseThatWasGivenDoesNoHarm) {
+  VehicleMap a = first(), b = second();
+  a.world_T_map = Pose2();
+  b.world_T_map = Pose2(3.0, -9.0, 2.0);
+  const MergeResult result = merged({a, b});
+  ASSERT_EQ(result.pairs.front().state, PairState::kJoined) << describe(result.pairs.front());
+  const Pose2 truth = tour(0, 2).front().between(tour(2, 0).front());
+  EXPECT_LT(truth.between(result.poses[0].front().between(result.poses[1].front())).distance(),
+            0.1);
+  // Where nothing is in common, the maps themselves say that the pose is wrong.
+  VehicleMap west = mapOf("a", {}, tour(0, 0)), east = mapOf("b", {}, tour(2, 2));
+  west.world_T_map = Pose2();
+  east.world_T_map = Pose2(0.3, 0.2, 0.0);
+  EXPECT_FALSE(merged({west, east}).pairs.front().isJoined());
 }
 
 TEST(MapMerger, ThreeVehiclesAndOneThatIsElsewhere) {

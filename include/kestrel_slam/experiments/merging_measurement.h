@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "kestrel_slam/merging/map_merger.h"
+#include "kestrel_slam/offline/offline_run.h"
 #include "kestrel_slam/parameters/parameters.h"
 #include "kestrel_slam/recording/trajectory.h"
+#include "kestrel_slam/simulation/random_office.h"
 
 namespace kestrel {
 
@@ -32,7 +34,16 @@ struct MappedVehicle {
 };
 
 /// Maps the part, with loops. Throws std::runtime_error if it cannot be read.
-MappedVehicle mapVehicle(const VehicleRecording& recording, SlamConfig config);
+MappedVehicle mapVehicle(const VehicleRecording& recording, const SlamConfig& config);
+
+/// Maps `recording`, with loops. Throws std::runtime_error if nothing was mapped.
+MappedVehicle mapVehicle(const std::string& name, Recording& recording, SlamConfig config,
+                         const RunOptions& options);
+
+/// The map of a simulated quadrotor that visits all rooms of an office. Two vehicles with different
+/// numbers begin elsewhere and take other ways.
+MappedVehicle mapOffice(std::uint64_t seed, OfficeChange change, std::uint64_t vehicle,
+                        const SlamConfig& config);
 
 /// The poses of all scans of vehicle number `vehicle` in `world`: each scan moves with the keyframe
 /// before it.

@@ -21,11 +21,20 @@ struct GraphCorrection {
   /// Only after a loop. Before, the covariance of the mapper is that of the pose in map.
   std::optional<Known> known;
 
-  /// The result of the mapper in map.
+  /// false: the vehicle began a new map and was not yet found in the old one.
+  bool located = true;
+
+  /// The result of the mapper in map: lost where the vehicle is not located.
   MapperResult inMap(MapperResult result) const;
 
  private:
   Eigen::Matrix3d covarianceOf(const UncertainPose& local) const;
 };
+
+/// The reason of the state while the vehicle moves in a new map whose place in the old one is
+/// unknown.
+constexpr char kPlaceUnknown[] = "place unknown";
+/// Sets this state and reason.
+void noteUnlocated(MapperResult& result);
 
 }  // namespace kestrel

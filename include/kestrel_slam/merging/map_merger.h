@@ -21,9 +21,13 @@ struct MergingConfig {
   std::size_t max_queries = 40;  ///< new queries of one map that are searched for in another one
   std::size_t min_loops = 3;     ///< that agree about how two maps lie,
   std::size_t min_places = 2;    ///< at so many places
-  double place_m = 8.0;          ///< that are this far apart
-  double min_agreement = 0.7;    ///< share of the keyframes in both maps that fit
-  double max_contradiction_m = 2.0;  ///< length of the way along which none fits
+  double place_m = 8.0;          ///< that are this far apart.
+  /// Small buildings have no such places. There, at least this share of the keyframes of one
+  /// vehicle must be known in the other map and fit, on a way that is this long.
+  double min_whole = 0.8, min_whole_m = 3.0;
+  double min_agreement = 0.7;         ///< share of the keyframes in both maps that fit
+  double max_contradiction_m = 2.0;   ///< length of the way along which none fits
+  double max_differing_wall_m = 1.2;  ///< length of a wall where the other vehicle saw free space
 };
 
 /// How two maps belong together.
@@ -54,7 +58,8 @@ struct PairResult {
   std::size_t places = 0;                       ///< places of the first set that are far apart
   std::size_t compared = 0, contradicting = 0;  ///< keyframes that are known in the other map
   double longest_contradiction_m = 0.0;
-  Pose2 a_T_b;  ///< of the two maps, if joined
+  double differing_wall_m = 0.0;  ///< the longest wall of one map that is free in the other
+  Pose2 a_T_b;                    ///< of the two maps, if joined
 
   bool isJoined() const { return state == PairState::kJoined || state == PairState::kGiven; }
 };
@@ -116,9 +121,11 @@ class MapMerger {
     std::vector<Loop> loops;  ///< of the first set, indices of the joint map
     std::vector<Loop> refined;
     std::vector<PoseVertex> poses;  ///< of the joint map, with this pair joined
+    bool whole = false;             ///< one of the maps fits as a whole into the other one
   };
 
   void forget(std::size_t vehicle);
+  std::string tooFew(const PairResult& result) const;
   Pair& pairOf(std::size_t a, std::size_t b);
   std::optional<Pose2> guessOf(const Pair& pair) const;
   void search(JointMap& joint, Pair& pair);
@@ -128,6 +135,7 @@ class MapMerger {
   void explain(const JointMap& joint, const Pair& pair, Decision& decision) const;
   std::size_t placesOf(const JointMap& joint, const std::vector<Loop>& loops) const;
   void compare(JointMap& joint, const Pair& pair, Decision& decision) const;
+  bool isWhole(const JointMap& joint, std::size_t vehicle, const Overlap& in_other) const;
   void joinAsGiven(JointMap& joint, const Pair& pair, Decision& decision) const;
   void optimizeAll(const JointMap& joint, std::vector<Decision>& decisions,
                    MergeResult& result) const;

@@ -11,7 +11,8 @@ namespace kestrel {
 /// What the keyframes say that lie in the map of another vehicle, if the maps are joined.
 struct Overlap {
   std::vector<Loop> agreeing;     ///< keyframes that fit where they are expected
-  std::size_t compared = 0;       ///< keyframes in the known part of the other map
+  std::size_t sampled = 0;        ///< keyframes that were looked at
+  std::size_t compared = 0;       ///< of these, keyframes in the known part of the other map
   std::size_t contradicting = 0;  ///< of these, keyframes that do not fit
   /// The longest way along which none fits, m. In the same building this is a door that was closed;
   /// in another one it is a room that differs.

@@ -36,6 +36,9 @@ Trajectory corrected(const Trajectory& trajectory, const std::vector<std::size_t
 /// The map of all keyframes at their corrected poses.
 MapSnapshot mapOf(const SubmapGraph& graph, const OccupancyGridConfig& config);
 
+/// What to tell the user about parts of the graph that no loop has joined.
+std::vector<std::string> partWarnings(const SubmapGraph& graph);
+
 GraphResult resultOf(const SubmapGraph& graph, const Trajectory& before);
 
 /// All loops as a table with the columns query, anchor (stamps), state, reason, fit, known,

@@ -42,6 +42,16 @@ void GraphWorker::add(const PlanarScan& scan, const MapperResult& result) {
   arrived_.notify_one();
 }
 
+void GraphWorker::beginPart() {
+  {
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    correction_ = {Pose2(), std::nullopt, false};
+    ++waiting_parts_;
+    queue_.push_back({{}, {}, true});
+  }
+  arrived_.notify_one();
+}
+
 void GraphWorker::configure(const LoopConfig& loops) {
   const std::lock_guard<std::mutex> lock(queue_mutex_);
   loops_ = loops;
@@ -57,7 +67,8 @@ void GraphWorker::replace(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<Co
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
     queue_.clear();
-    correction_ = {graph->mapTLocal(), std::nullopt};
+    waiting_parts_ = 0;
+    correction_ = {graph->mapTLocal(), std::nullopt, graph->isLocated()};
     view_ = {};
     next_graph_ = std::move(graph);
     next_map_ = std::move(map);
@@ -126,6 +137,12 @@ void GraphWorker::change(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<Com
 }
 
 void GraphWorker::handle(const Work& work) {
+  if (work.begins_part) {
+    graph_->beginPart(std::nullopt);
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    if (waiting_parts_ > 0) --waiting_parts_;
+    return;
+  }
   graph_->add(work.scan, work.result);
   if (map_->isOutdated(*graph_)) {
     auto composed = std::make_unique<ComposedMap>(mapper_.grid);
@@ -146,14 +163,14 @@ void GraphWorker::handle(const Work& work) {
   GraphCorrection correction = correctionNow();
   const std::lock_guard<std::mutex> lock(queue_mutex_);
   if (next_graph_) return;
-  correction_ = std::move(correction);
+  if (waiting_parts_ == 0) correction_ = std::move(correction);
   view_ = std::move(view);
   ++version_;
 }
 
 /// The covariance needs a factorization, so it is only computed where the graph was optimized.
 GraphCorrection GraphWorker::correctionNow() {
-  GraphCorrection correction{graph_->mapTLocal(), this->correction().known};
+  GraphCorrection correction{graph_->mapTLocal(), this->correction().known, graph_->isLocated()};
   const std::size_t solutions = graph_->solutionCount();
   if (std::exchange(solutions_, solutions) != solutions) correction.known = graph_->knownEnd();
   return correction;

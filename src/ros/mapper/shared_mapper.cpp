@@ -27,7 +27,14 @@ MapperResult SharedMapper::process(PlanarScan& scan, const std::optional<Pose2>&
   if (result.inserted && !graph_) ++version_;
   if (!graph_) return result;
   graph_->add(scan, result);
-  return graph_->correction().inMap(std::move(result));
+  const GraphCorrection correction = graph_->correction();
+  const bool lost = lost_.add(result, scan.time);
+  result = correction.inMap(std::move(result));
+  if (lost) {
+    mapping_.reset(result.pose);
+    graph_->beginPart();
+  }
+  return result;
 }
 
 void SharedMapper::configure(const MapperConfig& config, const LoopConfig& loops) {

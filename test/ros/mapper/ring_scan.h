@@ -12,11 +12,11 @@
 
 namespace kestrel {
 
-/// A scan of a level laser in the ring of corridors.
-inline sensor_msgs::LaserScan messageAt(const Pose2& pose, const ros::Time& stamp) {
+/// A scan of a level laser between walls.
+inline sensor_msgs::LaserScan messageAt(const Pose2& pose, const ros::Time& stamp,
+                                        const std::vector<room::Segment>& walls) {
   constexpr int kBeams = 360;
   constexpr float kMaxRange = 30.0F;
-  static const std::vector<room::Segment> walls = loop_world::ring();
   sensor_msgs::LaserScan scan;
   scan.header.stamp = stamp;
   scan.header.frame_id = "base_link";
@@ -29,6 +29,12 @@ inline sensor_msgs::LaserScan messageAt(const Pose2& pose, const ros::Time& stam
     scan.ranges.push_back(static_cast<float>(room::cast(walls, pose, angle)));
   }
   return scan;
+}
+
+/// The same in the ring of corridors.
+inline sensor_msgs::LaserScan messageAt(const Pose2& pose, const ros::Time& stamp) {
+  static const std::vector<room::Segment> walls = loop_world::ring();
+  return messageAt(pose, stamp, walls);
 }
 
 }  // namespace kestrel

@@ -44,6 +44,9 @@ class GraphWorker {
   /// Takes the scan if the mapper inserted it. `result.pose` is in the local frame.
   void add(const PlanarScan& scan, const MapperResult& result);
 
+  /// The scans from now on are of a new part at an unknown place, see SubmapGraph::beginPart.
+  void beginPart();
+
   /// See SubmapGraph::configure. Does not wait for a search that runs.
   void configure(const LoopConfig& loops);
 
@@ -74,6 +77,7 @@ class GraphWorker {
   struct Work {
     PlanarScan scan;
     MapperResult result;
+    bool begins_part = false;  ///< and has no scan
   };
 
   void run();
@@ -93,6 +97,7 @@ class GraphWorker {
   std::unique_ptr<ComposedMap> next_map_;
   std::vector<std::promise<GraphSnapshot>> wanted_;
   GraphCorrection correction_;
+  std::size_t waiting_parts_ = 0;  ///< in the queue: `correction_` is that of the last one
   GraphView view_;
 
   FairMutex map_mutex_;

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "kestrel_slam/mapping/lost_watch.h"
 #include "kestrel_slam/pipeline/mapping_stage.h"
 #include "kestrel_slam/ros/common/fair_mutex.h"
 #include "kestrel_slam/ros/mapper/graph_worker.h"
@@ -87,6 +88,7 @@ class SharedMapper {
   LoopConfig loops_;
   mutable FairMutex mutex_;
   MappingStage mapping_;
+  LostWatch lost_;
   std::unique_ptr<GraphWorker> graph_;
   ros::Time stamp_;
   std::uint64_t map_number_ = 1;

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/simulation/random_office.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/random.h"
+#include "place_parts.h"
+
+namespace kestrel {
+namespace {
+
+constexpr int kRooms = 6;           // the first three are north of the corridor
+constexpr double kHalfWidth = 1.2;  // of the corridor, m
+constexpr double kThickness = 0.15, kDoorWidth = 1.2;
+constexpr double kFlightHeight = 1.0;
+constexpr double kChangedDepth = 1.2;
+
+struct Room {
+  double west, east;  ///< x of its side walls, m
+  double depth;
+  double door;  ///< x of the middle of its door
+  double side;  ///< 1: north of the corridor, -1: south
+  Random random;
+
+  double width() const { return east - west; }
+  double y(double from_corridor) const { return side * (kHalfWidth + from_corridor); }
+  /// A random x beside the way from the door into the room.
+  double xBesideWay(double half_size) {
+    const double margin = half_size + 0.7;
+    const double left = door - margin - west - half_size, right = east - door - margin - half_size;
+    const double at = random.uniform(0.0, std::max(left, 0.0) + std::max(right, 0.0));
+    return at < left ? west + half_size + at : east - half_size - (at - std::max(left, 0.0));
+  }
+};
+
+void addBox(World::Parts& parts, const Room& room, double x, double from_corridor, double width,
+            double depth, double height) {
+  addBlock(parts, {x, room.y(from_corridor)}, {width, depth, height});
+}
+
+void addFurniture(World::Parts& parts, Room& room) {
+  Random& random = room.random;
+  for (int i = 0; i < 2; ++i) {  // at the back wall
+    const double width = random.uniform(0.5, 1.2), depth = random.uniform(0.3, 0.6);
+    addBox(parts, room, room.xBesideWay(0.5 * width), room.depth - 0.5 * depth, width, depth, 2.0);
+  }
+  const double length = random.uniform(0.6, 1.4), along = random.uniform(1.0, 2.5);
+  const bool east = random.uniform() < 0.5;
+  addBox(parts, room, east ? room.east - 0.25 : room.west + 0.25, along, 0.35, length, 1.8);
+  const double size = random.uniform(0.3, 0.7);  // free
+  const double x = room.xBesideWay(0.5 * size);
+  addBox(parts, room, x, random.uniform(1.2, room.depth - 1.5), size, 0.5, 1.4);
+}
+
+void addRoom(World::Parts& parts, Room room, OfficeChange change) {
+  if (change == OfficeChange::kFurniture) room.random = Random(4711);
+  if (change == OfficeChange::kShallow) room.depth -= kChangedDepth;
+  if (change == OfficeChange::kDeep) room.depth += kChangedDepth;
+  const double height = parts.ceiling_m;
+  for (const double x : {room.west, room.east})
+    addBox(parts, room, x, 0.5 * room.depth, kThickness, room.depth, height);
+  addBox(parts, room, 0.5 * (room.west + room.east), room.depth, room.width(), kThickness, height);
+  // Front: a wall on both sides of the door.
+  const double left = room.door - 0.5 * kDoorWidth, right = room.door + 0.5 * kDoorWidth;
+  addBox(parts, room, 0.5 * (room.west + left), 0.0, left - room.west, kThickness, height);
+  addBox(parts, room, 0.5 * (right + room.east), 0.0, room.east - right, kThickness, height);
+  if (change == OfficeChange::kPartition) {
+    const bool east = room.east - room.door > room.door - room.west;
+    const double length = 0.6 * room.depth;
+    addBox(parts, room, room.door + (east ? 1.1 : -1.1), room.depth - 0.5 * length, kThickness,
+           length, height);
+  }
+  addFurniture(parts, room);
+}
+
+std::vector<Room> roomsOf(std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Room> rooms;
+  double x = 0.0;
+  for (int i = 0; i < kRooms; ++i) {
+    if (i == kRooms / 2) x = 0.0;
+    const double width = random.uniform(4.5, 7.0), depth = random.uniform(4.2, 6.0);
+    const double door = x + random.uniform(1.6, width - 1.6);
+    rooms.push_back({x, x + width, depth, door, i < kRooms / 2 ? 1.0 : -1.0,
+                     Random(1000 * seed + static_cast<std::uint64_t>(i))});
+    x += width;
+  }
+  return rooms;
+}
+
+/// The ends of the corridor, its wall beside the last room of the shorter side, and cabinets.
+void addCorridor(World::Parts& parts, const std::vector<Room>& rooms, std::uint64_t seed) {
+  const double north = rooms[kRooms / 2 - 1].east, south = rooms.back().east;
+  const double length = std::max(north, south), height = parts.ceiling_m;
+  for (const double x : {0.0, length})
+    addBlock(parts, {x, 0.0}, {kThickness, 2.0 * kHalfWidth, height});
+  const Room& shorter = north < south ? rooms[kRooms / 2 - 1] : rooms.back();
+  const double rest = length - shorter.east;
+  addBox(parts, shorter, shorter.east + 0.5 * rest, 0.0, rest, kThickness, height);
+  Random random(2000 + seed);
+  for (const Room& room : rooms) {
+    const double width = random.uniform(0.3, 0.6);
+    const bool east = room.east - room.door > room.door - room.west;
+    addBox(parts, room, east ? room.east - 0.5 : room.west + 0.5, -0.15, width, 0.3, 1.9);
+  }
+}
+
+/// From the corridor into all rooms, in a random order along the corridor.
+FlightPlan planOf(const std::vector<Room>& rooms, std::uint64_t route) {
+  std::vector<std::size_t> order(rooms.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return rooms[a].door < rooms[b].door; });
+  if (route % 2 == 1) std::reverse(order.begin(), order.end());
+  std::vector<Eigen::Vector3d> corners;
+  for (const std::size_t i : order) {
+    const Room& room = rooms[i];
+    const Eigen::Vector3d door(room.door, 0.0, kFlightHeight);
+    const Eigen::Vector3d inside(room.door, room.y(0.55 * room.depth), kFlightHeight);
+    corners.insert(corners.end(), {door, inside, door});
+  }
+  FlightPlan plan;
+  plan.waypoints = alongLines(corners, 0.7);
+  // Lasers look forward: the walls in the north and in the south are seen with both headings.
+  const double yaw = degToRad(20.0) + (route % 2 == 1 ? kPi : 0.0);
+  for (FlightPlan::Waypoint& waypoint : plan.waypoints) waypoint.yaw = yaw;
+  plan.speed_m_s = 0.8;
+  return plan;
+}
+
+}  // namespace
+
+const char* toString(OfficeChange change) {
+  switch (change) {
+    case OfficeChange::kFurniture:
+      return "other furniture";
+    case OfficeChange::kShallow:
+      return "shallower room";
+    case OfficeChange::kDeep:
+      return "deeper room";
+    case OfficeChange::kPartition:
+      return "partition";
+    default:
+      return "the same";
+  }
+}
+
+Place randomOffice(std::uint64_t seed, OfficeChange change, std::uint64_t route) {
+  Place office;
+  office.name = "office " + std::to_string(seed);
+  office.description = "a corridor with three random rooms on each side";
+  const std::vector<Room> rooms = roomsOf(seed);
+  for (std::size_t i = 0; i < rooms.size(); ++i) {
+    const bool changed = i == static_cast<std::size_t>(seed % kRooms);
+    addRoom(office.parts, rooms[i], changed ? change : OfficeChange::kNone);
+  }
+  addCorridor(office.parts, rooms, seed);
+  office.plan = planOf(rooms, route);
+  return office;
+}
+
+}  // namespace kestrel
