@@ -195,7 +195,7 @@ TEST_F(LiveLocalization, ChangesBetweenMappingAndLocalization) {
   EXPECT_NE(setMode("sleeping").message.find("must be mapping or localization"), std::string::npos);
 }
 
-TEST_F(LiveLocalization, DISABLED_ASessionIsAMapToLocalizeInAndCanBeContinued) {
+TEST_F(LiveLocalization, ASessionIsAMapToLocalizeInAndCanBeContinued) {
   {
     Node node({"_graph:=true", inFolder()});
     ASSERT_TRUE(client_->connect());
