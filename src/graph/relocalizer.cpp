@@ -8,6 +8,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/matching/place_match.h"
 #include "kestrel_slam/matching/thinned.h"
+#include "kestrel_slam/matching/unknown_score.h"
 
 namespace kestrel {
 namespace {
@@ -30,7 +31,7 @@ constexpr double kPlaceM = 0.015, kPlaceRad = 0.004, kMatchFactor = 4.0;
 /// Hypotheses with a lower score than the best by this are not refined.
 constexpr double kSearchMargin = 0.12;
 /// The likelihood of a good scan whose known part is as small as allowed.
-constexpr double kSearchScore = 0.35;
+constexpr double kSearchScore = 0.45;
 
 Points pointsOf(const RelocalizationQuery& query) {
   Points result;
@@ -142,7 +143,8 @@ PlaceHypothesis Relocalizer::hypothesisAt(const Pose2& guess) const {
   PlaceHypothesis result;
   result.match = matchNear(map_.map(), sampled(points_, kMatchPoints), guess, matcher_);
   result.crossing = crossingAt(result.match.pose);
-  result.score = result.match.score * result.match.known - result.crossing;
+  const double known = result.match.known;
+  result.score = result.match.score * known + kUnknownScore * (1.0 - known) - result.crossing;
   return result;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/map/map_io.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <filesystem>
 #include <iomanip>
@@ -8,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/map/pgm.h"
 #include "map_files.h"
@@ -20,9 +22,10 @@ namespace {
 // Gray values and thresholds of map_saver in map_server.
 constexpr std::uint8_t kFreeGray = 254, kUnknownGray = 205, kOccupiedGray = 0;
 constexpr double kOccupiedThreshold = 0.65, kFreeThreshold = 0.196;
-constexpr double kWhite = 255.0;
+constexpr double kWhite = 255.0, kRawOccupied = 100.0;
 constexpr const char* kSavingEnding = ".pgm.saving";
 constexpr int kMaxTries = 3;
+constexpr double kMostRotatedCells = 4e8;            // a narrow image may need very many
 constexpr int kShortDigits = 15, kExactDigits = 17;  // significant digits of a double
 
 using Keys = YamlKeys;
@@ -92,7 +95,8 @@ double numberWithin(const Keys& keys, const std::string& key, double min, double
   return value;
 }
 
-void readOrigin(const Keys& keys, MapSnapshot& map) {
+/// Returns the yaw of the image in the map.
+double readOrigin(const Keys& keys, MapSnapshot& map) {
   std::string text = required(keys, "origin");
   for (char& c : text) {
     if (c == '[' || c == ']' || c == ',') c = ' ';
@@ -104,22 +108,52 @@ void readOrigin(const Keys& keys, MapSnapshot& map) {
   if (values.size() != kOriginSize) {
     throw std::runtime_error("'origin' is not a list of three numbers [x, y, yaw]");
   }
-  if (values[2] != 0.0) {
-    throw std::runtime_error("the map is rotated by a yaw of " + numberText(values[2]) +
-                             " rad; only a yaw of 0 is supported");
-  }
   map.origin_x = values[0];
   map.origin_y = values[1];
+  return values[2];
+}
+
+/// The image is rotated by `yaw` around its corner. In the result the axes are those of the map;
+/// each of its cells is the cell of the image at its center.
+MapSnapshot upright(const MapSnapshot& image, double yaw) {
+  const Pose2 map_T_image(image.origin_x, image.origin_y, yaw);
+  const double cell = image.resolution_m, width = cell * image.width, height = cell * image.height;
+  Eigen::AlignedBox2d box;
+  for (const double x : {0.0, width}) {
+    for (const double y : {0.0, height}) box.extend(map_T_image * Eigen::Vector2d(x, y));
+  }
+  MapSnapshot result;
+  result.resolution_m = cell;
+  result.origin_x = box.min().x();
+  result.origin_y = box.min().y();
+  result.width = static_cast<int>(std::ceil(box.sizes().x() / cell));
+  result.height = static_cast<int>(std::ceil(box.sizes().y() / cell));
+  if (static_cast<double>(result.width) * result.height > kMostRotatedCells)
+    throw std::runtime_error("its rotated image is too large");
+  const Pose2 image_T_map = map_T_image.inverse();
+  for (int row = 0; row < result.height; ++row) {
+    for (int column = 0; column < result.width; ++column) {
+      const Eigen::Vector2d center = box.min() + cell * Eigen::Vector2d(column + 0.5, row + 0.5);
+      const Eigen::Vector2d at = (image_T_map * center) / cell;
+      const bool inside = at.minCoeff() >= 0.0 && at.x() < image.width && at.y() < image.height;
+      result.cells.push_back(inside ? image.at(static_cast<int>(at.x()), static_cast<int>(at.y()))
+                                    : MapSnapshot::kUnknown);
+    }
+  }
+  return result;
 }
 
 /// Converts gray values to cells as map_server does.
 struct Classes {
   double occupied = kOccupiedThreshold;
   double free = kFreeThreshold;
-  bool negate = false;
+  bool negate = false, raw = false;
 
+  /// In the mode raw, the values 0 to 100 are the occupancy in percent.
   std::int8_t cellOf(std::uint8_t gray) const {
-    const double occupancy = (negate ? gray : kWhite - gray) / kWhite;
+    const double dark = negate ? gray : kWhite - gray;
+    if (raw && kWhite - dark > kRawOccupied) return MapSnapshot::kUnknown;
+    const double occupancy = raw ? (kWhite - dark) / kRawOccupied : dark / kWhite;
     if (occupancy > occupied) return MapSnapshot::kOccupied;
     return occupancy < free ? MapSnapshot::kFree : MapSnapshot::kUnknown;
   }
@@ -127,10 +161,11 @@ struct Classes {
 
 Classes readClasses(const Keys& keys) {
   const auto mode = keys.find("mode");
-  if (mode != keys.end() && mode->second != "trinary" && mode->second != "scale") {
-    throw std::runtime_error("the mode '" + mode->second + "' is not supported; use trinary");
-  }
   Classes classes;
+  classes.raw = mode != keys.end() && mode->second == "raw";
+  if (mode != keys.end() && mode->second != "trinary" && mode->second != "scale" && !classes.raw) {
+    throw std::runtime_error("the mode is '" + mode->second + "', not trinary, scale or raw");
+  }
   classes.occupied = numberWithin(keys, "occupied_thresh", 0.0, 1.0);
   classes.free = numberWithin(keys, "free_thresh", 0.0, 1.0);
   if (classes.free > classes.occupied) {
@@ -168,12 +203,12 @@ MapSnapshot mapOf(const std::string& yaml_path, const std::string& text) {
   MapSnapshot map;
   constexpr double kMinResolution_m = 1e-4, kMaxResolution_m = 100.0;
   map.resolution_m = numberWithin(keys, "resolution", kMinResolution_m, kMaxResolution_m);
-  readOrigin(keys, map);
+  const double yaw = readOrigin(keys, map);
   const Classes classes = readClasses(keys);
   // If the image path is absolute, the operator returns it unchanged.
   const auto image_path = std::filesystem::path(yaml_path).parent_path() / required(keys, "image");
   readCells(image_path.string(), classes, map);
-  return map;
+  return yaw == 0.0 ? map : upright(map, yaw);
 }
 
 /// The image that the YAML file names, or "" where there is no file or none that can be read.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kestrel_slam/matching/unknown_score.h"
+
 namespace kestrel {
 namespace {
 
@@ -11,10 +13,12 @@ namespace {
 constexpr double kSigmaM = 0.1;
 /// With more cells, the cells are made larger.
 constexpr std::int64_t kMostCells = 4'000'000;
-/// Cells around the map: a window of a tile that reaches farther out has no likelihood.
+/// Cells around the map: a window of a tile that reaches farther out is unknown.
 constexpr int kPad = BoundImages::kTileCells + 24;
 /// A vehicle may stand so far from what it saw as free space: it does not see its own place, cells.
 constexpr int kAroundBlocks = 2;
+static_assert(BoundImages::kUnknown == static_cast<int>(kUnknownScore * BoundImages::kMax + 0.5));
+
 /// Squares of this side lie in one tile of the surface.
 constexpr int kSquare = 16;
 
@@ -34,6 +38,7 @@ BoundImages::BoundImages(const Submap& map) {
   if (known.empty()) return;
   place(map, known);
   Bytes likelihood(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0);
+  markUnknown(known, likelihood);
   rasterize(map, likelihood);
   for (std::size_t n = 0; n < kSides.size(); ++n)
     images_[n] = sorted(maxima(likelihood, kSides[n]));
@@ -54,7 +59,24 @@ void BoundImages::place(const Submap& map, const MapSnapshot& known) {
   height_ = roundUp((known.height >> shift_) + 2 * kPad + 2, kTileCells);
 }
 
-void BoundImages::rasterize(const Submap& map, Bytes& likelihood) {
+void BoundImages::markUnknown(const MapSnapshot& known, Bytes& likelihood) const {
+  const int x0 = low_.x - static_cast<int>(std::lround(known.origin_x / known.resolution_m));
+  const int y0 = low_.y - static_cast<int>(std::lround(known.origin_y / known.resolution_m));
+  const auto isUnknown = [&](int x, int y) {
+    const int column = x0 + x, row = y0 + y;
+    return column < 0 || row < 0 || column >= known.width || row >= known.height ||
+           known.at(column, row) == MapSnapshot::kUnknown;
+  };
+  for (int y = 0; y < height_ << shift_; ++y) {
+    for (int x = 0; x < width_ << shift_; ++x) {
+      if (!isUnknown(x, y)) continue;
+      likelihood[static_cast<std::size_t>(y >> shift_) * static_cast<std::size_t>(width_) +
+                 static_cast<std::size_t>(x >> shift_)] = kUnknown;
+    }
+  }
+}
+
+void BoundImages::rasterize(const Submap& map, Bytes& likelihood) const {
   const double factor = -0.5 / (kSigmaM * kSigmaM);
   const Cell first{low_.x & ~(kSquare - 1), low_.y & ~(kSquare - 1)};
   for (int y = first.y; y < low_.y + (height_ << shift_); y += kSquare) {

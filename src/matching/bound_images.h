@@ -12,7 +12,7 @@
 namespace kestrel {
 
 /// Images of the likelihood of a whole map, and its maxima over squares of cells: upper bounds for
-/// the poses of a block.
+/// the poses of a block. Unknown space counts as kUnknown.
 ///
 /// A cell of image n holds the maximum over the square of side(n) cells of which it is the lower
 /// left corner. A row first holds the cells 0, 4, 8, …, then 1, 5, 9, …: so blocks beside each
@@ -22,6 +22,7 @@ class BoundImages {
   static constexpr int kLevels = 3;  ///< blocks of 4 × 4, 2 × 2 and 1 × 1 poses
   static constexpr std::array<int, 11> kSides = {1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20};
   static constexpr int kMax = 63;         ///< the value of likelihood 1
+  static constexpr int kUnknown = 16;     ///< the value of unknown space: kUnknownScore
   static constexpr int kTileBlocks = 16;  ///< blocks of the coarsest level in a row of a tile
   static constexpr int kTileCells = 4 * kTileBlocks;
 
@@ -37,13 +38,16 @@ class BoundImages {
   /// The image with the smallest squares that have at least this side.
   static int imageFor(int side);
 
-  /// Whether an image has this cell. If not, the likelihood is 0 there.
+  /// Whether an image has this cell. If not, it is unknown.
   bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_; }
   const std::uint8_t* at(int image, int x, int y) const {
     return images_[static_cast<std::size_t>(image)].data() + offset(x, y);
   }
   /// The likelihood in a cell.
-  int likelihood(int x, int y) const { return contains(x, y) ? *at(0, x, y) : 0; }
+  int likelihood(int x, int y) const { return valueAt(0, x, y); }
+  int valueAt(int image, int x, int y) const {
+    return contains(x, y) ? *at(image, x, y) : kUnknown;
+  }
 
   /// Tiles of blocks with a pose in free space, by their first cell.
   struct Tile {
@@ -65,7 +69,8 @@ class BoundImages {
            static_cast<std::size_t>((x & 3) * (width_ >> 2) + (x >> 2));
   }
   void place(const Submap& map, const MapSnapshot& known);
-  void rasterize(const Submap& map, Bytes& likelihood);
+  void rasterize(const Submap& map, Bytes& likelihood) const;
+  void markUnknown(const MapSnapshot& known, Bytes& likelihood) const;
   void markFree(const MapSnapshot& known);
   Bytes maxima(const Bytes& likelihood, int side) const;
   Bytes sorted(const Bytes& image) const;

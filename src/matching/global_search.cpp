@@ -11,6 +11,7 @@
 #include "hybrid_matcher.h"
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/matching/thinned.h"
+#include "point_bounds.h"
 
 namespace kestrel {
 namespace {
@@ -28,6 +29,8 @@ constexpr double kTwoPi = 2.0 * kPi;
 constexpr double kDescentGain = 0.1;
 /// Work of a row of a tile for four points, of a tile, of one look-up, and of one node in the heap.
 constexpr std::int64_t kWorkPerRow = 12, kWorkPerTile = 2000, kWorkPerLookup = 6, kWorkPerNode = 60;
+/// A descent costs so many look-ups for each point.
+constexpr std::int64_t kSketchLookups = 40;
 constexpr std::size_t kTogether = 4;
 static_assert(kTogether * BoundImages::kMax <= 0xFF, "the sum of four fits into a byte");
 
@@ -54,10 +57,6 @@ bool isWorse(const Node& a, const Node& b) {
   return std::tie(a.sum, a.level, b.k, b.y, b.x) < std::tie(b.sum, b.level, a.k, a.y, a.x);
 }
 
-struct RotatedPoint {
-  std::int32_t x, y, image;
-};
-
 }  // namespace
 
 GlobalMap::GlobalMap(const Submap& map) : map_(map), images_(std::make_unique<BoundImages>(map)) {}
@@ -79,7 +78,6 @@ struct GlobalSearch::State {
 
   Pose2 poseOf(const Node& node) const;
   const std::vector<RotatedPoint>& rotated(int level, int k);
-  int sumOf(const std::vector<RotatedPoint>& turned, int x, int y, int least) const;
   double scoreAt(const Pose2& pose) const;
   int sumFor(double score) const {
     return static_cast<int>(score * BoundImages::kMax * static_cast<double>(points.size()));
@@ -104,8 +102,10 @@ struct GlobalSearch::State {
   int next_yaw = 0;
   std::size_t next_tile = 0;
   std::array<std::vector<std::vector<RotatedPoint>>, BoundImages::kLevels> rotations;
-  std::vector<Node> nodes;  ///< a heap as soon as all bounds are known
-  int dropped = 0;          ///< largest sum of the nodes that were left out
+  std::vector<Node> nodes;       ///< a heap as soon as all bounds are known
+  int dropped = 0;               ///< largest sum of the nodes that were left out
+  PointBounds bounds_of_points;  ///< in the block that is being divided
+  std::int64_t lookups = 0;      ///< that are not yet counted as work
   bool is_heap = false, done = false;
   std::vector<GlobalHypothesis> found;
 };
@@ -154,14 +154,13 @@ bool GlobalSearch::State::run(WorkBudget& budget) {
     std::make_heap(nodes.begin(), nodes.end(), isWorse);
     is_heap = true;
   }
-  const auto lookups = static_cast<std::int64_t>(points.size()) * kWorkPerLookup;
   while (!nodes.empty() && nodes.front().sum >= least()) {
-    const bool leaf = nodes.front().level + 1 == BoundImages::kLevels;
-    if (!budget.take(kWorkPerNode + (leaf ? lookups : 8 * lookups))) return false;
+    if (!budget.take(kWorkPerNode + kWorkPerLookup * lookups)) return false;
+    lookups = 0;
     std::pop_heap(nodes.begin(), nodes.end(), isWorse);
     const Node node = nodes.back();
     nodes.pop_back();
-    if (leaf) {
+    if (node.level + 1 == BoundImages::kLevels) {
       look(node);
     } else {
       expand(node);
@@ -195,9 +194,11 @@ void GlobalSearch::State::boundTile(const std::vector<RotatedPoint>& turned,
   windows.reserve(turned.size());
   for (const RotatedPoint& p : turned) {
     const int x = tile.x + p.x, y = tile.y + p.y;
-    if (!images.contains(x, y) || !images.contains(x + kCells - 1, y + kCells - 1)) continue;
-    windows.push_back(images.at(p.image, x, y));
+    if (images.contains(x, y) && images.contains(x + kCells - 1, y + kCells - 1))
+      windows.push_back(images.at(p.image, x, y));
   }
+  const std::size_t outside = turned.size() - windows.size();
+  sums.fill(static_cast<std::uint16_t>(outside * BoundImages::kUnknown));
   const std::ptrdiff_t step = 4 * static_cast<std::ptrdiff_t>(images.width());
   std::size_t n = 0;
   for (; n + kTogether <= windows.size(); n += kTogether) {
@@ -247,34 +248,20 @@ void GlobalSearch::State::cut() {
   nodes.erase(half, nodes.end());
 }
 
-/// The sum of the bounds, or 0 if it is below `least`.
-int GlobalSearch::State::sumOf(const std::vector<RotatedPoint>& turned, int x, int y,
-                               int least) const {
-  constexpr int kChunk = 16;
-  const int count = static_cast<int>(turned.size());
-  int sum = 0;
-  for (int i = 0; i < count;) {
-    for (const int end = std::min(i + kChunk, count); i < end; ++i) {
-      const RotatedPoint& p = turned[static_cast<std::size_t>(i)];
-      if (images.contains(x + p.x, y + p.y)) sum += *images.at(p.image, x + p.x, y + p.y);
-    }
-    if (sum + (count - i) * BoundImages::kMax < least) return 0;
-  }
-  return sum;
-}
-
 void GlobalSearch::State::expand(const Node& node) {
   const int level = node.level + 1, side = 4 >> level, limit = least();
+  bounds_of_points.set(images, rotated(node.level, node.k), node.x, node.y);
   for (int half = 0; half < 2; ++half) {
     const int k = 2 * node.k + half;
     const std::vector<RotatedPoint>& turned = rotated(level, k);
     for (int y = node.y; y < node.y + 2 * side; y += side) {
       for (int x = node.x; x < node.x + 2 * side; x += side) {
-        const int sum = std::min(node.sum, sumOf(turned, x, y, limit));
+        const int sum = std::min(node.sum, bounds_of_points.within(images, turned, x, y, limit));
         if (sum >= limit) push({sum, level, k, x, y});
       }
     }
   }
+  lookups += bounds_of_points.takeLookups();
 }
 
 Pose2 GlobalSearch::State::poseOf(const Node& node) const {
@@ -305,7 +292,9 @@ void GlobalSearch::State::look(const Node& node) {
   const Pose2 pose = poseOf(node);
   if (isKnown(pose)) return;
   const double score = scoreAt(pose);
+  lookups += static_cast<std::int64_t>(points.size());
   if (score + kDescentGain < leastScore()) return;
+  lookups += kSketchLookups * static_cast<std::int64_t>(points.size());
   const Pose2 better = sketch(map.map().surface(), points, pose);
   const double improved = scoreAt(better);
   add(improved > score ? better : pose, std::max(score, improved));

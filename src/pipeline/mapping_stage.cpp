@@ -46,8 +46,17 @@ MapperResult MappingStage::match(const PlanarScan& scan, const std::optional<Pos
 }
 
 void MappingStage::localizeIn(Submap map) {
-  localizer_ = std::make_unique<Localizer>(mapper_.config(), std::move(map));
+  localizeWith(std::make_unique<Localizer>(mapper_.config(), std::move(map)));
+}
+
+void MappingStage::localizeWith(std::unique_ptr<Localizer> localizer) {
+  localizer_ = std::move(localizer);
   steps_.clear();
+}
+
+void MappingStage::mapAgain(const Pose2& map_T_base) {
+  localizer_.reset();
+  setPose(map_T_base);
 }
 
 /// The mapper cannot go back in time. So the scan is moved to the pose of the newest scan, and gets
@@ -88,8 +97,8 @@ void MappingStage::remember(const PlanarScan& scan, const std::optional<Pose2>& 
 }
 
 void MappingStage::reset(const Pose2& map_T_base) {
+  if (localizer_) return setPose(map_T_base);
   steps_.clear();
-  if (localizer_) return localizer_->relocalize();  // the map stays
   mapper_.reset(map_T_base);
   if (moving_) moving_->reset();
 }

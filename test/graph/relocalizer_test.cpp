@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "kestrel_slam/graph/localizer.h"
@@ -68,6 +69,15 @@ TEST(Relocalizer, TwoEqualRoomsAreAmbiguous) {
               30.0, 0.1);
 }
 
+/// The rays that end left of x = 0.8 m in the room.
+PlanarScan leftOf(PlanarScan scan, const Pose2& room_T_base) {
+  const auto isRight = [&](const PlanarRay& ray) {
+    return (room_T_base * ray.end.cast<double>()).x() > 0.8;
+  };
+  scan.rays.erase(std::remove_if(scan.rays.begin(), scan.rays.end(), isRight), scan.rays.end());
+  return scan;
+}
+
 TEST(Relocalizer, AnotherBuildingIsRefused) {
   const Scene scene(room::map());
   for (const Pose2& pose : {Pose2(0, 0.2, 0), Pose2(-3, 0.4, 1), Pose2(4.4, -0.4, 3)}) {
@@ -114,6 +124,21 @@ TEST(GlobalSearch, IsExact) {
   ASSERT_TRUE(search.isComplete());
   ASSERT_FALSE(search.hypotheses().empty());
   EXPECT_GT(search.hypotheses().front().score, 0.85);
+}
+
+/// A part of the room was never seen. That says nothing against the pose.
+TEST(GlobalSearch, UnknownSpaceIsNoContradiction) {
+  Submap map{OccupancyGridConfig()};
+  for (const Pose2& pose : {Pose2(-1, 0.5, 0), Pose2(-2, 1, 1), Pose2(0, 0.4, 2)})
+    map.insert(leftOf(room::scanFrom(pose), pose), pose);
+  const GlobalMap global(map);
+  const Pose2 truth(-0.5, 0.6, 0.3);
+  GlobalSearch search(global, hitsOf(room::scanFrom(truth)), GlobalSearchConfig());
+  WorkBudget budget(4'000'000'000);
+  ASSERT_TRUE(search.run(budget));
+  ASSERT_FALSE(search.hypotheses().empty());
+  EXPECT_LT(truth.between(search.hypotheses().front().pose).distance(), 0.1);
+  EXPECT_GT(search.hypotheses().front().score, 0.67) << "that share of the points is known";
 }
 
 MapperResult process(Localizer& localizer, const Pose2& pose, double time,

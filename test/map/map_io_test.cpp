@@ -107,6 +107,29 @@ TEST_F(MapIoTest, ReadsWhatMapSaverAndOthersWrite) {
   EXPECT_EQ(map.cells, (std::vector<std::int8_t>{kF, kU, kO}));
 }
 
+TEST_F(MapIoTest, RawValuesAreTheOccupancyInPercent) {
+  writeFileAtomically(path("m.pgm"), std::string("P5 5 1 255\n\x00\x13\x32\x64\xff", 16));
+  writeFileAtomically(path("m.yaml"),
+                      "image: m.pgm\nmode: raw\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\n"
+                      "occupied_thresh: 0.65\nfree_thresh: 0.196\n");
+  EXPECT_EQ(readMap(path("m.yaml")).cells, (std::vector<std::int8_t>{kF, kF, kU, kO, kU}));
+}
+
+/// The corner of the image stays at the origin.
+TEST_F(MapIoTest, AYawInTheOriginTurnsTheImage) {
+  writeFileAtomically(path("m.pgm"), std::string("P5 3 1 255\n\x00\xfe\xfe", 14));
+  writeFileAtomically(path("m.yaml"),
+                      "image: m.pgm\nresolution: 0.5\norigin: [1, 2, 1.5707963267948966]\n"
+                      "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
+  const MapSnapshot map = readMap(path("m.yaml"));
+  EXPECT_NEAR(map.origin_x, 0.5, 1e-9);
+  EXPECT_NEAR(map.origin_y, 2.0, 1e-9);
+  std::vector<std::int8_t> known;
+  for (const std::int8_t cell : map.cells)
+    if (cell != kU) known.push_back(cell);
+  EXPECT_EQ(known, (std::vector<std::int8_t>{kO, kF, kF}));
+}
+
 TEST_F(MapIoTest, SupportsAnAbsoluteImagePath) {
   fs::create_directories(folder_ / "images");
   writeFileAtomically(path("images/m.pgm"), std::string("P5 1 1 255\n\x00", 12));
@@ -150,13 +173,11 @@ TEST_F(MapIoTest, ReportsErrorsOfTheYaml) {
             start + "'resolution' is -1, not within 0.0001 to 100");
   EXPECT_EQ(errorOfChangedYaml("[0, 0, 0]", "[0, 0]"),
             start + "'origin' is not a list of three numbers [x, y, yaw]");
-  EXPECT_EQ(errorOfChangedYaml("[0, 0, 0]", "[0, 0, 0.5]"),
-            start + "the map is rotated by a yaw of 0.5 rad; only a yaw of 0 is supported");
   EXPECT_EQ(errorOfChangedYaml("negate: 0", "negate: 2"), start + "'negate' is '2', not 0 or 1");
   EXPECT_EQ(errorOfChangedYaml("free_thresh: 0.196", "free_thresh: 0.7"),
             start + "'free_thresh' is above 'occupied_thresh'");
-  EXPECT_EQ(errorOfChangedYaml("negate: 0", "mode: raw\nnegate: 0"),
-            start + "the mode 'raw' is not supported; use trinary");
+  EXPECT_EQ(errorOfChangedYaml("negate: 0", "mode: color\nnegate: 0"),
+            start + "the mode is 'color', not trinary, scale or raw");
   EXPECT_EQ(errorOfChangedYaml("negate: 0", "nonsense"),
             start + "the line 'nonsense' is not 'key: value'");
   EXPECT_EQ(errorOfChangedYaml("m.pgm", "x.pgm"),

@@ -14,6 +14,7 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/ros/common/bounded_queue.h"
 #include "kestrel_slam/ros/common/fair_mutex.h"
+#include "kestrel_slam/ros/mapper/graph_markers.h"
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
 #include "kestrel_slam/ros/mapper/trajectory_log.h"
 #include "kestrel_slam/ros/mapper/uncertainty_markers.h"
@@ -42,6 +43,25 @@ TEST(UncertaintyMarkers, ShowTheEllipseAndTheUnobservableDirection) {
   ASSERT_EQ(line.points.size(), 2U);
   EXPECT_EQ(line.points[0].x, 3.0);
   EXPECT_EQ(line.points[1].y - line.points[0].y, 4.0);
+}
+
+TEST(GraphMarkers, PartsThatAreNotJoinedAreShownApart) {
+  GraphView graph;
+  graph.keyframes = {Pose2(0, 0, 0), Pose2(1, 0, 0), Pose2(9, 9, 0), Pose2(9, 8, 0)};
+  graph.path = {{0, 1}, {2, 3}};
+  graph.parts = {0, 0, 2, 2};
+  const auto lines = [&](const std::string& ns) {
+    std::vector<double> result;
+    for (const visualization_msgs::Marker& marker : graphMarkers(graph, "map", {}).markers)
+      for (const geometry_msgs::Point& point : marker.points)
+        if (marker.ns == ns) result.push_back(point.x);
+    return result;
+  };
+  EXPECT_EQ(lines("keyframes"), (std::vector<double>{9, 9}));
+  EXPECT_EQ(lines("keyframes not joined"), (std::vector<double>{0, 1}));
+  graph.parts = {0, 0, 0, 0};  // a loop joined them; nobody moved from 1 to 2
+  EXPECT_EQ(lines("keyframes"), (std::vector<double>{0, 1, 9, 9}));
+  EXPECT_TRUE(lines("keyframes not joined").empty());
 }
 
 TEST(BoundedQueue, DropsTheOldest) {

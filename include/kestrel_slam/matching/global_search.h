@@ -42,7 +42,7 @@ struct GlobalSearchConfig {
 /// A pose at which the points fit.
 struct GlobalHypothesis {
   Pose2 pose;          ///< map_T_base
-  double score = 0.0;  ///< mean likelihood of the points, 0 to 1. Points in unknown space count 0
+  double score = 0.0;  ///< mean likelihood of the points, 0 to 1; see kUnknownScore
 };
 
 /// Searches the whole map for the poses at which a scan fits, with every yaw. Best-first branch and

@@ -22,6 +22,12 @@ class MappingStage {
 
   /// From now on the vehicle is only localized in this map, which does not change.
   void localizeIn(Submap map);
+  /// The same with a localizer that was made before, which takes some time.
+  void localizeWith(std::unique_ptr<Localizer> localizer);
+  /// Ends the localization. The map of the mapper is kept.
+  void mapAgain(const Pose2& map_T_base);
+  /// Whether the mapper has a map, besides the one to localize in.
+  bool hasOwnMap() const { return mapper_.map().scans() > 0; }
   /// Null while it maps.
   Localizer* localizer() { return localizer_.get(); }
 
@@ -36,7 +42,8 @@ class MappingStage {
   /// See Mapper::configure.
   void configure(const MapperConfig& config) { mapper_.configure(config); }
 
-  /// Deletes the map. The next scan starts a new map at `map_T_base`.
+  /// Deletes the map. The next scan starts a new map at `map_T_base`. While it localizes, the map
+  /// stays, and this is setPose().
   void reset(const Pose2& map_T_base);
   /// Keeps the map and sets the pose of the vehicle.
   void setPose(const Pose2& map_T_base);

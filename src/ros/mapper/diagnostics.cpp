@@ -34,11 +34,12 @@ std::string summaryOf(const ScanReport& report) {
 Diagnostics::Diagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
                          const NeededTopic& scan_topic, const std::string& topic_parameter,
                          ScanStatistics& statistics, std::function<unsigned()> publisher_count,
-                         std::function<MapSize()> map_size)
+                         std::function<MapSize()> map_size, std::function<bool()> is_localizing)
     : scan_topic_(scan_topic.name),
       statistics_(statistics),
       publisher_count_(std::move(publisher_count)),
       map_size_(std::move(map_size)),
+      is_localizing_(std::move(is_localizing)),
       watch_("scan", {scan_topic}, topic_parameter),
       updater_(nh, private_nh,
                private_nh.getNamespace()) {  // a nodelet needs its own name
@@ -87,6 +88,7 @@ void Diagnostics::fillScans(Status& status) const {
 }
 
 void Diagnostics::fillMatch(Status& status) const {
+  status.add("mode", is_localizing_() ? "localization" : "mapping");
   if (!report_.state) {
     status.summary(DiagnosticStatus::OK, "no scan has been matched yet");
     return;

@@ -53,16 +53,31 @@ void setColor(LoopState state, Marker& marker) {
   marker.color.b = 0.2F;
 }
 
+/// The path of the keyframes that are joined with the newest one, or of the others.
+Marker pathOf(const GraphView& graph, bool joined, const std::string& frame,
+              const ros::Time& stamp) {
+  Marker path =
+      markerOf(joined ? "keyframes" : "keyframes not joined", Marker::LINE_LIST, frame, stamp);
+  path.scale.x = kPathWidth;
+  path.color.r = joined ? 0.0F : 1.0F;
+  path.color.g = joined ? 0.0F : 0.5F;
+  path.color.b = joined ? 1.0F : 0.0F;
+  for (const auto& [from, to] : graph.path) {
+    if ((graph.parts[from] == graph.parts.back()) != joined) continue;
+    path.points.push_back(pointOf(graph.keyframes[from]));
+    path.points.push_back(pointOf(graph.keyframes[to]));
+  }
+  path.action = path.points.empty() ? Marker::DELETE : Marker::ADD;
+  return path;
+}
+
 }  // namespace
 
 MarkerArray graphMarkers(const GraphView& graph, const std::string& map_frame,
                          const ros::Time& stamp) {
   MarkerArray result;
-  Marker path = markerOf("keyframes", Marker::LINE_STRIP, map_frame, stamp);
-  path.scale.x = kPathWidth;
-  path.color.b = 1.0F;
-  for (const Pose2& pose : graph.keyframes) path.points.push_back(pointOf(pose));
-  if (path.points.size() > 1) result.markers.push_back(path);
+  for (const bool joined : {true, false})
+    result.markers.push_back(pathOf(graph, joined, map_frame, stamp));
   for (const LoopState state :
        {LoopState::kAccepted, LoopState::kPending, LoopState::kRefused, LoopState::kUndone}) {
     Marker lines = markerOf(toString(state), Marker::LINE_LIST, map_frame, stamp);

@@ -14,6 +14,18 @@ namespace {
 /// The matching comes first.
 constexpr int kNice = 10;
 
+GraphView viewOf(const SubmapGraph& graph) {
+  GraphView view;
+  for (std::size_t i = 0; i < graph.keyframes().size(); ++i)
+    view.keyframes.push_back(graph.poseOf(i));
+  view.parts = connectedParts(graph.graph());
+  for (const PoseEdge& edge : graph.graph().edges)
+    if (edge.kind == EdgeKind::kOdometry) view.path.emplace_back(edge.from, edge.to);
+  view.submaps = graph.places().all();
+  view.loops = graph.loops();
+  return view;
+}
+
 }  // namespace
 
 GraphWorker::GraphWorker(const MapperConfig& mapper, const LoopConfig& loops)
@@ -155,11 +167,7 @@ void GraphWorker::handle(const Work& work) {
     map_->add(*graph_);
   }
   memory_bytes_ = graph_->memoryBytes() + map_->grid().memoryBytes();
-  GraphView view;
-  for (std::size_t i = 0; i < graph_->keyframes().size(); ++i)
-    view.keyframes.push_back(graph_->poseOf(i));
-  view.submaps = graph_->places().all();
-  view.loops = graph_->loops();
+  GraphView view = viewOf(*graph_);
   GraphCorrection correction = correctionNow();
   const std::lock_guard<std::mutex> lock(queue_mutex_);
   if (next_graph_) return;

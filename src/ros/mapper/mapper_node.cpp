@@ -93,7 +93,7 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
   diagnostics_ = std::make_unique<Diagnostics>(
       map_publisher_->nodeHandle(), private_nh, input_->neededTopic(), config_.inputParameter(),
       statistics_, [this] { return input_->publisherCount(); },
-      [this] { return map_publisher_->mapSize(); });
+      [this] { return map_publisher_->mapSize(); }, [this] { return mapper_.isLocalizing(); });
   live_parameters_ = std::make_unique<LiveParameters>(private_nh, parametersOf(live_config_),
                                                       [this] { onParameters(); });
   map_thread_ = map_publisher_->thread();
@@ -217,13 +217,23 @@ void MapperNode::drop(const std::string& reason, const std::string& sentence) {
                         input_->topic().c_str(), reason.c_str(), sentence.c_str());
 }
 
-void MapperNode::restart(const Pose2& map_T_base) {
+/// Returns what was done.
+std::string MapperNode::restart(const Pose2& map_T_base) {
   queue_.clear();  // scans from before the command do not belong to the new map
   mapper_.reset(map_T_base);
   placed_ = true;
   trajectory_.clear();
-  ROS_INFO("The map was deleted; the next scan starts a new map at %s.",
-           textOf(map_T_base).c_str());
+  const std::string done = mapper_.isLocalizing() ? "the map is kept; the vehicle is at "
+                                                  : "the map was deleted; the new one starts at ";
+  ROS_INFO("Restarted: %s%s.", done.c_str(), textOf(map_T_base).c_str());
+  return done + textOf(map_T_base);
+}
+
+/// Deletes the map. One to localize in is kept, and the pose is forgotten.
+std::string MapperNode::reset() {
+  if (mapper_.relocalize()) return "the map is kept; the pose is searched for in the whole map";
+  restart(Pose2());
+  return "the map was deleted";
 }
 
 /// The mapper continues another session.
@@ -234,7 +244,7 @@ void MapperNode::onSession() {
 }
 
 void MapperNode::onCommand(const std_msgs::String& message) {
-  if (message.data == "reset") restart(Pose2());
+  if (message.data == "reset") reset();
 }
 
 void MapperNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
@@ -258,13 +268,13 @@ void MapperNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& m
   }
 }
 
-/// Localization starts with an unknown pose.
+/// Localization starts with an unknown pose. The session services load a session.
 void MapperNode::localize() {
-  const std::string& file = config_.map_file.empty() ? config_.session : config_.map_file;
-  if (file.empty())
+  if (config_.map_file.empty() && config_.session.empty())
     throw std::invalid_argument("mode localization needs a map: set ~map_file or ~session");
+  if (config_.map_file.empty()) return;
   try {
-    mapper_.localizeIn(loadFinishedMap(file, config_.slam.mapper.grid));
+    mapper_.localizeIn(loadFinishedMap(config_.map_file, config_.slam.mapper.grid));
   } catch (const std::runtime_error& error) {
     throw std::invalid_argument(std::string("the map cannot be used: ") + error.what());
   }
@@ -273,14 +283,13 @@ void MapperNode::localize() {
 bool MapperNode::relocalize(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   response.success = mapper_.relocalize();
   response.message = response.success ? "the pose is searched for in the whole map"
-                                      : "relocalize needs the parameter mode: localization";
+                                      : "it maps; call set_mode with mode localization first";
   return true;
 }
 
 bool MapperNode::resetMap(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  restart(Pose2());
+  response.message = reset();
   response.success = true;
-  response.message = "the map was deleted";
   return true;
 }
 
@@ -300,9 +309,8 @@ bool MapperNode::restartMapping(kestrel_slam::ResetMapping::Request& request,
   response.success = false;
   try {
     const Pose2 pose = placeFrom(request.initial_pose);
-    restart(pose);
+    response.message = restart(pose);
     response.success = true;
-    response.message = "the map was deleted; the new one starts at " + textOf(pose);
   } catch (const std::invalid_argument& error) {
     response.message = error.what();
     ROS_ERROR("restart_mapping_with_new_pose is refused: %s.", error.what());

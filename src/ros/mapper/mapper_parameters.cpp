@@ -200,7 +200,7 @@ MapperNodeConfig loadParameters(const ros::NodeHandle& private_nh) {
   tidyFrames(config);
   resolveFrames(config);
   if (!config.session.empty()) config.slam.mapper.window.enabled = true;
-  if (config.localizes()) config.slam.mapper.window.enabled = false;
+  if (config.localizesInPicture()) config.slam.mapper.window.enabled = false;
   validate(config);
   return config;
 }

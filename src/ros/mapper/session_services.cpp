@@ -52,9 +52,10 @@ SessionServices::SessionServices(const ros::NodeHandle& nh, const MapperNodeConf
       on_loaded_(std::move(on_loaded)),
       nh_(nh) {
   nh_.setCallbackQueue(&queue_);
-  if (!config_.session.empty() && !config_.localizes()) {
+  if (!config_.session.empty() && !config_.localizesInPicture()) {
+    const std::string start = config_.localizes() ? "unknown" : config_.session_start;
     try {
-      ROS_INFO("%s", loadFrom(config_.session, config_.session_start, Pose2()).c_str());
+      ROS_INFO("%s", loadFrom(config_.session, start, Pose2(), config_.localizes()).c_str());
     } catch (const std::exception& error) {
       throw std::invalid_argument("parameter session: " + std::string(error.what()));
     }
@@ -68,6 +69,7 @@ SessionServices::~SessionServices() { spinner_->stop(); }
 
 void SessionServices::advertise() {
   save_server_ = nh_.advertiseService("save_session", &SessionServices::save, this);
+  mode_server_ = nh_.advertiseService("set_mode", &SessionServices::setMode, this);
   load_server_ = nh_.advertiseService("load_session", &SessionServices::load, this);
   if (config_.autosave_minutes <= 0.0) return;
   if (mapper_.graph() == nullptr) {
@@ -107,11 +109,12 @@ std::string SessionServices::saveTo(const std::string& path) {
 }
 
 std::string SessionServices::loadFrom(const std::string& path, const std::string& start,
-                                      const Pose2& pose) {
+                                      const Pose2& pose, bool localize) {
   Session session = loadSession(path);
   const std::optional<GaussianPose2> begin = startOf(session, start, pose);
   try {
-    mapper_.continueWith(graphRecordOf(session, config_.slam.mapper.grid.resolution_m), begin);
+    mapper_.continueWith(graphRecordOf(session, config_.slam.mapper.grid.resolution_m), begin,
+                         localize);
   } catch (const std::exception& error) {
     throw std::runtime_error(path + ": " + error.what());
   }
@@ -139,7 +142,8 @@ bool SessionServices::load(kestrel_slam::LoadSession::Request& request,
   response.success = false;
   try {
     const Pose2 pose = request.start == "pose" ? planarFromMessage(request.start_pose) : Pose2();
-    response.message = loadFrom(fileOf(request.path, false), request.start, pose);
+    response.message =
+        loadFrom(fileOf(request.path, false), request.start, pose, mapper_.isLocalizing());
     response.success = true;
     ROS_INFO("load_session: %s", response.message.c_str());
   } catch (const std::exception& error) {
@@ -147,6 +151,35 @@ bool SessionServices::load(kestrel_slam::LoadSession::Request& request,
     ROS_ERROR("load_session: %s", error.what());
   }
   return true;  // the service call worked; the response contains the result
+}
+
+bool SessionServices::setMode(kestrel_slam::SetMode::Request& request,
+                              kestrel_slam::SetMode::Response& response) {
+  response.success = false;
+  try {
+    response.message = changeTo(request.mode);
+    response.success = true;
+    ROS_INFO("set_mode: %s", response.message.c_str());
+  } catch (const std::exception& error) {
+    response.message = error.what();
+    ROS_ERROR("set_mode: %s", error.what());
+  }
+  return true;  // the service call worked; the response contains the result
+}
+
+std::string SessionServices::changeTo(const std::string& mode) {
+  if (mode != "mapping" && mode != "localization")
+    throw std::runtime_error("mode is '" + mode + "', but must be mapping or localization");
+  if (config_.slam.mapper.known_poses)
+    throw std::runtime_error("with map_with_known_poses nothing is localized");
+  const bool localize = mode == "localization";
+  if (localize == mapper_.isLocalizing()) return "the mode was already " + mode;
+  if (localize) {
+    mapper_.localize();
+    return "the vehicle is localized; the map does not change";
+  }
+  mapper_.mapAgain();
+  return "the map grows";
 }
 
 /// After a crash, somebody may have started a new map before the old one was loaded.
@@ -164,7 +197,9 @@ void SessionServices::keepOldAutosave() {
 void SessionServices::autosave() {
   setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
   const std::uint64_t version = mapper_.version();
-  if (version == saved_version_ || mapper_.graph()->view().keyframes.empty()) return;
+  if (mapper_.isLocalizing() || version == saved_version_ ||
+      mapper_.graph()->view().keyframes.empty())
+    return;
   try {
     keepOldAutosave();
     const std::string done = saveTo(kAutosave);  // ROS_DEBUG may leave its arguments out

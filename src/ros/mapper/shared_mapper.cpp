@@ -6,9 +6,33 @@
 #include <stdexcept>
 #include <utility>
 
+#include "kestrel_slam/map/picture_map.h"
+#include "kestrel_slam/session/graph_session.h"
+
 namespace kestrel {
 
 using Lock = std::lock_guard<FairMutex>;
+
+namespace {
+
+/// Added to the numbers of the maps that are not those of the graph, which has numbers of its own.
+constexpr std::uint64_t kOwnMaps = std::uint64_t{1} << 32U;
+
+/// The map of the newest keyframe and of all that are joined with it.
+Submap mapOf(const GraphRecord& record, const OccupancyGridConfig& grid) {
+  if (record.keyframes.empty()) throw std::runtime_error("there is no map yet");
+  Submap result(grid);
+  const std::vector<std::size_t> parts = connectedParts(record.graph);
+  constexpr std::uint32_t kNumber = 0;  // see submapOf(Session)
+  for (std::size_t i = 0; i < record.keyframes.size(); ++i) {
+    if (parts[i] != parts.back()) continue;
+    const Keyframe& keyframe = *record.keyframes[i].keyframe;
+    result.insert(keyframe.planarScan(), record.graph.vertices[i].pose, keyframe.new_view, kNumber);
+  }
+  return result;
+}
+
+}  // namespace
 
 SharedMapper::SharedMapper(const MapperConfig& config, const LoopConfig& loops,
                            bool keep_out_moving)
@@ -25,7 +49,7 @@ MapperResult SharedMapper::process(PlanarScan& scan, const std::optional<Pose2>&
   memory_bytes_ = mapping_.mapper().memoryBytes();
   full_ = result.map_full;
   if (result.inserted && !graph_) ++version_;
-  if (!graph_) return result;
+  if (!graph_ || localizing_) return result;
   graph_->add(scan, result);
   const GraphCorrection correction = graph_->correction();
   const bool lost = lost_.add(result, scan.time);
@@ -53,6 +77,7 @@ std::pair<MapperConfig, LoopConfig> SharedMapper::parameters() const {
 void SharedMapper::reset(const Pose2& map_T_base) {
   const Lock lock(mutex_);
   mapping_.reset(map_T_base);
+  if (localizing_) return;
   if (graph_) graph_->reset();
   memory_bytes_ = mapping_.mapper().memoryBytes();
   full_ = false;
@@ -65,16 +90,20 @@ void SharedMapper::requireGraph() const {
 }
 
 /// The graph and its map are made before the lock is taken.
-void SharedMapper::continueWith(GraphRecord record,
-                                const std::optional<GaussianPose2>& map_T_base) {
+void SharedMapper::continueWith(GraphRecord record, const std::optional<GaussianPose2>& map_T_base,
+                                bool localize) {
   requireGraph();
   const auto [config, loops] = parameters();
+  std::unique_ptr<Localizer> localizer;
+  if (localize) localizer = std::make_unique<Localizer>(config, mapOf(record, config.grid));
   auto graph = std::make_unique<SubmapGraph>(config, loops, std::move(record));
   auto map = std::make_unique<ComposedMap>(config.grid);
   map->add(*graph);
-  graph->beginPart(map_T_base);
+  if (!localize) graph->beginPart(map_T_base);
   const Lock lock(mutex_);
-  mapping_.reset(map_T_base ? map_T_base->mean : Pose2());
+  localizing_ = localize;
+  mapping_.localizeWith(std::move(localizer));
+  if (!localize || map_T_base) mapping_.reset(map_T_base ? map_T_base->mean : Pose2());
   graph_->replace(std::move(graph), std::move(map));
   graph_->configure(loops_);  // they may have changed meanwhile
   full_ = false;
@@ -88,10 +117,59 @@ GraphSnapshot SharedMapper::graphSnapshot() {
 }
 
 void SharedMapper::localizeIn(Submap map) {
+  localizeWith(std::make_unique<Localizer>(parameters().first, std::move(map)));
+}
+
+void SharedMapper::localizeWith(std::unique_ptr<Localizer> localizer) {
   const Lock lock(mutex_);
-  graph_.reset();
-  mapping_.localizeIn(std::move(map));
+  mapping_.localizeWith(std::move(localizer));
+  localizing_ = true;
   memory_bytes_ = mapping_.mapper().memoryBytes();
+  ++map_number_;
+  ++version_;
+}
+
+Submap SharedMapper::presentMap() {
+  const OccupancyGridConfig grid = parameters().first.grid;
+  if (graph_) return mapOf(graph_->snapshot().record, grid);
+  MapSnapshot picture;
+  {
+    const Lock lock(mutex_);
+    picture = mapping_.mapper().snapshot();
+  }
+  if (picture.empty()) throw std::runtime_error("there is no map yet");
+  return submapOf(picture, grid);
+}
+
+void SharedMapper::localize() {
+  auto localizer = std::make_unique<Localizer>(parameters().first, presentMap());
+  localizer->setPose(pose());
+  localizeWith(std::move(localizer));
+}
+
+void SharedMapper::mapAgain() {
+  std::unique_ptr<SubmapGraph> graph;
+  std::unique_ptr<ComposedMap> map;
+  if (graph_) {
+    const auto [config, loops] = parameters();
+    graph = std::make_unique<SubmapGraph>(config, loops, graph_->snapshot().record);
+    map = std::make_unique<ComposedMap>(config.grid);
+    map->add(*graph);
+  }
+  const Lock lock(mutex_);
+  if (mapping_.localizer() == nullptr || mapping_.localizer()->isLost())
+    throw std::runtime_error("the pose in the map is unknown; call relocalize or set initialpose");
+  if (!graph && !mapping_.hasOwnMap())
+    throw std::runtime_error("the map of map_file does not grow; load a session instead");
+  const Pose2 pose = mapping_.mapper().pose();
+  localizing_ = false;
+  mapping_.mapAgain(pose);
+  if (graph) {
+    mapping_.reset(pose);
+    graph->beginPart(givenStart(pose));
+    graph_->replace(std::move(graph), std::move(map));
+    graph_->configure(loops_);
+  }
   ++map_number_;
   ++version_;
 }
@@ -124,11 +202,11 @@ MapChanges SharedMapper::takeChanges() {
   result.tiles.reserve(kTiles);
   const Lock lock(mutex_);
   result.version = version();
-  if (graph_) {
+  if (graph_ && !localizing_) {
     result.complete = !graph_->takeChangedTiles(kTiles, result.tiles, result.map_number);
   } else {
     result.complete = !mapping_.takeChangedTiles(kTiles, result.tiles);
-    result.map_number = map_number_;
+    result.map_number = kOwnMaps + map_number_;
   }
   result.stamp = stamp_;
   return result;

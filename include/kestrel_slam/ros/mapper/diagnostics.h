@@ -38,7 +38,7 @@ class Diagnostics {
   Diagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
               const NeededTopic& scan_topic, const std::string& topic_parameter,
               ScanStatistics& statistics, std::function<unsigned()> publisher_count,
-              std::function<MapSize()> map_size);
+              std::function<MapSize()> map_size, std::function<bool()> is_localizing);
 
  private:
   using Status = diagnostic_updater::DiagnosticStatusWrapper;
@@ -53,6 +53,7 @@ class Diagnostics {
   ScanStatistics& statistics_;
   std::function<unsigned()> publisher_count_;
   std::function<MapSize()> map_size_;
+  std::function<bool()> is_localizing_;
   SilenceWatch watch_;
   std::string silence_;  ///< why there are no scans; empty if scans arrive
   ScanReport report_;

@@ -9,8 +9,9 @@
 
 namespace kestrel {
 
-/// The path of the keyframes, and lines between the keyframes of loops: accepted ones green,
-/// pending ones yellow, refused ones red.
+/// The path of the keyframes, blue; that of the parts that are not joined with the newest keyframe,
+/// orange. Lines between the keyframes of loops: accepted ones green, pending ones yellow, refused
+/// ones red.
 visualization_msgs::MarkerArray graphMarkers(const GraphView& graph, const std::string& map_frame,
                                              const ros::Time& stamp);
 

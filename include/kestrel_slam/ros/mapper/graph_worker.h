@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "kestrel_slam/graph/composed_map.h"
@@ -21,7 +22,10 @@ namespace kestrel {
 
 /// Keyframes and loops as they are now, for publishing.
 struct GraphView {
-  std::vector<Pose2> keyframes;  ///< map_T_base
+  std::vector<Pose2> keyframes;    ///< map_T_base
+  std::vector<std::size_t> parts;  ///< of each keyframe, see connectedParts()
+  /// Pairs of keyframes between which the vehicle moved.
+  std::vector<std::pair<std::size_t, std::size_t>> path;
   std::vector<KnownPlace> submaps;
   std::vector<Loop> loops;
 };

@@ -53,7 +53,8 @@ class MapperNode {
   std::optional<PlanarScan> planarOf(const kestrel_slam::PlanarScan& message);
   void drop(const std::string& reason, const std::string& sentence);
   void continueAfter(const ReadyScan& scan);
-  void restart(const Pose2& map_T_base);
+  std::string restart(const Pose2& map_T_base);
+  std::string reset();
   void onParameters();
   void takeParameters();
   void onSession();

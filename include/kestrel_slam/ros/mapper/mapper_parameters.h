@@ -38,6 +38,7 @@ struct MapperNodeConfig {
   SlamConfig slam;
 
   bool localizes() const { return mode == "localization"; }
+  bool localizesInPicture() const { return localizes() && !map_file.empty(); }
   bool usesPlanarScans() const { return input == "planar_scan"; }
   const std::string& inputTopic() const {
     return usesPlanarScans() ? planar_scan_topic : scan_topic;

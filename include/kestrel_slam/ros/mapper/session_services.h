@@ -14,6 +14,7 @@
 
 #include "kestrel_slam/LoadSession.h"
 #include "kestrel_slam/SaveSession.h"
+#include "kestrel_slam/SetMode.h"
 #include "kestrel_slam/ros/mapper/mapper_parameters.h"
 #include "kestrel_slam/ros/mapper/save_folder.h"
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
@@ -21,8 +22,9 @@
 
 namespace kestrel {
 
-/// Saves and loads sessions, by service and every ~autosave_minutes. All of it happens in a thread
-/// of its own, one after the other; neither scans nor the matching wait for it.
+/// Saves and loads sessions, by service and every ~autosave_minutes, and changes between mapping
+/// and localization. All of it happens in a thread of its own, one after the other; neither scans
+/// nor the matching wait for it.
 class SessionServices {
  public:
   /// Loads the parameter ~session if there is one. `on_loaded`: the mapper continues another
@@ -39,10 +41,13 @@ class SessionServices {
             kestrel_slam::SaveSession::Response& response);
   bool load(kestrel_slam::LoadSession::Request& request,
             kestrel_slam::LoadSession::Response& response);
+  bool setMode(kestrel_slam::SetMode::Request& request, kestrel_slam::SetMode::Response& response);
+  std::string changeTo(const std::string& mode);
   void autosave();
   void keepOldAutosave();
   std::string saveTo(const std::string& path);
-  std::string loadFrom(const std::string& path, const std::string& start, const Pose2& pose);
+  std::string loadFrom(const std::string& path, const std::string& start, const Pose2& pose,
+                       bool localize);
   std::string fileOf(const std::string& path, bool to_save) const;
 
   const MapperNodeConfig config_;
@@ -54,7 +59,7 @@ class SessionServices {
 
   ros::NodeHandle nh_;
   ros::CallbackQueue queue_;
-  ros::ServiceServer save_server_, load_server_;
+  ros::ServiceServer save_server_, load_server_, mode_server_;
   ros::WallTimer timer_;
   std::unique_ptr<ros::AsyncSpinner> spinner_;
 };

@@ -41,18 +41,28 @@ class SharedMapper {
   /// Uses these parameters from the next scan on, see Mapper::configure and SubmapGraph::configure.
   void configure(const MapperConfig& config, const LoopConfig& loops);
 
-  /// Deletes the map. The next scan starts a new map at `map_T_base`.
+  /// Deletes the map. The next scan starts a new map at `map_T_base`. While it localizes, the map
+  /// stays and the vehicle is at `map_T_base`.
   void reset(const Pose2& map_T_base);
 
   /// Continues the graph of a session. The next scan begins a new part of it at `map_T_base`, see
-  /// SubmapGraph::beginPart. Throws std::runtime_error if there is no graph.
-  void continueWith(GraphRecord record, const std::optional<GaussianPose2>& map_T_base);
+  /// SubmapGraph::beginPart; or the vehicle is only localized in the map of the session. Throws
+  /// std::runtime_error if there is no graph.
+  void continueWith(GraphRecord record, const std::optional<GaussianPose2>& map_T_base,
+                    bool localize = false);
 
   /// A copy of the graph. Throws std::runtime_error if there is none.
   GraphSnapshot graphSnapshot();
 
   /// From now on the vehicle is only localized in this map, which does not change.
   void localizeIn(Submap map);
+  /// The same in the present map, from the present pose on. Throws std::runtime_error if it is
+  /// empty.
+  void localize();
+  /// Maps on. With a graph, this is a new part of it that begins where the vehicle is. Throws
+  /// std::runtime_error if the pose is unknown, or if the map cannot grow.
+  void mapAgain();
+  bool isLocalizing() const { return localizing_; }
   /// Forgets the pose and searches the whole map. Returns false while it maps.
   bool relocalize();
 
@@ -82,7 +92,11 @@ class SharedMapper {
  private:
   std::pair<MapperConfig, LoopConfig> parameters() const;
   void requireGraph() const;
-  Pose2 mapTLocal() const { return graph_ ? graph_->correction().map_T_local : Pose2(); }
+  Pose2 mapTLocal() const {
+    return graph_ && !localizing_ ? graph_->correction().map_T_local : Pose2();
+  }
+  void localizeWith(std::unique_ptr<Localizer> localizer);
+  Submap presentMap();
 
   MapperConfig config_;
   LoopConfig loops_;
@@ -92,7 +106,7 @@ class SharedMapper {
   std::unique_ptr<GraphWorker> graph_;
   ros::Time stamp_;
   std::uint64_t map_number_ = 1;
-  std::atomic<bool> full_{false};
+  std::atomic<bool> full_{false}, localizing_{false};
   std::atomic<std::uint64_t> version_{0};
   std::atomic<std::size_t> memory_bytes_{0};
 };
