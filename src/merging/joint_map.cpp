@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/merging/joint_map.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace kestrel {
@@ -41,6 +42,16 @@ void JointMap::addChain() {
     corrected.edges.push_back(edge);
   }
   chain_.grow(corrected);
+}
+
+double JointMap::extentOf(std::size_t part) const {
+  double extent = 0.0;
+  for (std::size_t i = parts_[part].first; i < parts_[part].last; ++i) {
+    const Pose2 away =
+        keyframes_[parts_[part].first].local_T_base.between(keyframes_[i].local_T_base);
+    extent = std::max(extent, away.distance());
+  }
+  return extent;
 }
 
 std::size_t JointMap::partOf(std::size_t keyframe) const {

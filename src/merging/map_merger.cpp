@@ -32,6 +32,11 @@ std::string meters(double value) {
   return buffer;
 }
 
+std::string tooFew(const PairResult& result, const MergingConfig& config) {
+  return "only " + text(result.first, " matches at ") + text(result.places, " places") +
+         " agree; " + text(config.min_loops, " at ") + text(config.min_places, " are needed");
+}
+
 }  // namespace
 
 const char* toString(PairState state) {
@@ -85,11 +90,6 @@ std::size_t MapMerger::update(VehicleMap map) {
     pairs_.back().b = vehicles_.size() - 1;
   }
   return vehicles_.size() - 1;
-}
-
-std::string MapMerger::tooFew(const PairResult& result) const {
-  return "only " + text(result.first, " matches at ") + text(result.places, " places") +
-         " agree; " + text(config_.min_loops, " at ") + text(config_.min_places, " are needed");
 }
 
 void MapMerger::forget(std::size_t vehicle) {
@@ -211,7 +211,7 @@ void MapMerger::explain(const JointMap& joint, const Pair& pair, Decision& decis
   if (loops.empty()) {
     result.reason = "no place of one map was found in the other";
   } else if (result.first < config_.min_loops) {
-    result.reason = tooFew(result);
+    result.reason = tooFew(result, config_);
   } else if (static_cast<double>(result.second) > kSimilar * static_cast<double>(result.first)) {
     result.state = PairState::kAmbiguous;
     result.reason =
@@ -242,7 +242,10 @@ void MapMerger::compare(JointMap& joint, const Pair& pair, Decision& decision) c
   decision.poses = joinedByLoops(joint, pair.a, pair.b, decision.loops);
   Overlap overlap = compareOverlap(joint, matcher_, decision.poses, pair.a, pair.b);
   const Overlap other = compareOverlap(joint, matcher_, decision.poses, pair.b, pair.a);
-  decision.whole = isWhole(joint, pair.b, overlap) || isWhole(joint, pair.a, other);
+  decision.whole =
+      (overlap.fittingShare() >= config_.min_whole &&
+       joint.extentOf(pair.b) >= config_.min_whole_m) ||
+      (other.fittingShare() >= config_.min_whole && joint.extentOf(pair.a) >= config_.min_whole_m);
   overlap.add(other);
   decision.refined = overlap.agreeing;
   result.compared = overlap.compared;
@@ -262,7 +265,7 @@ void MapMerger::compare(JointMap& joint, const Pair& pair, Decision& decision) c
     result.reason = "the maps differ along " + meters(overlap.longest_contradiction_m) + " of way";
   } else if (result.places > 0 && result.places < config_.min_places && !decision.whole) {
     result.state = PairState::kNoOverlap;
-    result.reason = tooFew(result);
+    result.reason = tooFew(result, config_);
     return;
   } else if (result.differing_wall_m > config_.max_differing_wall_m) {
     result.reason = "a wall of " + meters(result.differing_wall_m) + " is only in one of the maps";
@@ -271,19 +274,6 @@ void MapMerger::compare(JointMap& joint, const Pair& pair, Decision& decision) c
     return;
   }
   result.state = PairState::kContradicted;
-}
-
-/// Whether all that a vehicle has seen fits into the other map.
-bool MapMerger::isWhole(const JointMap& joint, std::size_t vehicle, const Overlap& in_other) const {
-  const JointMap::Part& part = joint.parts()[vehicle];
-  double far = 0.0;
-  for (std::size_t i = part.first; i < part.last; ++i)
-    far = std::max(far, joint.keyframes()[part.first]
-                            .local_T_base.between(joint.keyframes()[i].local_T_base)
-                            .distance());
-  const std::size_t fitting = in_other.compared - in_other.contradicting;
-  return far >= config_.min_whole_m &&
-         static_cast<double>(fitting) >= config_.min_whole * static_cast<double>(in_other.sampled);
 }
 
 /// Nothing was found in common: the maps are joined as was said, unless they contradict it.

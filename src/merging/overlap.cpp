@@ -8,8 +8,10 @@
 namespace kestrel {
 namespace {
 
-/// Every so many keyframes are compared, each with so many places that are nearer than this.
+/// After so many keyframes or such a way, one is compared, with so many places that are nearer than
+/// this.
 constexpr std::size_t kEvery = 3, kPlaces = 2;
+constexpr double kEveryM = 0.7;
 constexpr double kNearM = 3.0, kRadiusM = 0.4;
 /// A keyframe contradicts if this share of it is known in the other map, and it fits worse.
 constexpr double kKnown = 0.7, kContradictingFit = 0.6;
@@ -38,6 +40,20 @@ std::vector<Nearest> nearestPlaces(const JointMap& joint, const std::vector<Pose
   return result;
 }
 
+/// The keyframes that are compared, and the way up to each.
+std::vector<std::pair<std::size_t, double>> samplesOf(const std::vector<PoseVertex>& poses,
+                                                      const JointMap::Part& part) {
+  std::vector<std::pair<std::size_t, double>> samples;
+  double way = 0.0;
+  for (std::size_t i = part.first; i < part.last; ++i) {
+    if (i > part.first) way += poses[i - 1].pose.between(poses[i].pose).distance();
+    if (samples.empty() || i >= samples.back().first + kEvery ||
+        way >= samples.back().second + kEveryM)
+      samples.emplace_back(i, way);
+  }
+  return samples;
+}
+
 enum class Verdict { kSaysNothing, kAgrees, kContradicts };
 
 }  // namespace
@@ -53,9 +69,9 @@ void Overlap::add(const Overlap& other) {
 Overlap compareOverlap(JointMap& joint, const LoopMatcher& matcher,
                        const std::vector<PoseVertex>& poses, std::size_t map, std::size_t query) {
   Overlap overlap;
-  const JointMap::Part& part = joint.parts()[query];
-  std::vector<Verdict> verdicts(part.last, Verdict::kSaysNothing);
-  for (std::size_t i = part.first; i < part.last; i += kEvery) {
+  double begin = -1.0;  // of the part that contradicts
+  for (const auto& [i, way] : samplesOf(poses, joint.parts()[query])) {
+    Verdict verdict = Verdict::kSaysNothing;
     for (const Nearest& near : nearestPlaces(joint, poses, joint.parts()[map], i)) {
       const Pose2 expected = joint.keyframes()[near.anchor].local_T_base *
                              poses[near.anchor].pose.between(poses[i].pose);
@@ -63,24 +79,20 @@ Overlap compareOverlap(JointMap& joint, const LoopMatcher& matcher,
                                               joint.keyframes(), i, expected, kRadiusM);
       if (loop.state == LoopState::kAccepted) {
         overlap.agreeing.push_back(loop);
-        verdicts[i] = Verdict::kAgrees;
+        verdict = Verdict::kAgrees;
       } else if (loop.known >= kKnown && loop.fit < kContradictingFit &&
-                 verdicts[i] == Verdict::kSaysNothing) {
-        verdicts[i] = Verdict::kContradicts;
+                 verdict == Verdict::kSaysNothing) {
+        verdict = Verdict::kContradicts;
       }
     }
-  }
-  double run = 0.0;
-  for (std::size_t i = part.first; i < part.last; ++i) {
-    if (i > part.first) run += poses[i - 1].pose.between(poses[i].pose).distance();
-    if ((i - part.first) % kEvery != 0) continue;
     ++overlap.sampled;
-    if (verdicts[i] != Verdict::kSaysNothing) ++overlap.compared;
-    if (verdicts[i] == Verdict::kContradicts) {
+    if (verdict != Verdict::kSaysNothing) ++overlap.compared;
+    if (verdict == Verdict::kContradicts) {
       ++overlap.contradicting;
-      overlap.longest_contradiction_m = std::max(overlap.longest_contradiction_m, run);
+      if (begin < 0.0) begin = way;
+      overlap.longest_contradiction_m = std::max(overlap.longest_contradiction_m, way - begin);
     } else {
-      run = 0.0;
+      begin = -1.0;
     }
   }
   return overlap;

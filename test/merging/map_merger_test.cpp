@@ -114,7 +114,7 @@ TEST(MapMerger, AMapOfOneSquareMeterIsNotMerged) {
 }
 
 TEST(MapMerger, VehiclesInOneRoomAreJoined) {
-  // Nothing is 8 m apart in the whole building.
+  // The way is shorter than two places need.
   const VehicleMap a = mapOf("a", {}, building::along({{4, 3.8}, {4, -3.5}, {4, 2}}));
   const MergeResult result = merged({a, mapOf("b", {}, building::along({{4, -3}, {4, 3.5}}))});
   EXPECT_EQ(result.pairs.front().state, PairState::kJoined) << describe(result.pairs.front());

@@ -31,6 +31,8 @@ class JointMap {
   const PoseGraph& graph() const { return graph_; }
   /// The corrected poses of each vehicle with the noise of its odometry.
   const OdometryChain& chain() const { return chain_; }
+  /// The largest distance of a keyframe of the part from its first one, m.
+  double extentOf(std::size_t part) const;
   /// The part that a keyframe belongs to.
   std::size_t partOf(std::size_t keyframe) const;
 

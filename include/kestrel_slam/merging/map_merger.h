@@ -21,7 +21,7 @@ struct MergingConfig {
   std::size_t max_queries = 40;  ///< new queries of one map that are searched for in another one
   std::size_t min_loops = 3;     ///< that agree about how two maps lie,
   std::size_t min_places = 2;    ///< at so many places
-  double place_m = 8.0;          ///< that are this far apart.
+  double place_m = 5.0;          ///< that are this far apart.
   /// Small buildings have no such places. There, at least this share of the keyframes of one
   /// vehicle must be known in the other map and fit, on a way that is this long.
   double min_whole = 0.8, min_whole_m = 3.0;
@@ -125,7 +125,6 @@ class MapMerger {
   };
 
   void forget(std::size_t vehicle);
-  std::string tooFew(const PairResult& result) const;
   Pair& pairOf(std::size_t a, std::size_t b);
   std::optional<Pose2> guessOf(const Pair& pair) const;
   void search(JointMap& joint, Pair& pair);
@@ -135,7 +134,6 @@ class MapMerger {
   void explain(const JointMap& joint, const Pair& pair, Decision& decision) const;
   std::size_t placesOf(const JointMap& joint, const std::vector<Loop>& loops) const;
   void compare(JointMap& joint, const Pair& pair, Decision& decision) const;
-  bool isWhole(const JointMap& joint, std::size_t vehicle, const Overlap& in_other) const;
   void joinAsGiven(JointMap& joint, const Pair& pair, Decision& decision) const;
   void optimizeAll(const JointMap& joint, std::vector<Decision>& decisions,
                    MergeResult& result) const;

@@ -18,6 +18,12 @@ struct Overlap {
   /// in another one it is a room that differs.
   double longest_contradiction_m = 0.0;
 
+  /// The share of all keyframes that lie in the other map and fit.
+  double fittingShare() const {
+    return sampled == 0
+               ? 0.0
+               : static_cast<double>(compared - contradicting) / static_cast<double>(sampled);
+  }
   void add(const Overlap& other);
 };
 
