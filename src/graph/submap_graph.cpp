@@ -52,8 +52,11 @@ SubmapGraph::SubmapGraph(const MapperConfig& mapper, const LoopConfig& config)
     : mapper_(mapper), config_(config), matcher_(mapper.matcher, config), places_(mapper) {}
 
 void SubmapGraph::add(const PlanarScan& scan, const MapperResult& result) {
+  track_.add(scan.time, result.odom_T_base);
   if (!result.inserted) return;
+  const std::size_t places = places_.all().size();
   addKeyframe(scan, result);
+  if (places_.all().size() > places && !track_.empty()) solve();
   if (!isQuery({searched_, keyframes_.size()})) return;
   const LoopQuery query{searched_, keyframes_.size()};
   searched_ = keyframes_.size();
@@ -88,6 +91,7 @@ void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result
   keyframes_.push_back({std::move(keyframe), submap, result.pose});
   path_.push_back((number == 0 ? 0.0 : path_.back()) + motion.distance());
   joined_.push_back(first ? number : joined_.back());
+  doubtful_.push_back(result.state != MatchState::kOk);
   if (first) {
     if (start_) guess(number);
   } else {
@@ -95,6 +99,7 @@ void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result
   }
   odometry_.vertices.emplace_back();
   chain_.grow(odometry_);
+  track_.addKeyframe(number, result.pose);
   if (finder_) lookForPart(scan);
 }
 
@@ -259,10 +264,21 @@ void SubmapGraph::optimizeIfNeeded(const Loop& loop) {
 
 void SubmapGraph::solve() {
   unsolved_ = 0;
+  track_.learn(chain_);
   do {
-    const OptimizerResult result = optimize(graph_);
+    PoseGraph joint = withOdometry();
+    const OptimizerResult result = optimize(joint);
+    std::copy_n(joint.vertices.begin(), graph_.vertices.size(), graph_.vertices.begin());
     if (!result.ok() || !takeBack(result.edge_weights)) return;
   } while (true);
+}
+
+PoseGraph SubmapGraph::withOdometry() const {
+  PoseGraph result = graph_;
+  if (track_.empty()) return result;
+  track_.weaken(result, chain_, doubtful_);
+  track_.addTo(result, chain_);
+  return result;
 }
 
 /// Takes loops back that the others contradict. Returns whether there was one.
@@ -312,7 +328,7 @@ void SubmapGraph::searchAround() {
 
 void SubmapGraph::finish() {
   searchAround();
-  if (graph_.edges.size() == odometry_.edges.size()) return;  // no loop
+  if (graph_.edges.size() == odometry_.edges.size() && track_.empty()) return;  // no loop
   solve();
   std::vector<int> matched(keyframes_.size(), 0);
   unsolved_ = 0;
