@@ -16,6 +16,12 @@ function(kestrel_library folder)
   target_link_libraries(${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE})
   # Set as compile options, because kestrel_warnings is not exported and cannot be linked here.
   target_compile_options(${name} PRIVATE $<TARGET_PROPERTY:kestrel_warnings,INTERFACE_COMPILE_OPTIONS>)
+  if(KESTREL_PRECOMPILE AND folder STREQUAL "geometry")
+    target_precompile_headers(${name} PRIVATE <Eigen/Geometry> <algorithm> <cmath> <functional>
+      <map> <memory> <optional> <sstream> <string> <vector>)
+  elseif(KESTREL_PRECOMPILE)
+    target_precompile_headers(${name} REUSE_FROM kestrel_geometry)
+  endif()
   string(REPLACE "/" "_" export_name ${folder})
   set_target_properties(${name} PROPERTIES EXPORT_NAME ${export_name})
   add_library(kestrel_slam::${export_name} ALIAS ${name})
@@ -42,7 +48,9 @@ kestrel_library(merging LINKS kestrel_session)
 kestrel_library(link LINKS kestrel_session PRIVATE PkgConfig::XXHASH PkgConfig::ZMQ)
 kestrel_library(filter LINKS kestrel_sensor)
 kestrel_library(tracking LINKS kestrel_map)
-kestrel_library(lidar LINKS kestrel_tracking PRIVATE $<BUILD_INTERFACE:nanoflann::nanoflann>)
+kestrel_library(lidar LINKS kestrel_tracking
+  PRIVATE $<BUILD_INTERFACE:nanoflann::nanoflann> ${OCTOMAP_LIBRARIES})
+target_include_directories(kestrel_lidar SYSTEM PRIVATE ${OCTOMAP_INCLUDE_DIRS})
 kestrel_library(pipeline LINKS kestrel_session kestrel_filter kestrel_tracking)
 kestrel_library(parameters LINKS kestrel_pipeline PRIVATE yaml-cpp)
 
@@ -71,12 +79,10 @@ add_custom_target(built_commit BYPRODUCTS ${COMMIT_FILE} COMMAND ${CMAKE_COMMAND
   -DSOURCE=${PROJECT_SOURCE_DIR} -DOUTPUT=${COMMIT_FILE} -P ${PROJECT_SOURCE_DIR}/cmake/commit.cmake)
 add_dependencies(kestrel_offline built_commit)
 target_sources(kestrel_offline PRIVATE ${COMMIT_FILE})
-kestrel_library(evaluation LINKS kestrel_recording kestrel_mapping kestrel_lidar
+kestrel_library(evaluation LINKS kestrel_recording kestrel_mapping kestrel_tracking
   PRIVATE nlohmann_json::nlohmann_json)
-kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfig::CAIRO geotiff TIFF::TIFF
-  ${OCTOMAP_LIBRARIES})
-target_include_directories(kestrel_report SYSTEM PRIVATE ${OCTOMAP_INCLUDE_DIRS})
-kestrel_library(experiments LINKS kestrel_report kestrel_merging kestrel_link)
+kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfig::CAIRO geotiff TIFF::TIFF)
+kestrel_library(experiments LINKS kestrel_report kestrel_merging kestrel_link kestrel_lidar)
 kestrel_library(commands LINKS kestrel_report PRIVATE CLI11::CLI11)
 
 # ---- nodes

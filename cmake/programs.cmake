@@ -19,7 +19,7 @@ set(PAGES ${PROJECT_BINARY_DIR}/pages)
 file(MAKE_DIRECTORY ${PAGES}/man ${PAGES}/completions)
 foreach(main ${COMMANDS})
   # Only few tools need the experiments, and scripts/demo builds none of them.
-  file(STRINGS ${main} experiments REGEX "#include \"kestrel_slam/(experiments|merging|link)/")
+  file(STRINGS ${main} experiments REGEX "#include \"kestrel_slam/(experiments|merging|link|lidar)/")
   if(experiments)
     set(experiments kestrel_experiments)
   endif()

@@ -25,9 +25,9 @@ function(kestrel_test folder)
   if(folder STREQUAL "filter")
     target_link_libraries(test_filter PRIVATE Ceres::ceres)  # a reference solution
   endif()
-  if(folder STREQUAL "report")
-    target_include_directories(test_report SYSTEM PRIVATE ${OCTOMAP_INCLUDE_DIRS})
-    target_link_libraries(test_report PRIVATE ${OCTOMAP_LIBRARIES})  # reads a map back
+  if(folder STREQUAL "lidar")
+    target_include_directories(test_lidar SYSTEM PRIVATE ${OCTOMAP_INCLUDE_DIRS})
+    target_link_libraries(test_lidar PRIVATE ${OCTOMAP_LIBRARIES})  # reads a map back
   endif()
   add_test(NAME ${name} COMMAND test_${name})
   # The longest tests start first, which shortens a parallel test run.

@@ -17,7 +17,7 @@ namespace {
 
 struct Options {
   std::string folder, truth, topic, sensor_topic, json, kitti_calibration;
-  std::vector<double> sensor_pose;
+  std::vector<double> sensor_pose, bearings;
   double stamp_offset = 0.0;
   TrackEvaluationOptions evaluation;
 };
@@ -70,6 +70,10 @@ void run(Options& options) {
     options.evaluation.base_T_sensor = {pose.translation().x(), pose.translation().y(),
                                         std::atan2(pose(1, 0), pose(0, 0))};
   }
+  if (options.bearings.size() == 2) {
+    options.evaluation.min_bearing = options.bearings[0] * kPi / 180.0;
+    options.evaluation.max_bearing = options.bearings[1] * kPi / 180.0;
+  }
   const Trajectory path = readTum((folder / "odom_trajectory.tum").string());
   std::vector<TrueObject> truth =
       options.kitti_calibration.empty()
@@ -112,6 +116,11 @@ int main(int argc, char** argv) {
          "x,y,yaw in m and degrees: pose of the sensor of the true positions in the base frame")
       ->delimiter(',')
       ->expected(3);
+  app.add_option("--bearings", options.bearings,
+                 "MIN,MAX in degrees in the frame of the sensor: the part of the view in which all "
+                 "objects are in TRUTH; tracks elsewhere are not compared")
+      ->delimiter(',')
+      ->expected(2);
   app.add_option("--kitti-calibration", options.kitti_calibration,
                  "calibration file: TRUTH is a label file of the KITTI tracking benchmark");
   app.add_option("--stamp-offset", options.stamp_offset,

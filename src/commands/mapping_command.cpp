@@ -175,6 +175,8 @@ void addMappingOptions(CLI::App& app, MappingArguments& arguments) {
                  "use: search for loops and correct the map with a pose graph; none: one map that "
                  "grows (default: parameter graph)")
       ->check(CLI::IsMember({"none", "use"}));
+  app.add_flag("--polish", arguments.run.polish,
+               "at the end, match every scan once more with the finished map");
   app.add_option("--imu", arguments.imu,
                  "use: roll, pitch and yaw rate from the recorded IMU (default); none: the vehicle "
                  "is level")
@@ -200,6 +202,8 @@ SlamConfig configOf(const MappingArguments& arguments) {
   if (!arguments.config.empty()) loadParameters(arguments.config, config);
   applySettings(arguments.settings, config);
   if (!arguments.loops.empty()) config.mapper.window.enabled = arguments.loops == "use";
+  if (arguments.run.polish && !config.mapper.usesGraph())
+    throw std::runtime_error("--polish needs the pose graph; leave out --loops none");
   if (!arguments.session.empty() || !arguments.save_session.empty()) {
     if (arguments.loops == "none")
       throw std::runtime_error("--loops none has no session; leave it out, or the session");

@@ -44,11 +44,12 @@ nlohmann::ordered_json jsonOf(const SeedResult& r) {
             {"wrong", r.loops.wrong},
             {"worst_m", r.loops.worst_m},
             {"revisits", r.loops.revisits},
-            {"found", r.loops.found}}}};
+            {"found", r.loops.found},
+            {"nees", r.loops.nees}}}};
 }
 
 void printRow(const std::string& name, const std::vector<SeedResult>& results) {
-  std::vector<double> errors;
+  std::vector<double> errors, nees;
   SeedResult sum;
   for (const SeedResult& r : results) {
     errors.push_back(r.ate_m);
@@ -61,17 +62,19 @@ void printRow(const std::string& name, const std::vector<SeedResult>& results) {
     sum.loops.wrong += r.loops.wrong;
     sum.loops.revisits += r.loops.revisits;
     sum.loops.found += r.loops.found;
+    nees.insert(nees.end(), r.loops.nees.begin(), r.loops.nees.end());
     sum.largest_silent_jump_m = std::max(sum.largest_silent_jump_m, r.largest_silent_jump_m);
   }
   const ErrorStatistics ate = statisticsOf(errors);
   const double percent = kPercent / static_cast<double>(std::max<std::size_t>(sum.scans, 1));
   std::printf(
       "| %s | %zu | %.1f mm | %.1f mm | %zu, %.0f mm | %.2f %% | %.2f %% | %zu | "
-      "%zu of %zu | %zu of %zu |\n",
+      "%zu of %zu | %zu of %zu | %.2f |\n",
       name.c_str(), results.size(), kMillimeters * ate.median, kMillimeters * ate.max,
       sum.silent_jumps, kMillimeters * sum.largest_silent_jump_m,
       percent * static_cast<double>(sum.lost), percent * static_cast<double>(sum.degraded),
-      sum.wrong_and_ok, sum.loops.wrong, sum.loops.accepted, sum.loops.found, sum.loops.revisits);
+      sum.wrong_and_ok, sum.loops.wrong, sum.loops.accepted, sum.loops.found, sum.loops.revisits,
+      statisticsOf(nees).median);
   std::fflush(stdout);
 }
 
@@ -107,8 +110,8 @@ void run(const Options& options) {
   }
   std::printf(
       "| flight | seeds | ATE rmse, median | worst | silent jumps above 30 mm, largest | lost | "
-      "degraded | wrong and ok | wrong loops | revisits with a loop |\n"
-      "|---|---|---|---|---|---|---|---|---|---|\n");
+      "degraded | wrong and ok | wrong loops | revisits with a loop | NEES with loops, median |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|\n");
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (const FlightSeries& series : all) {
     const std::vector<SeedResult> results = measure(series, options);

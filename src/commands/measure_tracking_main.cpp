@@ -2,11 +2,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "kestrel_slam/commands/run_tool.h"
+#include "kestrel_slam/experiments/hard_flight.h"
 #include "kestrel_slam/experiments/phd_scenario.h"
+#include "kestrel_slam/experiments/walker_measurement.h"
 
 namespace kestrel {
 namespace {
@@ -33,7 +36,32 @@ PhdScenarioSummary printRow(const char* name, const PhdScenario& scenario, std::
   return s;
 }
 
-void run(const Options& options) {
+HardFlight flightCalled(const std::string& name) {
+  for (const HardFlight& flight : hardFlights()) {
+    if (flight.trial.name == name) return flight;
+  }
+  throw std::logic_error("there is no flight \"" + name + "\"");
+}
+
+void printWalkers(const HardFlight& flight) {
+  constexpr double kPercent = 100.0;
+  const WalkerMeasurement m = measureWalkers(flight);
+  const ClearMot& people = m.tracks.moving;
+  std::printf("| %s | %.1f %% | %.2f m | %zu | %zu | %zu | %.2f m/s | %zu, %zu | %.3f, %.3f m |\n",
+              flight.trial.name.c_str(), kPercent * people.mota(), people.motp(), people.misses,
+              people.false_tracks, people.switches, m.tracks.speed_rmse, m.with.ghost_cells,
+              m.without.ghost_cells, m.with.ate_m, m.without.ate_m);
+}
+
+void runWalkers() {
+  std::puts(
+      "\n| people around the vehicle | MOTA | MOTP | misses | false | switches | speed rmse | "
+      "ghost "
+      "cells with, without tracker | ATE with, without |\n|---|---|---|---|---|---|---|---|---|");
+  printWalkers(flightCalled("twelve people"));
+}
+
+void runFilter(const Options& options) {
   std::puts(
       "| PHD filter | runs | OSPA, m | localization | cardinality | single runs | sigma | bias of "
       "the number |\n|---|---|---|---|---|---|---|---|");
@@ -57,9 +85,14 @@ void run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace kestrel;
   Options options;
+  bool no_people = false;
   CLI::App app("Measures the tracking of moving objects: prints the rows of doc/results.md.");
   app.add_option("--runs", options.runs, "Monte Carlo runs of each scenario of the PHD filter")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  return runTool("measure_tracking", app, argc, argv, [&] { run(options); });
+  app.add_flag("--no-people", no_people, "leave out the flight among people");
+  return runTool("measure_tracking", app, argc, argv, [&] {
+    runFilter(options);
+    if (!no_people) runWalkers();
+  });
 }

@@ -14,12 +14,12 @@
 #include "kestrel_slam/commands/run_tool.h"
 #include "kestrel_slam/evaluation/track_file.h"
 #include "kestrel_slam/geometry/pose3.h"
+#include "kestrel_slam/lidar/static_map.h"
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/recording/cloud_file.h"
 #include "kestrel_slam/recording/kitti_labels.h"
 #include "kestrel_slam/recording/recording.h"
 #include "kestrel_slam/recording/reference.h"
-#include "kestrel_slam/report/static_map.h"
 
 namespace kestrel {
 namespace {

@@ -9,6 +9,7 @@
 #include "kestrel_slam/commands/mapping_command.h"
 #include "kestrel_slam/commands/run_tool.h"
 #include "kestrel_slam/evaluation/track_file.h"
+#include "kestrel_slam/report/tracks_page.h"
 #include "kestrel_slam/tracking/continuous_pose.h"
 
 namespace kestrel {
@@ -38,6 +39,7 @@ void printSummary(const fs::path& folder, const std::vector<TrackFrame>& frames)
                 saturated, frames.size());
   }
   std::printf("%-12s%s\n", "paths", (folder / "tracks.csv").string().c_str());
+  std::printf("%-12s%s\n", "page", (folder / "tracks.html").string().c_str());
 }
 
 void run(Arguments& arguments) {
@@ -70,8 +72,10 @@ void run(Arguments& arguments) {
     frames.push_back({sweep.scan.stamp, tracked.tracks, tracked.saturated});
   };
   const OfflineRun run = mapWithProgress(*recording, config, mapping);
+  const std::string page = tracksHtml({info.recording, run.map, run.trajectory, path, frames});
   writeOutputs(folder, run, info,
                {{"tracks.csv", tracksCsv(frames)},
+                {"tracks.html", page},
                 {"tracks.json", tracksJson(frames)},
                 {"odom_trajectory.tum", tumText(path)}});
   printWarnings("warning: ", run);
@@ -90,7 +94,7 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Maps a recording of a 2D laser and tracks what moves. Writes the files of map_recording, "
       "and "
-      "tracks.csv and tracks.json.");
+      "tracks.csv, tracks.json and tracks.html.");
   Arguments arguments;
   app.add_option("--output", arguments.output, "output folder (default: ./<name>_tracks)");
   addMappingOptions(app, arguments.mapping);

@@ -71,20 +71,47 @@ class Evaluator {
     return nearest->pose;
   }
 
+  /// Position at the stamp between two true positions that are at most `max_gap` (s) apart.
+  static std::optional<Eigen::Vector2d> positionBetween(const Path& path, double stamp,
+                                                        double max_gap) {
+    const auto next = firstAfter(path, stamp);
+    if (next == path.begin() || next == path.end()) return std::nullopt;
+    const auto last = std::prev(next);
+    if (next->stamp - last->stamp > max_gap) return std::nullopt;
+    const double share = (stamp - last->stamp) / (next->stamp - last->stamp);
+    return last->position + share * (next->position - last->position);
+  }
+
+  static Path::const_iterator firstAfter(const Path& path, double stamp) {
+    return std::lower_bound(path.begin(), path.end(), stamp,
+                            [](const PlacedObject& a, double s) { return a.stamp < s; });
+  }
+
   std::optional<Eigen::Vector2d> positionAt(const Path& path, double stamp) const {
-    const auto next = std::lower_bound(path.begin(), path.end(), stamp,
-                                       [](const PlacedObject& a, double s) { return a.stamp < s; });
-    const bool has_next = next != path.end(), has_last = next != path.begin();
-    if (has_next && has_last && next->stamp - std::prev(next)->stamp <= options_.max_gap_s) {
-      const auto last = std::prev(next);
-      const double share = (stamp - last->stamp) / (next->stamp - last->stamp);
-      return last->position + share * (next->position - last->position);
+    if (const auto between = positionBetween(path, stamp, options_.max_gap_s)) return between;
+    const auto next = firstAfter(path, stamp);
+    if (next != path.end() && next->stamp - stamp <= options_.stamp_tolerance_s) {
+      return next->position;
     }
-    if (has_next && next->stamp - stamp <= options_.stamp_tolerance_s) return next->position;
-    if (has_last && stamp - std::prev(next)->stamp <= options_.stamp_tolerance_s) {
+    if (next != path.begin() && stamp - std::prev(next)->stamp <= options_.stamp_tolerance_s) {
       return std::prev(next)->position;
     }
     return std::nullopt;
+  }
+
+  /// The shown tracks of a scan that lie in the compared part of the view.
+  std::vector<const TrackRow*> shownAt(double stamp) const {
+    std::vector<const TrackRow*> shown;
+    const Pose2 sensor_T_map = (poseOf(stamp) * options_.base_T_sensor).inverse();
+    const auto first = std::lower_bound(tracks_.begin(), tracks_.end(), stamp - kStampTolerance,
+                                        [](const TrackRow& a, double s) { return a.stamp < s; });
+    for (auto row = first; row != tracks_.end() && row->stamp < stamp + kStampTolerance; ++row) {
+      const Eigen::Vector2d at = sensor_T_map * row->position;
+      const double bearing = std::atan2(at.y(), at.x());
+      const bool in_view = bearing >= options_.min_bearing && bearing <= options_.max_bearing;
+      if (row->shown && in_view) shown.push_back(&*row);
+    }
+    return shown;
   }
 
   bool moves(const Path& path, double stamp, const Eigen::Vector2d& position) const {
@@ -96,22 +123,19 @@ class Evaluator {
 
   void add(double stamp) {
     TrackedFrame frame;
-    const auto first = std::lower_bound(tracks_.begin(), tracks_.end(), stamp - kStampTolerance,
-                                        [](const TrackRow& a, double s) { return a.stamp < s; });
-    std::map<long, const TrackRow*> rows;
-    for (auto row = first; row != tracks_.end() && row->stamp < stamp + kStampTolerance; ++row) {
-      if (!row->shown) continue;
+    const std::vector<const TrackRow*> rows = shownAt(stamp);
+    for (const TrackRow* row : rows) {
       frame.tracks.push_back({row->id, {row->position.x(), row->position.y(), 0.0}, true});
-      rows[row->id] = &*row;
     }
     TrackedFrame moving = frame;
     for (const auto& [id, path] : paths_) {
-      const auto position = positionAt(path, stamp);
+      const auto marked = positionAt(path, stamp);
+      const auto position = marked ? marked : positionBetween(path, stamp, options_.unmarked_s);
       if (!position) continue;
-      frame.truth.push_back({id, {position->x(), position->y(), 0.0}, true});
+      frame.truth.push_back({id, {position->x(), position->y(), 0.0}, marked.has_value()});
       moving.truth.push_back(frame.truth.back());
-      moving.truth.back().counts = moves(path, stamp, *position);
-      addSpeed(path, stamp, *position, rows);
+      moving.truth.back().counts = marked && moves(path, stamp, *position);
+      if (marked) addSpeed(path, stamp, *position, rows);
     }
     all_.add(frame);
     moving_.add(moving);
@@ -120,12 +144,12 @@ class Evaluator {
 
   /// Error of the velocity of the nearest track.
   void addSpeed(const Path& path, double stamp, const Eigen::Vector2d& position,
-                const std::map<long, const TrackRow*>& rows) {
+                const std::vector<const TrackRow*>& rows) {
     const auto before = positionAt(path, stamp - kSpeedTime);
     const auto after = positionAt(path, stamp + kSpeedTime);
     const TrackRow* nearest = nullptr;
     double best = options_.max_distance_m;
-    for (const auto& [id, row] : rows) {
+    for (const TrackRow* row : rows) {
       const double distance = (row->position - position).norm();
       if (distance > best) continue;
       best = distance;

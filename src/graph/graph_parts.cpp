@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The parts of a submap graph: flights that only loops can join, and going on from a record.
+// The parts of a submap graph: flights that only loops can join, going on from a record, and what
+// is known of the end.
 #include <Eigen/LU>
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <set>
 #include <utility>
 
+#include "kestrel_slam/graph/marginals.h"
 #include "kestrel_slam/graph/submap_graph.h"
 
 namespace kestrel {
@@ -83,7 +87,7 @@ void SubmapGraph::beginPart(const std::optional<GaussianPose2>& map_T_base) {
   guess_.reset();
   finder_.reset();
   if (keyframes_.empty()) return;
-  if (!start_) finder_ = std::make_unique<PartFinder>(mapper_, joinedKeyframes());
+  if (!start_) finder_ = std::make_unique<PartFinder>(mapper_, keyframesOf(largestPart(0)));
   if (keyframes_.size() == part_begin_) return;
   const bool open =
       places_.all().empty() || places_.all().back().submap != keyframes_.back().submap;
@@ -92,11 +96,27 @@ void SubmapGraph::beginPart(const std::optional<GaussianPose2>& map_T_base) {
   part_begin_ = searched_ = keyframes_.size();
 }
 
-std::vector<PlacedKeyframe> SubmapGraph::joinedKeyframes() const {
+std::vector<PlacedKeyframe> SubmapGraph::keyframesOf(std::size_t part) const {
   std::vector<PlacedKeyframe> result;
   for (std::size_t i = 0; i < keyframes_.size(); ++i)
-    if (isJoined(i)) result.push_back({keyframes_[i].keyframe, poseOf(i)});
+    if (joined_[i] == part) result.push_back({keyframes_[i].keyframe, poseOf(i)});
   return result;
+}
+
+/// The part with most of the keyframes from `first_keyframe` on.
+std::size_t SubmapGraph::largestPart(std::size_t first_keyframe) const {
+  std::map<std::size_t, std::size_t> counts;
+  for (std::size_t i = first_keyframe; i < joined_.size(); ++i) ++counts[joined_[i]];
+  const auto largest =
+      std::max_element(counts.begin(), counts.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  return largest == counts.end() ? 0 : largest->first;
+}
+
+std::size_t SubmapGraph::partCount() const {
+  return std::set<std::size_t>(joined_.begin() + static_cast<std::ptrdiff_t>(loaded_),
+                               joined_.end())
+      .size();
 }
 
 /// `start_` says where this keyframe of the newest part may be.
@@ -165,7 +185,28 @@ bool SubmapGraph::addLoop(const Loop& loop) {
   loops_.push_back(loop);
   loops_.back().state = LoopState::kPending;
   judge(loops_.back());
+  if (shown_) shown_ = largestPart(loaded_);
   return loops_.size() > 0 && loops_.back().state == LoopState::kAccepted;
+}
+
+std::optional<GraphCorrection::Known> SubmapGraph::knownEnd() const {
+  if (solutions_ == 0 || keyframes_.empty()) return std::nullopt;
+  std::vector<double> weights = weights_;
+  weights.resize(graph_.edges.size(), 1.0);  // edges since then
+  const std::size_t end = keyframes_.size() - 1;
+  const std::optional<GaussianPose2> first_T_end =
+      GraphMarginals(graph_, weights).between(joined_[end], end);
+  if (!first_T_end) return std::nullopt;
+  return GraphCorrection::Known{{poseOf(end), first_T_end->covariance}, end_};
+}
+
+std::size_t SubmapGraph::memoryBytes() const {
+  std::size_t bytes = places_.memoryBytes() + graph_.edges.capacity() * sizeof(PoseEdge) +
+                      graph_.vertices.capacity() * sizeof(PoseVertex) +
+                      loops_.capacity() * sizeof(Loop);
+  for (const LocalKeyframe& keyframe : keyframes_)
+    bytes += sizeof keyframe + keyframe.keyframe->memoryBytes();
+  return bytes + (finder_ ? finder_->memoryBytes() : 0);
 }
 
 }  // namespace kestrel

@@ -294,15 +294,30 @@ Eigen::Vector3d OdometryTrack::varianceBetween(const Point& a, const Point& b) c
   return {position, position, yaw};
 }
 
-/// Whether the odometry from `a` to `b` agrees with the matches.
-bool OdometryTrack::agree(const Point& a, const Point& b, const OdometryChain& chain) const {
+/// Whether the odometry from `a` to `b` agrees with the matches; `yaw`: at least in yaw.
+bool OdometryTrack::agree(const Point& a, const Point& b, const OdometryChain& chain,
+                          bool yaw) const {
   const Pose2 error = a.measured.between(b.measured).between(a.matched.between(b.matched));
   const Eigen::Matrix3d to_b = chain.pose(b.keyframe).inverse().adjoint();
   const Eigen::Matrix3d expected =
       Eigen::Matrix3d(varianceBetween(a, b).asDiagonal()) +
       to_b * chain.noiseBetween(a.keyframe, b.keyframe) * to_b.transpose();
+  if (yaw) return square(error.yaw) <= kMostChi2 * expected(2, 2);
   const Eigen::Vector3d e(error.x, error.y, error.yaw);
   return e.dot(expected.inverse() * e) <= kMostChi2;
+}
+
+/// The first point from `i` on that agrees with `last`; `i` if none of the next ones does.
+std::size_t OdometryTrack::nextUsable(const std::vector<Point>& points, const Point& last,
+                                      std::size_t i, const OdometryChain& chain) const {
+  const std::size_t end = std::min(points.size(), i + kMostWrong);
+  for (const bool yaw : {false, true}) {
+    for (std::size_t next = i; next < end; ++next) {
+      if (chain.partOf(last.keyframe) != chain.partOf(points[next].keyframe)) break;
+      if (agree(last, points[next], chain, yaw)) return next;
+    }
+  }
+  return i;
 }
 
 /// Without poses that contradict the poses before and after them, which agree with each other: they
@@ -313,17 +328,7 @@ std::vector<OdometryTrack::Point> OdometryTrack::usable(const OdometryChain& cha
   correct(points);
   std::vector<Point> result;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    std::size_t next = i;
-    const auto continues = [&](std::size_t k) {
-      return chain.partOf(result.back().keyframe) == chain.partOf(points[k].keyframe);
-    };
-    if (!result.empty() && continues(i)) {
-      while (next < std::min(points.size(), i + kMostWrong) && continues(next) &&
-             !agree(result.back(), points[next], chain))
-        ++next;
-      if (next == std::min(points.size(), i + kMostWrong) || !continues(next)) next = i;
-    }
-    i = next;
+    if (!result.empty()) i = nextUsable(points, result.back(), i, chain);
     result.push_back(points[i]);
   }
   return result;
@@ -334,7 +339,7 @@ void OdometryTrack::weaken(PoseGraph& graph, const OdometryChain& chain,
   const std::vector<Point> points = usable(chain);
   for (std::size_t i = 1; i < points.size(); ++i) {
     const Point &a = points[i - 1], &b = points[i];
-    if (chain.partOf(a.keyframe) != chain.partOf(b.keyframe) || agree(a, b, chain)) continue;
+    if (chain.partOf(a.keyframe) != chain.partOf(b.keyframe) || agree(a, b, chain, false)) continue;
     for (PoseEdge& edge : graph.edges)
       if (edge.kind == EdgeKind::kOdometry && edge.from >= a.keyframe && edge.to <= b.keyframe &&
           doubtful[edge.to])

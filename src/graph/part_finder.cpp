@@ -4,6 +4,9 @@
 namespace kestrel {
 namespace {
 
+/// Work of the search with every keyframe, see WorkBudget.
+constexpr std::int64_t kWork = 20'000'000;
+
 Submap mapOf(const MapperConfig& config, const std::vector<PlacedKeyframe>& keyframes) {
   Submap map(config.grid);
   for (const PlacedKeyframe& placed : keyframes)
@@ -20,7 +23,7 @@ PartFinder::PartFinder(const MapperConfig& config, const std::vector<PlacedKeyfr
 
 std::optional<Pose2> PartFinder::add(const PlanarScan& scan, const Pose2& local_T_base) {
   finder_.add(scan, local_T_base);
-  if (!finder_.advance(RelocalizationConfig().most_work)) return std::nullopt;
+  if (!finder_.advance(kWork)) return std::nullopt;
   return finder_.mapTLocal();
 }
 

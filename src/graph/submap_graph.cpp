@@ -54,6 +54,7 @@ SubmapGraph::SubmapGraph(const MapperConfig& mapper, const LoopConfig& config)
 void SubmapGraph::add(const PlanarScan& scan, const MapperResult& result) {
   track_.add(scan.time, result.odom_T_base);
   if (!result.inserted) return;
+  shown_.reset();
   const std::size_t places = places_.all().size();
   addKeyframe(scan, result);
   if (places_.all().size() > places && !track_.empty()) solve();
@@ -89,6 +90,7 @@ void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result
   if (!first && keyframes_.back().submap != submap) addPlace();
   graph_.vertices.push_back({mapTLocal() * result.pose, number == 0});
   keyframes_.push_back({std::move(keyframe), submap, result.pose});
+  end_ = result.uncertain;
   path_.push_back((number == 0 ? 0.0 : path_.back()) + motion.distance());
   joined_.push_back(first ? number : joined_.back());
   doubtful_.push_back(result.state != MatchState::kOk);
@@ -264,12 +266,16 @@ void SubmapGraph::optimizeIfNeeded(const Loop& loop) {
 
 void SubmapGraph::solve() {
   unsolved_ = 0;
+  ++solutions_;
   track_.learn(chain_);
   do {
     PoseGraph joint = withOdometry();
     const OptimizerResult result = optimize(joint);
     std::copy_n(joint.vertices.begin(), graph_.vertices.size(), graph_.vertices.begin());
-    if (!result.ok() || !takeBack(result.edge_weights)) return;
+    weights_ = result.edge_weights;
+    if (!result.ok()) return;
+    weights_.resize(graph_.edges.size());
+    if (!takeBack(weights_)) return;
   } while (true);
 }
 
@@ -328,6 +334,11 @@ void SubmapGraph::searchAround() {
 
 void SubmapGraph::finish() {
   searchAround();
+  refine();
+  shown_ = largestPart(loaded_);
+}
+
+void SubmapGraph::refine() {
   if (graph_.edges.size() == odometry_.edges.size() && track_.empty()) return;  // no loop
   solve();
   std::vector<int> matched(keyframes_.size(), 0);
@@ -352,15 +363,6 @@ void SubmapGraph::refineAt(std::size_t number, std::vector<int>& matched) {
     graph_.edges.push_back(graphEdgeOf(loop));
     loop_of_edge_.push_back(loops_.size() - 1);
   }
-}
-
-std::size_t SubmapGraph::memoryBytes() const {
-  std::size_t bytes = places_.memoryBytes() + graph_.edges.capacity() * sizeof(PoseEdge) +
-                      graph_.vertices.capacity() * sizeof(PoseVertex) +
-                      loops_.capacity() * sizeof(Loop);
-  for (const LocalKeyframe& keyframe : keyframes_)
-    bytes += sizeof keyframe + keyframe.keyframe->memoryBytes();
-  return bytes + (finder_ ? finder_->memoryBytes() : 0);
 }
 
 }  // namespace kestrel

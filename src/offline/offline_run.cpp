@@ -10,6 +10,7 @@
 #include "filter_sample.h"
 #include "kestrel_slam/graph/submap_graph.h"
 #include "kestrel_slam/offline/arrival_order.h"
+#include "kestrel_slam/offline/polish.h"
 #include "kestrel_slam/offline/saved_session.h"
 #include "kestrel_slam/session/graph_session.h"
 #include "peak_memory.h"
@@ -78,7 +79,8 @@ class Runner {
         messages_(recording, !config_.level),
         pipeline_(config_),
         options_(options),
-        odometry_(options.perturbation.odometry) {
+        odometry_(options.perturbation.odometry),
+        polish_(config.mapper) {
     pipeline_.on_scan = [this](const MappedSweep& sweep) { record(sweep); };
     pipeline_.on_drop = [this](const DroppedSweep& sweep) { drop(sweep); };
     if (options_.localize_in) localize();
@@ -229,6 +231,7 @@ class Runner {
     run_.trajectory.push_back({sweep.scan.stamp, result.pose});
     if (const SubmapGraph* graph = pipeline_.graph())
       keyframes_.push_back(graph->keyframes().size());
+    if (options_.polish) polish_.keep(sweep.scan);
     addDistance(result.pose);
     const std::string place = placeOf(sweep.input);
     if (result.state == MatchState::kLost) lost_.add(place);
@@ -253,10 +256,17 @@ class Runner {
     graph.finish();
     run_.graph = resultOf(graph, run_.trajectory);
     run_.trajectory = corrected(run_.trajectory, keyframes_, graph);
+    if (options_.polish) run_.trajectory = polish_.polished(run_.trajectory, graph);
     for (std::size_t i = 0; i < run_.scans.size(); ++i)
       run_.scans[i].uncertain = placedAt(run_.trajectory[i].pose, run_.scans[i].uncertain);
-    run_.map = mapOf(graph, config_.slam.mapper.grid);
+    run_.map = options_.polish ? mapAlong(run_.trajectory, graph, config_.slam.mapper.grid)
+                               : mapOf(graph, config_.slam.mapper.grid);
     run_.session = savedSession(graph, config_.slam, options_.session.get(), run_);
+    if (graph.partCount() > 1)
+      run_.warnings.push_back(
+          std::to_string(graph.partCount() - 1) +
+          " part(s) of the recording could not be placed in the map: the vehicle was lost before, "
+          "and saw nothing there that it knew; the map shows the largest part");
     if (!options_.session || run_.session->keyframes.empty() || graph.isJoined(0)) return;
     run_.warnings.push_back(
         "the flight was not found in the map of the session: map and trajectory show the new part "
@@ -314,6 +324,7 @@ class Runner {
   Pipeline pipeline_;
   RunOptions options_;
   OdometryDistortion odometry_;
+  Polish polish_;
   StageClock stages_;
   Clock::time_point work_start_;  ///< start time of the current pipeline call
   double work_s_ = 0.0;           ///< time in earlier calls since the last scan

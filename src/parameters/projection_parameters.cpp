@@ -56,7 +56,8 @@ std::vector<Parameter> heightParametersOf(ProjectorConfig& projector) {
       live(
           number("floor_margin", "m", &projector.floor_margin_m, 0.0, 10.0,
                  "End points closer than this to the floor or the ceiling are not mapped; a larger "
-                 "value allows larger errors of height and attitude.")),
+                 "value allows larger errors of the height. An error of the attitude of 1 degree "
+                 "is added.")),
       text("mirror_angles", &projector.mirror_angles,
            "Beams that a mirror deflects down to measure the height: 'from:to, from:to' in "
            "degrees in the laser's frame, in quotes."),

@@ -27,6 +27,9 @@ std::vector<Parameter> gridParametersOf(MotionGridConfig& grid) {
              "Added to wall_tolerance for each meter of range; larger for a poor yaw."),
       number("new_time", "s", &grid.new_s, 0.0, 10.0,
              "What is seen in unknown space may move for this time, then it is static."),
+      number("stopped_time", "s", &grid.stopped_s, 1.0, 3600.0,
+             "What has stopped belongs to the static grid after this time; so a wall that was "
+             "wrongly kept out comes back."),
       number("keep_radius", "m", &grid.keep_radius_m, 5.0, 1000.0,
              "The grids forget what is farther from the vehicle."),
   };

@@ -138,14 +138,23 @@ void Pipeline::map(const PipelineScan& scan, bool level) {
     return;
   }
   begin(PipelineStage::kMapping);
-  const MapperResult result = mapping_.process(projection.scan, scan.odom_T_base, scan.time);
+  MapperResult result = mapping_.process(projection.scan, scan.odom_T_base, scan.time);
   begin(PipelineStage::kGraph);
-  if (graph_) graph_->add(projection.scan, result);
+  if (graph_) addToGraph(projection.scan, result);
   begin(PipelineStage::kFilter);
   const MatchedPose pose = matchedPoseOf(result, stamp);
   projection_.addVelocity(stamp, knownVelocity(result));
   if (config_.use_filter) poses_.push_back({now_ + config_.coupling.match_s, pose});
   if (on_scan) on_scan({scan, projected, projection.scan, result, mapping_.moving()});
+}
+
+void Pipeline::addToGraph(const PlanarScan& scan, MapperResult& result) {
+  graph_->add(scan, result);
+  if (lost_.add(result, scan.time)) {
+    mapping_.reset(graph_->mapTLocal() * result.pose);
+    graph_->beginPart(std::nullopt);
+  }
+  if (!graph_->isLocated()) noteUnlocated(result);
 }
 
 void Pipeline::drop(const PipelineScan& scan, const std::string& reason,

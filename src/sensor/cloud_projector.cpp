@@ -69,14 +69,17 @@ class CloudSlicer {
       ++result_.counts.masked;
       return;
     }
-    const float in_slice = lengthInSlice(slice_, frame.origin.z(), d.z());
-    const float usable = std::min(in_slice, static_cast<float>(config_.beams.max_range_m));
+    const SliceExit exit = exitOf(slice_, frame.origin.z(), d.z());
+    const float usable = std::min(exit.length, static_cast<float>(config_.beams.max_range_m));
     const float horizontal = d.head<2>().norm();
     Bin& bin = binOf(d);
     if (range <= usable) {
       addHit(bin, range * horizontal, origin, end);
     } else {
-      countOutside(frame.origin.z() + range * d.z(), range > in_slice);
+      ++(range <= exit.length    ? result_.counts.clears
+         : range <= exit.surface ? result_.counts.outside
+         : d.z() < 0.0F          ? result_.counts.floor
+                                 : result_.counts.ceiling);
       addClear(bin, usable * horizontal, origin, origin + usable * d.head<2>());
     }
   }
@@ -103,14 +106,6 @@ class CloudSlicer {
     bin.clear_distance = distance;
     bin.clear = end;
     if (!std::isfinite(bin.hit_distance)) bin.origin = origin;
-  }
-
-  void countOutside(float z, bool left_slice) {
-    BeamCounts& counts = result_.counts;
-    ++(!left_slice          ? counts.clears
-       : z < slice_.floor   ? counts.floor
-       : z > slice_.ceiling ? counts.ceiling
-                            : counts.outside);
   }
 
   void addRay(const Bin& bin) {

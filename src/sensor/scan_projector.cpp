@@ -136,7 +136,7 @@ class BeamProjector {
   /// REP-117: +inf is no return. Some drivers send range_max. A return beyond the range limit of
   /// the configuration shows that the space before it is free.
   void addFarBeam(float range, const Eigen::Vector3f& d, const Eigen::Vector3f& origin) {
-    const float length = std::min(limits_.clear, lengthInSlice(slice_, origin.z(), d.z()));
+    const float length = std::min(limits_.clear, exitOf(slice_, origin.z(), d.z()).length);
     if (range < static_cast<float>(scan_.range_max)) {
       unanswered_.addReturn((origin + range * d).head<2>());
       addClear(d, origin, length);
@@ -153,11 +153,10 @@ class BeamProjector {
       return;
     }
     unanswered_.addReturn(end.head<2>());
-    if (end.z() < slice_.lowest || end.z() > slice_.highest) {
-      ++(end.z() < slice_.floor     ? counts_.floor
-         : end.z() > slice_.ceiling ? counts_.ceiling
-                                    : counts_.outside);
-      addClear(d, origin, std::min(range, lengthInSlice(slice_, origin.z(), d.z())));
+    const SliceExit exit = exitOf(slice_, origin.z(), d.z());
+    if (range > exit.length) {
+      ++(range <= exit.surface ? counts_.outside : d.z() < 0.0F ? counts_.floor : counts_.ceiling);
+      addClear(d, origin, exit.length);
     } else if (vehicle_radius_ > 0.0F &&
                end.head<2>().squaredNorm() < vehicle_radius_ * vehicle_radius_) {
       ++counts_.masked;

@@ -84,12 +84,10 @@ Slice sliceOf(const ProjectorConfig& config, const std::optional<double>& height
   if (height) {
     slice.floor =
         std::min(static_cast<float>(config.floor_margin_m - *height), laser_z - kClearance);
-    slice.lowest = std::max(slice.lowest, slice.floor);
   }
   if (ceiling) {
     slice.ceiling =
         std::max(static_cast<float>(*ceiling - config.floor_margin_m), laser_z + kClearance);
-    slice.highest = std::min(slice.highest, slice.ceiling);
   }
   return slice;
 }

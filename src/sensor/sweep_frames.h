@@ -53,7 +53,7 @@ class SweepFrames {
 /// Vertical limits of the slice, relative to the horizontal plane through the base, m.
 struct Slice {
   float lowest, highest;  ///< end points below or above are not mapped
-  float floor;            ///< end points below are on the floor; -inf: unknown
+  float floor;            ///< end points below are on the floor, see exitOf(); -inf: unknown
   float ceiling;          ///< end points above are on the ceiling; +inf: unknown
 };
 
@@ -62,14 +62,25 @@ struct Slice {
 Slice sliceOf(const ProjectorConfig& config, const std::optional<double>& height_m,
               const std::optional<double>& ceiling_m, float laser_z);
 
-/// Length of the part of a beam inside the slice, m. `origin_z`: height of its origin, `rise`:
-/// vertical component of its unit direction.
-inline float lengthInSlice(const Slice& slice, float origin_z, float rise) {
-  constexpr float kLevel = 1e-6F;
-  constexpr float kFar = 1e9F;
-  if (rise > kLevel) return (slice.highest - origin_z) / rise;
-  if (rise < -kLevel) return (slice.lowest - origin_z) / rise;
-  return kFar;
+/// Where a beam leaves the slice, m along the beam.
+struct SliceExit {
+  float length;   ///< here it leaves the slice
+  float surface;  ///< here it may be on the floor or the ceiling; inf: unknown
+};
+
+/// Floor and ceiling begin at half of their distance from the laser at the latest: an error of the
+/// attitude (1 degree) raises them with the range. A beam that rises less than it falls stays.
+///
+/// `origin_z`: height of its origin, `rise`: vertical component of its unit direction.
+inline SliceExit exitOf(const Slice& slice, float origin_z, float rise) {
+  constexpr float kLevel = 1e-6F, kFar = 1e9F, kAttitudeError = 0.0175F;
+  const float steepness = std::abs(rise);
+  if (steepness <= kLevel) return {kFar, kFar};
+  const bool down = rise < 0.0F;
+  const float height = down ? origin_z - slice.floor : slice.ceiling - origin_z;
+  const float surface = height * std::max(1.0F / (steepness + kAttitudeError), 0.5F / steepness);
+  const float limit = ((down ? slice.lowest : slice.highest) - origin_z) / rise;
+  return {std::min(limit, surface), surface};
 }
 
 /// A rejected projection if the attitude is missing or too tilted, else nothing.

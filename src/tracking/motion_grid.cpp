@@ -92,7 +92,7 @@ CellMotion MotionGrid<D>::classify(const GridRay<D>& ray) const {
       surroundingsOf(ray.end, config_.tolerance_m + config_.tolerance_rad * range);
   if (near.is_static) return CellMotion::kStatic;
   const CellData* own = cells_.find(indexOf(ray.end));
-  const bool was_moving = own != nullptr && own->was_moving && state != CellState::kFree;
+  const bool was_moving = own != nullptr && hasStopped(*own) && state != CellState::kFree;
   if (near.has_stopped || was_moving) return CellMotion::kStopped;
   if (state == CellState::kFree || isImposed(indexOf(ray.end))) return CellMotion::kMoving;
   const bool is_new = near.is_new || state == CellState::kUnobserved;
@@ -114,9 +114,9 @@ typename MotionGrid<D>::Surroundings MotionGrid<D>::surroundingsOf(const Vector&
     const Vector low = index.template cast<float>() - in_cells;
     const Vector gap = low.cwiseMax(-low - Vector::Ones()).cwiseMax(0.0F);
     if (gap.norm() > reach) return false;
-    (cell->was_moving ? result.has_stopped
-     : isNew(*cell)   ? result.is_new
-                      : result.is_static) = true;
+    (hasStopped(*cell) ? result.has_stopped
+     : isNew(*cell)    ? result.is_new
+                       : result.is_static) = true;
     return result.is_static;
   });
   return result;
@@ -262,6 +262,12 @@ template <int D>
 bool MotionGrid<D>::isNew(const CellData& cell) const {
   return cell.occupied_since > 0.0F &&
          time_ - static_cast<double>(cell.occupied_since) < config_.new_s;
+}
+
+/// It came there, and has not been there for long.
+template <int D>
+bool MotionGrid<D>::hasStopped(const CellData& cell) const {
+  return cell.was_moving && time_ - static_cast<double>(cell.first_hit) < config_.stopped_s;
 }
 
 template <int D>

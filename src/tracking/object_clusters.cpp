@@ -33,6 +33,39 @@ double hiddenDepth(const std::vector<Eigen::Vector2d>& points, const Eigen::Vect
   return std::max(0.0, half_depth - 0.5 * (far - near));
 }
 
+/// At a grazing angle, the returns of neighboring beams on a surface are this many beam spacings
+/// apart.
+constexpr double kGrazing = 6.0;
+
+/// What the beam beside the end of an object shows.
+enum class Beside { kFarther, kNearer, kSame };
+
+Beside besideOf(const GridRay<2>& end, const GridRay<2>& beside, const Visibility& visibility,
+                const TrackerConfig& config) {
+  if (!beside.hit) return Beside::kFarther;
+  const double range = visibility.rangeOf(end.end.cast<double>());
+  const double gap = std::max(config.join_gap_m, kGrazing * visibility.beamStep() * range);
+  const double farther = visibility.rangeOf(beside.end.cast<double>()) - range;
+  if (std::abs(farther) <= gap) return Beside::kSame;
+  return farther > 0.0 ? Beside::kFarther : Beside::kNearer;
+}
+
+/// It does not go on at its ends, and at least one of them is not hidden.
+bool hasOwnEnds(const PointCluster<2>& cluster, const std::vector<MovingPoint>& moving,
+                const std::vector<GridRay<2>>& rays, const Visibility& visibility,
+                const TrackerConfig& config) {
+  std::size_t first = rays.size(), last = 0;
+  for (const std::size_t i : cluster.points) {
+    first = std::min(first, moving[i].ray);
+    last = std::max(last, moving[i].ray);
+  }
+  if (first == 0 || last + 1 >= rays.size()) return false;
+  const Beside left = besideOf(rays[first], rays[first - 1], visibility, config);
+  const Beside right = besideOf(rays[last], rays[last + 1], visibility, config);
+  return left != Beside::kSame && right != Beside::kSame &&
+         (left == Beside::kFarther || right == Beside::kFarther);
+}
+
 ObjectCluster objectOf(std::vector<Eigen::Vector2d> points, const Visibility& visibility,
                        const TrackerConfig& config) {
   ObjectCluster object;
@@ -49,6 +82,7 @@ ObjectCluster objectOf(std::vector<Eigen::Vector2d> points, const Visibility& vi
 }  // namespace
 
 std::vector<ObjectCluster> findObjects(const std::vector<MovingPoint>& moving,
+                                       const std::vector<GridRay<2>>& rays,
                                        const Visibility& visibility, const TrackerConfig& config) {
   std::vector<Eigen::Vector2d> points;
   for (const MovingPoint& point : moving) points.push_back(point.position);
@@ -65,6 +99,7 @@ std::vector<ObjectCluster> findObjects(const std::vector<MovingPoint>& moving,
       if (moving[i].was_free) free += 1.0;
     }
     objects.push_back(objectOf(std::move(own), visibility, config));
+    objects.back().has_own_ends = hasOwnEnds(cluster, moving, rays, visibility, config);
     objects.back().free_share = free / static_cast<double>(cluster.points.size());
   }
   return objects;

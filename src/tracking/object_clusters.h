@@ -15,6 +15,7 @@ namespace kestrel {
 struct MovingPoint {
   Eigen::Vector2d position;
   bool was_free = false;  ///< its cell was free before
+  std::size_t ray = 0;    ///< its number in the scan
 };
 
 /// A cluster of moving points: an observation of the PHD filter.
@@ -24,10 +25,14 @@ struct ObjectCluster {
   std::vector<Eigen::Vector2d> points;
   /// Share of the points in space that was free before: something has come here.
   double free_share = 0.0;
+  /// It does not go on at its ends: what is beside it is farther or hides a part of it. Otherwise
+  /// it may be a part of something larger, as a wall, and its middle may move while it stands.
+  bool has_own_ends = false;
 };
 
 /// Clusters of the points, without those that have too few points for their range.
 std::vector<ObjectCluster> findObjects(const std::vector<MovingPoint>& points,
+                                       const std::vector<GridRay<2>>& rays,
                                        const Visibility& visibility, const TrackerConfig& config);
 
 }  // namespace kestrel

@@ -123,6 +123,7 @@ void PhdFilter<N, M>::addDetected(const std::vector<Prepared>& prepared,
   for (std::size_t j = 0; j < components_.size(); ++j) {
     Candidate candidate;
     candidate.prior = j;
+    if (!mayCause(components_[j], index)) continue;
     if (!likelihood(components_[j], prepared[j], observation, candidate)) continue;
     sum += candidate.weight;
     candidates.push_back(candidate);
@@ -135,6 +136,11 @@ void PhdFilter<N, M>::addDetected(const std::vector<Prepared>& prepared,
     if (candidate.weight <= limits_.prune_weight) continue;
     append(corrected(prepared[candidate.prior], observation, candidate), index);
   }
+}
+
+template <int N, int M>
+bool PhdFilter<N, M>::mayCause(const Component& prior, int index) const {
+  return !model_.may_cause || model_.may_cause(prior, static_cast<std::size_t>(index));
 }
 
 /// P_D w q of [Siew 2018, eq. 27, 28]; false if it is nothing.

@@ -17,10 +17,24 @@ constexpr double kMargin = 0.25;
 constexpr double kLeftTime = 0.2, kLeftShare = 0.25;
 constexpr double kNotFinite = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPathTime = 2.0;  ///< s, of the path that shows whether an object moves
-constexpr std::size_t kPathPoints = 5;
-/// Smallest sigma of the positions, m: the errors of successive scans are not independent.
-constexpr double kPathSigma = 0.03;
+constexpr std::size_t kPathPoints = 3;
+/// After a longer gap without observations (s), the path starts anew: what is seen then may be
+/// something else that stands.
+constexpr double kPathGap = 0.5;
+/// What stood at a place for longer than this before an object came there is something else, s.
+constexpr double kEarlier = 1.0;
+constexpr double kPathStep = 0.1;  ///< m, between the noted places of an object
+constexpr std::size_t kPathPlaces = 50;
 constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
+
+std::vector<GridIndex<2>> cellsOf(const ObjectCluster& object, const MotionGrid<2>& grid) {
+  std::vector<GridIndex<2>> cells;
+  for (const Eigen::Vector2d& point : object.points) {
+    const GridIndex<2> cell = grid.indexOf(point.cast<float>());
+    if (std::find(cells.begin(), cells.end(), cell) == cells.end()) cells.push_back(cell);
+  }
+  return cells;
+}
 
 }  // namespace
 
@@ -28,11 +42,12 @@ constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is 
 double TrackList::speedSignificance(const std::deque<Sample>& samples) {
   const auto count = static_cast<double>(samples.size());
   if (samples.size() < kPathPoints) return 0.0;
-  double time = 0.0, time2 = 0.0, residual2 = 0.0;
+  double time = 0.0, time2 = 0.0, residual2 = 0.0, noise = 0.0;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero(), velocity = Eigen::Vector2d::Zero();
   for (const Sample& sample : samples) {
     time += sample.time / count;
     mean += sample.position / count;
+    noise += sample.variance / count;
   }
   for (const Sample& sample : samples) {
     time2 += (sample.time - time) * (sample.time - time);
@@ -42,7 +57,7 @@ double TrackList::speedSignificance(const std::deque<Sample>& samples) {
   for (const Sample& sample : samples) {
     residual2 += (sample.position - mean - (sample.time - time) * velocity).squaredNorm();
   }
-  const double variance = std::max(residual2 / (2.0 * (count - 2.0)), kPathSigma * kPathSigma);
+  const double variance = std::max(residual2 / (2.0 * (count - 2.0)), noise);
   return velocity.norm() * std::sqrt(time2 / variance);
 }
 
@@ -86,12 +101,13 @@ void TrackList::update(PhdFilter<5, 2>& filter, const std::vector<ObjectCluster>
 void TrackList::see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster& object,
                     const Visibility& visibility, const MotionGrid<2>& grid) {
   Track& track = entry.track;
-  if (!track.moved) noteMove(entry, object, visibility, grid);
+  if (!track.moved && object.has_own_ends) noteMove(entry, object, visibility, grid);
   setState(target.mean, target.covariance, track);
   track.standing = target.modes.size() > 1 ? target.modes[1] : 0.0;
   track.unseen_s = entry.hidden_s = 0.0;
   entry.seen_s += seconds_;
   track.box = object.box;
+  if (track.moved) notePath(entry, grid.time());
   entry.length = std::max(entry.length, object.box.size.x());
   track.size = sizeClassOf(entry.length);
   if (track.state != TrackState::kTentative || entry.seen_s >= config_.confirm_s) {
@@ -99,34 +115,63 @@ void TrackList::see(Entry& entry, const LabeledTarget<5>& target, const ObjectCl
   }
 }
 
+void TrackList::notePath(Entry& entry, double time) {
+  std::deque<Place>& path = entry.path;
+  const Eigen::Vector2d& position = entry.track.position;
+  if (!path.empty() && (path.back().position - position).norm() < kPathStep) return;
+  path.push_back({time, position});
+  if (path.size() > kPathPlaces) path.pop_front();
+}
+
+/// When the object has come to the place, s; the start of its path if it was always there.
+double TrackList::arrivalAt(const Entry& entry, const Eigen::Vector2d& place) {
+  const double radius = 0.5 * std::max(entry.length, kPersonWidth) + kMargin;
+  const auto outside = std::find_if(entry.path.rbegin(), entry.path.rend(), [&](const Place& past) {
+    return (past.position - place).norm() > radius;
+  });
+  return outside == entry.path.rend() ? entry.path.front().time : outside->time;
+}
+
+bool TrackList::mayBe(TargetLabel label, const ObjectCluster& object,
+                      const MotionGrid<2>& grid) const {
+  const auto entry = std::find_if(entries_.begin(), entries_.end(),
+                                  [label](const Entry& e) { return e.label == label; });
+  if (entry == entries_.end() || entry->path.empty()) return true;
+  return cameAfter(arrivalAt(*entry, object.observation.value) - kEarlier, object, grid);
+}
+
 /// Does it move? A straight path is fitted to its last positions: the velocity must be significant,
 /// measured by how well the path fits. A track that jumps between things that stand has none.
 void TrackList::noteMove(Entry& entry, const ObjectCluster& object, const Visibility& visibility,
                          const MotionGrid<2>& grid) const {
-  Sample sample{grid.time(), object.observation.value, {}};
-  for (const Eigen::Vector2d& point : object.points) {
-    sample.cells.push_back(grid.indexOf(point.cast<float>()));
-  }
+  Sample sample{grid.time(), object.observation.value, object.observation.noise(0, 0),
+                cellsOf(object, grid)};
   std::deque<Sample>& samples = entry.samples;
+  if (!samples.empty() && sample.time - samples.back().time > kPathGap) samples.clear();
   samples.push_back(std::move(sample));
   while (grid.time() - samples.front().time > kPathTime) samples.pop_front();
   if (speedSignificance(samples) < config_.motion_significance) return;
   entry.track.moved = hasLeft(entry, object, visibility, grid);
 }
 
-/// It is elsewhere; the place where it was first seen is empty now, or the object hides it and came
-/// through free space; and the place where it is now was empty then. So walls do not move, though
-/// their visible part does when the sensor moves, and neither do thin objects that are seen by
-/// turns.
+/// It is elsewhere; a place where it was seen is empty now, or the object hides it and came through
+/// free space; and the place where it is now was empty then. So walls do not move, though their
+/// visible part does when the sensor moves, and neither do thin objects that are seen by turns.
 bool TrackList::hasLeft(const Entry& entry, const ObjectCluster& object,
                         const Visibility& visibility, const MotionGrid<2>& grid) const {
-  const Sample& first = entry.samples.front();
-  const double moved = (object.observation.value - first.position).norm();
-  if (moved < std::max(config_.moved_m, 0.5 * entry.length)) return false;
-  const double since = grid.time() - first.time;
+  const double needed = std::max(config_.moved_m, 0.5 * entry.length);
+  return std::any_of(entry.samples.begin(), entry.samples.end(), [&](const Sample& sample) {
+    return (object.observation.value - sample.position).norm() >= needed &&
+           isEmptyNow(sample, object, visibility, grid) && cameAfter(sample.time, object, grid);
+  });
+}
+
+bool TrackList::isEmptyNow(const Sample& place, const ObjectCluster& object,
+                           const Visibility& visibility, const MotionGrid<2>& grid) {
+  const double since = grid.time() - place.time;
   const double left_before = grid.time() - std::max(kLeftTime, kLeftShare * since);
   std::size_t passed = 0, hidden = 0;
-  for (const GridIndex<2>& cell : first.cells) {
+  for (const GridIndex<2>& cell : place.cells) {
     if (grid.lastReturn(cell) >= left_before) continue;
     if (grid.wasPassed(cell)) {
       ++passed;
@@ -134,13 +179,16 @@ bool TrackList::hasLeft(const Entry& entry, const ObjectCluster& object,
       ++hidden;
     }
   }
-  if (2 * (passed + hidden) <= first.cells.size()) return false;
-  if (2 * passed <= first.cells.size() && object.free_share <= 0.5) return false;
-  const auto arrived =
-      std::count_if(object.points.begin(), object.points.end(), [&](const auto& p) {
-        return grid.cameAfter(grid.indexOf(p.template cast<float>()), first.time);
-      });
-  return 2 * static_cast<std::size_t>(arrived) > object.points.size();
+  if (2 * (passed + hidden) <= place.cells.size()) return false;
+  return 2 * passed > place.cells.size() || object.free_share > 0.5;
+}
+
+bool TrackList::cameAfter(double time, const ObjectCluster& object, const MotionGrid<2>& grid) {
+  const std::vector<GridIndex<2>> cells = cellsOf(object, grid);
+  const auto arrived = std::count_if(cells.begin(), cells.end(), [&](const GridIndex<2>& cell) {
+    return grid.cameAfter(cell, time);
+  });
+  return 2 * static_cast<std::size_t>(arrived) > cells.size();
 }
 
 void TrackList::miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility) {

@@ -39,6 +39,9 @@ class TrackList {
   /// True if the object of this label has moved.
   bool hasMoved(TargetLabel label) const;
 
+  /// False if the object stood at its place before this target came there: it is something else.
+  bool mayBe(TargetLabel label, const ObjectCluster& object, const MotionGrid<2>& grid) const;
+
   long nextId() const { return next_id_; }
   void continueFrom(long id) { next_id_ = id; }
 
@@ -47,12 +50,18 @@ class TrackList {
   struct Sample {
     double time;  ///< of the grid, s
     Eigen::Vector2d position;
+    double variance;  ///< of the position, m²
     std::vector<GridIndex<2>> cells;
+  };
+  struct Place {
+    double time;  ///< of the grid, s
+    Eigen::Vector2d position;
   };
   struct Entry {
     Track track;
     TargetLabel label = 0;
     std::deque<Sample> samples;  ///< last places; until it has moved
+    std::deque<Place> path;      ///< since it has moved
     double length = 0.0;         ///< largest length that was seen, m
     double seen_s = 0.0;         ///< time with observations
     double hidden_s = 0.0;
@@ -62,10 +71,15 @@ class TrackList {
   void see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster& object,
            const Visibility& visibility, const MotionGrid<2>& grid);
   static double speedSignificance(const std::deque<Sample>& samples);
+  static double arrivalAt(const Entry& entry, const Eigen::Vector2d& place);
+  static void notePath(Entry& entry, double time);
   void noteMove(Entry& entry, const ObjectCluster& object, const Visibility& visibility,
                 const MotionGrid<2>& grid) const;
   bool hasLeft(const Entry& entry, const ObjectCluster& object, const Visibility& visibility,
                const MotionGrid<2>& grid) const;
+  static bool isEmptyNow(const Sample& place, const ObjectCluster& object,
+                         const Visibility& visibility, const MotionGrid<2>& grid);
+  static bool cameAfter(double time, const ObjectCluster& object, const MotionGrid<2>& grid);
   void miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility);
   static void setState(const Eigen::Matrix<double, 5, 1>& mean,
                        const Eigen::Matrix<double, 5, 5>& covariance, Track& track);

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "kestrel_slam/geometry/angles.h"
 #include "object_clusters.h"
@@ -85,6 +87,8 @@ struct Tracker::State {
   std::optional<double> time;
   Eigen::Vector2d forgotten_at = Eigen::Vector2d::Zero();
   std::vector<ObjectCluster> objects;  ///< of the last scan
+  /// Whether a target may be an object of this scan, as far as it was asked.
+  std::map<std::pair<TargetLabel, std::size_t>, bool> causes;
 
   bool accepts(const PlanarScan& scan, const Pose2& pose) const {
     return pose.isFinite() && std::hypot(pose.x, pose.y) < kMaxPosition &&
@@ -122,7 +126,7 @@ struct Tracker::State {
         result.saturated = true;
         break;
       }
-      points.push_back({end, inserted.was_free[i]});
+      points.push_back({end, inserted.was_free[i], i});
     }
     return points;
   }
@@ -166,12 +170,21 @@ struct Tracker::State {
     return result_births;
   }
 
+  bool mayCause(TargetLabel label, std::size_t observation) {
+    const auto [known, is_new] = causes.try_emplace({label, observation}, false);
+    if (is_new) known->second = tracks.mayBe(label, objects[observation], grid);
+    return known->second;
+  }
+
   void setModel(double seconds, const Visibility& visibility) {
     PhdModel<5, 2>& model = filter.model();
     const double change = 0.5 * (1.0 - std::exp(-config.mode_change_per_s * seconds));
     model.mode_transition = Eigen::MatrixXd::Constant(kModes, kModes, change);
     model.mode_transition.diagonal().setConstant(1.0 - (kModes - 1) * change);
     model.survival = [p = std::exp(-seconds / config.lifetime_s)](const auto&) { return p; };
+    model.may_cause = [this](const PhdComponent<5>& component, std::size_t observation) {
+      return mayCause(component.label, observation);
+    };
     model.detection = [&](const PhdComponent<5>& component) {
       const Eigen::Vector2d center = component.mean.head<2>();
       // Over the places where it may be: the share of them that is visible.
@@ -195,11 +208,12 @@ struct Tracker::State {
     const std::vector<PhdComponent<5>> new_targets = births();
     objects =
         findObjects(movingPoints(rays, inserted, mask.update(scan, pose), visibility.beamStep()),
-                    visibility, config);
+                    rays, visibility, config);
     limitObjects(visibility);
     std::vector<Observation<2>> observations;
     for (const ObjectCluster& object : objects) observations.push_back(object.observation);
     setModel(seconds, visibility);
+    causes.clear();
     // Births are targets of the last scan: they move until this one like all others.
     filter.add(new_targets);
     filter.predict(seconds, {});

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -54,6 +55,34 @@ TEST(TrackEvaluation, InterpolatedTruthGivesTheVelocity) {
   const TrackEvaluation e = evaluateTracks(c.trajectory, c.rows, c.truth, options);
   EXPECT_GT(e.speeds, 40U);
   EXPECT_LT(e.speed_rmse, 0.05);
+}
+
+TEST(TrackEvaluation, TrackOnAnObjectThatWasNotMarkedIsNotFalse) {
+  Case c = movingObject(0.0);
+  std::vector<TrueObject> marked;
+  for (std::size_t i = 0; i < c.truth.size(); i += 3) marked.push_back(c.truth[i]);
+  TrackEvaluationOptions options;
+  TrackEvaluation e = evaluateTracks(c.trajectory, c.rows, marked, options);
+  EXPECT_EQ(e.all.truths, marked.size());
+  EXPECT_EQ(e.all.false_tracks, 0U);
+  options.unmarked_s = 0.0;
+  e = evaluateTracks(c.trajectory, c.rows, marked, options);
+  EXPECT_GT(e.all.false_tracks, 20U);
+}
+
+TEST(TrackEvaluation, TracksOutsideOfTheComparedViewAreIgnored) {
+  Case c = movingObject(0.0);
+  for (const StampedPose& scan : c.trajectory) {
+    const Eigen::Vector2d behind(-3.0, 0.5);
+    c.rows.push_back({scan.stamp, 9, true, scan.pose * behind, {0.0, 0.0}});
+  }
+  std::stable_sort(c.rows.begin(), c.rows.end(),
+                   [](const TrackRow& a, const TrackRow& b) { return a.stamp < b.stamp; });
+  TrackEvaluationOptions options;
+  EXPECT_EQ(evaluateTracks(c.trajectory, c.rows, c.truth, options).all.false_tracks, 50U);
+  options.min_bearing = -2.5;
+  options.max_bearing = 2.5;
+  EXPECT_EQ(evaluateTracks(c.trajectory, c.rows, c.truth, options).all.false_tracks, 0U);
 }
 
 TEST(TrackEvaluation, NothingToCompareIsAnError) {

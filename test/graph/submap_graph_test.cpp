@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "loop_world.h"
 
 namespace kestrel {
@@ -56,6 +58,40 @@ TEST(SubmapGraph, IdenticalRoomsAreNotMerged) {
   graph.finish();
   EXPECT_LT(drive.worstLoop(graph), 0.3);
   EXPECT_EQ(acceptedLoops(graph), 0U) << "no place was visited twice";
+}
+
+/// A pose is less uncertain after a loop than before, and its error fits to what is claimed.
+TEST(SubmapGraph, ALoopMakesThePoseCertain) {
+  SubmapGraph open{MapperConfig(), LoopConfig()}, closed{MapperConfig(), LoopConfig()};
+  Drive lap(loop_world::ring(), kDrift), laps(loop_world::ring(), kDrift);
+  for (const Pose2& pose : loop_world::laps(0.9)) lap.add(pose, open);
+  EXPECT_FALSE(open.knownEnd()) << "there is no loop";
+  const double before = std::sqrt(uncertaintiesFrom(open.graph(), 0).back().position_m2);
+  for (const Pose2& pose : loop_world::laps(1.4)) laps.add(pose, closed);
+  const std::optional<GraphCorrection::Known> end = closed.knownEnd();
+  ASSERT_TRUE(end);
+  const double after = std::sqrt(end->map_T_keyframe.covariance.topLeftCorner<2, 2>().trace());
+  EXPECT_LT(after, 0.3 * before);
+  EXPECT_LT(laps.lastError(closed), 4.0 * after);
+}
+
+TEST(GraphCorrection, AddsTheMotionSinceTheKeyframe) {
+  const Eigen::Matrix3d match = Eigen::Vector3d(1e-4, 4e-4, 1e-6).asDiagonal();
+  GraphCorrection correction;
+  correction.map_T_local = Pose2(5.0, 0.0, kPi / 2);
+  MapperResult result;
+  result.pose = Pose2(10.0, 0.0, 0.0);
+  result.uncertain = {result.pose, 100.0 * match, match};
+  result.covariance = result.uncertain.covariance();
+  const MapperResult without = correction.inMap(result);
+  EXPECT_NEAR(without.covariance(1, 1), 101e-4, 1e-9) << "turned";
+  correction.known =
+      GraphCorrection::Known{{correction.map_T_local * Pose2(8.0, 0.0, 0.0), 10.0 * match},
+                             {Pose2(8.0, 0.0, 0.0), 100.0 * match, Eigen::Matrix3d::Zero()}};
+  const MapperResult with = correction.inMap(result);
+  EXPECT_EQ(with.pose, correction.map_T_local * result.pose);
+  EXPECT_NEAR(with.covariance(1, 1), 11e-4, 1e-9) << "keyframe and match; both walls are the same";
+  EXPECT_NEAR(with.covariance(0, 0), 48.5e-4, 1e-4) << "the yaw of both turns the 2 m between";
 }
 
 TEST(SubmapGraph, ScansThatWereNotInsertedAreIgnored) {

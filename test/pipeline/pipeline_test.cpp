@@ -3,9 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "graph/loop_world.h"
 #include "room_log.h"
 
 namespace kestrel {
@@ -77,6 +81,70 @@ TEST(Pipeline, WithoutImuScansAreDroppedWithTheReason) {
   room.pipeline.finish();
   EXPECT_TRUE(room.results.empty());
   EXPECT_EQ(room.reasons, std::vector<std::string>(3, "no-imu"));
+}
+
+/// A store with boxes in irregular places, but not on the path of loop_world::laps().
+std::vector<room::Segment> storeWalls() {
+  std::vector<room::Segment> walls;
+  loop_world::addBox(walls, -20, -20, 40, 40);
+  std::uint32_t random = 1;
+  const auto next = [&random](double most) {
+    random = random * 1664525U + 1013904223U;
+    return most * static_cast<double>(random >> 8U) / static_cast<double>(1U << 24U);
+  };
+  while (walls.size() < 300) {
+    const double x = next(38.0) - 19.0, y = next(38.0) - 19.0;
+    const auto is_free = [](double at) { return std::abs(std::abs(at + 0.5) - 10.5) > 1.5; };
+    if (is_free(x) && is_free(y)) loop_world::addBox(walls, x, y, 0.2 + next(0.8), 0.2 + next(0.8));
+  }
+  return walls;
+}
+
+LaserScan scanFrom(const Pose2& pose, double stamp) {
+  static const std::vector<room::Segment> kStore = storeWalls();
+  constexpr std::size_t kBeams = 360;
+  LaserScan scan;
+  scan.stamp = stamp;
+  scan.angle_min = -kPi;
+  scan.angle_increment = 2.0 * kPi / kBeams;
+  scan.range_min = 0.05;
+  scan.range_max = 8.0;
+  for (std::size_t i = 0; i < kBeams; ++i) {
+    const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    const double range = room::cast(kStore, pose, angle);
+    scan.ranges.push_back(range < scan.range_max ? static_cast<float>(range)
+                                                 : std::numeric_limits<float>::infinity());
+  }
+  return scan;
+}
+
+/// Somebody carries the vehicle to a place that it knows, but not near its last pose: it says that
+/// it is lost, begins a new map, and finds its place in the old one.
+TEST(Pipeline, ACarriedVehicleIsFoundInTheOldMap) {
+  RoomPipeline store(levelConfig());
+  std::vector<Pose2> path = loop_world::laps(1.0);
+  const std::size_t carried = path.size();
+  path.insert(path.end(), path.begin() + 110, path.begin() + 330);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    PipelineScan scan;
+    scan.data = scanFrom(path[i], 0.1 * static_cast<double>(i));
+    store.pipeline.addScan(scan, 0.1 * static_cast<double>(i));
+  }
+  store.pipeline.finish();
+  const SubmapGraph& graph = *store.pipeline.graph();
+  EXPECT_EQ(graph.partCount(), 1U) << "both flights are one map";
+  ASSERT_EQ(store.results.size(), path.size());
+  EXPECT_EQ(store.results.back().state, MatchState::kOk);
+  const Pose2 truth = path.front().between(path.back());
+  EXPECT_LT(truth.between(graph.mapTLocal() * store.results.back().pose).distance(), 0.1);
+  std::size_t unlocated = 0;
+  for (std::size_t i = carried + 2; i < path.size(); ++i) {
+    const std::string& reason = store.results[i].reason;
+    unlocated += reason == "place unknown" ? 1U : 0U;
+    if (graph.keyframes().empty() || store.results[i].state != MatchState::kOk) continue;
+    EXPECT_GT(unlocated, 0U) << "scan " << i << " is ok at a wrong place";
+  }
+  EXPECT_GT(unlocated, 0U);
 }
 
 TEST(MatchedPose, OfALostMapperIsNotFused) {

@@ -151,8 +151,8 @@ TEST(TiltedProjection, ReturnsFromTheFloorAreNotHitsButClear) {
   EXPECT_GT(result.counts.floor, 100U);
   EXPECT_LT(worstWallDistance(result.scan, world_T_base), 1e-4);
   // The beam straight ahead hits the floor at 0.5 / tan(0.25). It leaves the slice 0.15 m above the
-  // floor.
-  const double expected = (0.5 - 0.15) / std::tan(0.25);
+  // floor, and a little more for the error of the attitude.
+  const double expected = (0.5 - 0.15) / (std::sin(0.25) + 0.0175) * std::cos(0.25);
   bool found = false;
   for (const PlanarRay& ray : result.scan.rays) {
     if (ray.hit || std::abs(ray.end.y()) > 1e-3F || ray.end.x() < 0.0F) continue;
@@ -160,6 +160,21 @@ TEST(TiltedProjection, ReturnsFromTheFloorAreNotHitsButClear) {
     EXPECT_NEAR(ray.end.x(), expected, 1e-3);
   }
   EXPECT_TRUE(found);
+}
+
+/// Far away a small error of the attitude lifts the floor by more than the margin.
+TEST(TiltedProjection, TheFloorIsLeftOutWithAWrongAttitude) {
+  const Isometry3d world_T_base = poseOf(Vector3d(0.0, 0.0, 1.0), tilt(0.0, 0.25));
+  const AttitudeBuffer attitude =
+      imuOf([&](double) { return poseOf(Vector3d(0.0, 0.0, 1.0), tilt(0.0, 0.21)); });
+  VehicleState vehicle;
+  vehicle.attitude = &attitude;
+  vehicle.height_m = 1.0;
+  const Projection result = ScanProjector(ProjectorConfig())
+                                .project(scanRoom([&](double) { return world_T_base; }, 0.0),
+                                         Isometry3d::Identity(), vehicle);
+  EXPECT_GT(result.counts.floor, 20U);
+  EXPECT_LT(worstWallDistance(result.scan, world_T_base), 0.2);
 }
 
 TEST(TiltedProjection, LeavesOutReturnsAboveAndBelowTheSlice) {

@@ -186,6 +186,19 @@ TYPED_TEST(MotionGridTest, WhatIsSeenInUnknownSpaceIsNewForAWhile) {
   EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], CellMotion::kStatic);
 }
 
+TYPED_TEST(MotionGridTest, AWallThatWasTakenForMovingComesBack) {
+  constexpr int D = TypeParam::value;
+  MotionGridConfig config;
+  config.stopped_s = 5.0;
+  MotionGrid<D> grid(config);
+  for (int i = 0; i < 20; ++i) grid.insert(rayTo<D>(3.05F), 0.1);  // frees what is before it
+  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], CellMotion::kMoving);
+  for (int i = 0; i < 30; ++i) grid.insert(rayTo<D>(2.05F), 0.1);
+  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], CellMotion::kStopped);
+  for (int i = 0; i < 30; ++i) grid.insert(rayTo<D>(2.05F), 0.1);
+  EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], CellMotion::kStatic);
+}
+
 /// Cells that many points of the segment lie in.
 template <int D>
 std::set<std::vector<int>> sampledCells(const Eigen::Matrix<float, D, 1>& from,

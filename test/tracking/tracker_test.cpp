@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -55,6 +56,62 @@ TEST(Tracker, NothingMovesWhenOnlyTheSensorMoves) {
     const std::vector<Disk> disks{{{2.0, -2.0}, 0.3}, {{-1.0, 2.5}, 0.05}, {{0.0, -3.0}, 0.03}};
     EXPECT_TRUE(shownOf(tracker.process(room.scan(i, pose, disks), pose)).empty()) << i;
   }
+}
+
+TEST(Tracker, WalkerIsShownWithinASecond) {
+  Room room;
+  Tracker tracker;
+  int first = -1;
+  for (int i = 0; i < 45 && first < 0; ++i) {
+    std::vector<Disk> disks;
+    if (i >= 20) disks.push_back(walkerAt(i));
+    if (!shownOf(tracker.process(room.scan(i, Pose2(), disks), Pose2())).empty()) first = i;
+  }
+  EXPECT_GE(first, 20);
+  EXPECT_LE(first, 30);
+}
+
+// A track that changes between things that stand has no path.
+TEST(Tracker, ThingsThatAreSeenByTurnsDoNotMove) {
+  Room room;
+  Tracker tracker;
+  for (int i = 0; i < 200; ++i) {
+    std::vector<Disk> disks;
+    const int part = i % 24;
+    if (i >= 20 && part < 5) disks.push_back({{-2.0, 2.0}, 0.05});
+    if (i >= 20 && part >= 12 && part < 17) disks.push_back({{-0.8, 2.0}, 0.05});
+    EXPECT_TRUE(shownOf(tracker.process(room.scan(i, Pose2(), disks), Pose2())).empty()) << i;
+  }
+}
+
+// Where the pose is wrong, walls stand in space that was free.
+TEST(Tracker, WallsDoNotMoveWhereThePoseIsWrong) {
+  Room room;
+  Tracker tracker;
+  for (int i = 0; i < 120; ++i) {
+    const Pose2 truth(-3.0 + 0.05 * i, 0.0, 0.01 * i);
+    const double error = 0.02 * std::clamp(i - 40, 0, 20);
+    const Pose2 pose(truth.x, truth.y + error, truth.yaw);
+    const std::vector<Disk> disks{{{2.0, -2.0}, 0.3}, {{0.0, 4.0}, 0.5}};
+    EXPECT_TRUE(shownOf(tracker.process(room.scan(i, truth, disks), pose)).empty()) << i;
+  }
+}
+
+TEST(Tracker, WalkerDoesNotLeaveItsTrackAtAPost) {
+  Room room;
+  Tracker tracker;
+  const Eigen::Vector2d post(-1.0, 2.45);
+  std::set<long> ids;
+  for (int i = 0; i < 75; ++i) {
+    std::vector<Disk> disks;
+    if (i % 3 != 0) disks.push_back({post, 0.04});  // thin: not every scan hits it
+    if (i >= 20) disks.push_back(walkerAt(i));
+    for (const Track& track : shownOf(tracker.process(room.scan(i, Pose2(), disks), Pose2()))) {
+      ids.insert(track.id);
+      EXPECT_LT((track.position - walkerAt(i).center).norm(), 0.5) << i;
+    }
+  }
+  EXPECT_EQ(ids.size(), 1U);
 }
 
 // Not reached yet: the last sight of a walker who is half hidden slows its track down.

@@ -5,6 +5,7 @@
 
 #include "kestrel_slam/evaluation/track_file.h"
 #include "kestrel_slam/evaluation/tracking_metrics.h"
+#include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/recording/trajectory.h"
 #include "kestrel_slam/recording/true_objects.h"
 
@@ -17,6 +18,12 @@ struct TrackEvaluationOptions {
   /// positions of an object that are at most `max_gap_s` apart its position is interpolated.
   double stamp_tolerance_s = 0.07;
   double max_gap_s = 0.0;
+  /// Between two true positions of an object that are at most this far apart, s, the object is
+  /// there, but was not marked: a track on it is neither right nor wrong.
+  double unmarked_s = 1.0;
+  /// Only tracks in this range of bearings of the sensor are compared, rad: people who annotate
+  /// scans often mark only a part of the view.
+  double min_bearing = -kPi, max_bearing = kPi;
   /// An object moves if it was this far from here within the last seconds.
   double moved_m = 0.5, moved_within_s = 5.0;
 };

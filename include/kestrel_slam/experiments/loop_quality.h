@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "kestrel_slam/offline/graph_result.h"
 
@@ -14,6 +15,9 @@ struct LoopQuality {
   double worst_m = 0.0;      ///< largest error of an accepted loop
   std::size_t revisits = 0;  ///< times of at least kRevisit near the path of an earlier visit
   std::size_t found = 0;     ///< revisits with an accepted loop that is not wrong
+  /// Normalized squared errors of poses relative to the first one, with the covariances of the
+  /// graph; 3 is expected. Only of flights with a loop.
+  std::vector<double> nees;
 };
 
 constexpr double kWrongLoop = 0.3;      ///< m

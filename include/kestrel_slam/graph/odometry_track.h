@@ -76,7 +76,9 @@ class OdometryTrack {
 
   std::vector<Point> pointsAt(double delay_steps, const OdometryChain& chain) const;
   std::vector<Point> usable(const OdometryChain& chain) const;
-  bool agree(const Point& a, const Point& b, const OdometryChain& chain) const;
+  bool agree(const Point& a, const Point& b, const OdometryChain& chain, bool yaw) const;
+  std::size_t nextUsable(const std::vector<Point>& points, const Point& last, std::size_t i,
+                         const OdometryChain& chain) const;
   Eigen::Vector3d varianceBetween(const Point& a, const Point& b) const;
   void correct(std::vector<Point>& points) const;
   void learnDelay(const OdometryChain& chain);

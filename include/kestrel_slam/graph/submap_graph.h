@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "kestrel_slam/graph/graph_correction.h"
 #include "kestrel_slam/graph/graph_uncertainty.h"
 #include "kestrel_slam/graph/loop.h"
 #include "kestrel_slam/graph/loop_matcher.h"
@@ -71,6 +72,12 @@ class SubmapGraph {
   /// The correction at the last keyframe.
   Pose2 mapTLocal() const;
 
+  /// The last keyframe relative to the first one, with the marginal covariance of the graph. Only
+  /// after a loop: nothing before, and where no edges lead from one to the other.
+  std::optional<GraphCorrection::Known> knownEnd() const;
+  /// Changes when the graph is optimized.
+  std::size_t solutionCount() const { return solutions_; }
+
   const std::vector<LocalKeyframe>& keyframes() const { return keyframes_; }
   const PoseGraph& graph() const { return graph_; }
   std::size_t submapCount() const { return places_.all().size(); }
@@ -78,8 +85,15 @@ class SubmapGraph {
   GraphRecord record() const { return {keyframes_, places_.all(), graph_, loops_}; }
   /// Keyframes before this one were in the record.
   std::size_t loadedCount() const { return loaded_; }
-  /// Whether edges join the keyframe with the newest one. Only such keyframes belong to one map.
-  bool isJoined(std::size_t keyframe) const { return joined_[keyframe] == joined_.back(); }
+  /// Whether edges join the keyframe with the newest one; after finish(), with the largest part of
+  /// the new keyframes. Only such keyframes belong to one map.
+  bool isJoined(std::size_t keyframe) const {
+    return joined_[keyframe] == shown_.value_or(joined_.back());
+  }
+  /// false: the newest part began at an unknown place, and no loop has joined it yet.
+  bool isLocated() const { return finder_ == nullptr; }
+  /// Number of parts of the new keyframes that no loop has joined.
+  std::size_t partCount() const;
   /// All loops of a search, accepted or not, and the accepted ones of other matches.
   const std::vector<Loop>& loops() const { return loops_; }
   std::size_t memoryBytes() const;
@@ -97,7 +111,8 @@ class SubmapGraph {
   double pathBetween(std::size_t a, std::size_t b) const;
   bool areNear(std::size_t a, std::size_t b) const;
   bool isNeighbor(const KnownPlace& place, std::size_t keyframe) const;
-  std::vector<PlacedKeyframe> joinedKeyframes() const;
+  std::vector<PlacedKeyframe> keyframesOf(std::size_t part) const;
+  std::size_t largestPart(std::size_t first_keyframe) const;
   void guess(std::size_t keyframe);
   void lookForPart(const PlanarScan& scan);
   std::vector<RelativeUncertainty> uncertainties(std::size_t from) const;
@@ -118,6 +133,7 @@ class SubmapGraph {
   void solve();
   PoseGraph withOdometry() const;
   bool takeBack(const std::vector<double>& weights);
+  void refine();
   void refineAt(std::size_t place, std::vector<int>& matched);
 
   MapperConfig mapper_;
@@ -136,6 +152,10 @@ class SubmapGraph {
   std::vector<std::size_t> loop_of_edge_;  ///< for every edge of `graph_`, the loop
   std::vector<std::size_t> verified_;      ///< numbers in `loops_` of those in `consistency_`
   std::vector<std::size_t> joined_;        ///< see connectedParts()
+  std::vector<double> weights_;            ///< of the edges in the last optimization
+  std::size_t solutions_ = 0;              ///< number of optimizations
+  UncertainPose end_;                      ///< the last keyframe in the local frame
+  std::optional<std::size_t> shown_;       ///< the part that is the map, after finish()
   std::size_t loaded_ = 0;                 ///< keyframes of the record
   std::size_t part_begin_ = 0;             ///< first keyframe of the newest part
   std::uint32_t submap_offset_ = 0;        ///< the mapper numbers the submaps of a part from 0

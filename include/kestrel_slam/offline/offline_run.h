@@ -95,6 +95,7 @@ struct RunOptions {
   CouplingOptions coupling;
   std::optional<Eigen::Isometry3d> base_T_laser;  ///< replaces the mounting in the recording
   Perturbation perturbation;
+  bool polish = false;  ///< match all scans once more with the finished map; needs the pose graph
   /// If there is one, the vehicle is only localized in this map, which is moved out. It begins at
   /// `start`, if that is known.
   std::shared_ptr<Submap> localize_in;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "kestrel_slam/filter/pose_filter.h"
+#include "kestrel_slam/mapping/lost_watch.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/pipeline/mapping_stage.h"
 #include "kestrel_slam/pipeline/matched_pose.h"
@@ -150,6 +151,7 @@ class Pipeline {
   void processQueue();
   bool handle(const WaitingScan& waiting);
   void map(const PipelineScan& scan, bool level);
+  void addToGraph(const PlanarScan& scan, MapperResult& result);
   void drop(const PipelineScan& scan, const std::string& reason, const std::string& message);
   void reportProblems();
   std::vector<ImuFault> problemsOfFilter();
@@ -159,6 +161,7 @@ class Pipeline {
   ProjectionStage projection_;
   PoseFilter filter_;
   MappingStage mapping_;
+  LostWatch lost_;
   std::unique_ptr<SubmapGraph> graph_;
   WaitingQueue<WaitingScan> queue_;
   std::deque<WaitingPose> poses_;  ///< delayed poses that the filter will receive later

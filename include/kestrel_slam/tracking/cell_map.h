@@ -38,8 +38,12 @@ class CellMap<2, Value> {
   /// nullptr if the memory limit is reached.
   Value* obtain(const GridIndex<2>& index) {
     const Cell cell{index.x(), index.y()};
-    Tile* tile = tiles_.obtain(cell);
-    return tile != nullptr ? &(*tile)[offsetInTile(cell)] : nullptr;
+    const Cell number{cell.x >> kTileShift, cell.y >> kTileShift};
+    if (last_ == nullptr || number.x != last_number_.x || number.y != last_number_.y) {
+      last_ = tiles_.obtain(cell);
+      last_number_ = number;
+    }
+    return last_ != nullptr ? &(*last_)[offsetInTile(cell)] : nullptr;
   }
 
   /// Removes the blocks that have no cell within `radius` cells of `center` in any direction.
@@ -52,6 +56,7 @@ class CellMap<2, Value> {
       if (Tile* copy = kept.obtain(corner)) *copy = tile;
     });
     tiles_ = std::move(kept);
+    last_ = nullptr;
   }
   std::size_t memoryBytes() const { return tiles_.memoryBytes(); }
 
@@ -59,6 +64,8 @@ class CellMap<2, Value> {
   using Tile = std::array<Value, kTileCells>;
   std::size_t limit_;
   TileMap<Tile> tiles_;
+  Cell last_number_{0, 0};  ///< of the tile that was written last
+  Tile* last_ = nullptr;
 };
 
 template <typename Value>

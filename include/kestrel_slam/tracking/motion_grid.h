@@ -36,6 +36,9 @@ struct MotionGridConfig {
   /// What is seen where nothing was known counts as new for this time, s: it may be an object that
   /// moves in unknown space. 0: it is static at once, as in table 1.
   double new_s = 0.0;
+  /// What has stopped belongs to the static grid after this time, s: so a wall that was taken for
+  /// something that moves comes back.
+  double stopped_s = 30.0;
   double keep_radius_m = 60.0;  ///< the grids forget what is farther from the sensor
   double memory_limit_mb = 256.0;
 };
@@ -153,6 +156,7 @@ class MotionGrid {
   void updateMiss(const GridRay<D>& ray);
   bool passCell(const Index& index, bool presumed);
   bool isNew(const CellData& cell) const;
+  bool hasStopped(const CellData& cell) const;
   void add(CellData& cell, float static_change, float dynamic_change) const;
 
   MotionGridConfig config_;

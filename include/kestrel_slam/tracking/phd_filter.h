@@ -67,6 +67,9 @@ struct PhdModel {
   std::function<double(const PhdComponent<N>&)> detection;
   std::function<double(const Value&)> clutter;  ///< false measurements per unit of the value
   std::function<ExpectedObservation<N, M>(const State&)> expect;
+  /// False if what else is known of the observation (by its index) excludes this target. Empty: any
+  /// target may have caused any observation.
+  std::function<bool(const PhdComponent<N>&, std::size_t)> may_cause;
   /// measured - expected; set it if the value has angles. Empty: plain difference.
   std::function<Value(const Value&, const Value&)> difference;
 };
@@ -165,6 +168,7 @@ class PhdFilter {
   void addMissed(const std::vector<Prepared>& prepared);
   void addDetected(const std::vector<Prepared>& prepared, const Observation<M>& observation,
                    int index);
+  bool mayCause(const Component& prior, int index) const;
   bool likelihood(const Component& prior, const Prepared& prepared,
                   const Observation<M>& observation, Candidate& candidate) const;
   Component corrected(const Prepared& prepared, const Observation<M>& observation,

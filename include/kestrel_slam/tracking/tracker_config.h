@@ -48,7 +48,7 @@ struct TrackerConfig {
   double coast_s = 1.0;     ///< a visible track without observation is deleted after this time
   double hidden_s = 3.0;    ///< the same for a track that is hidden
   double confirm_s = 0.25;  ///< a track is confirmed after this time with observations
-  double motion_significance = 12.0;  ///< an object moves if its velocity is this many sigmas
+  double motion_significance = 4.0;  ///< an object moves if its velocity is this many sigmas
   double moved_m = 0.5;  ///< an object moves if it has left its place by more than this, and
                          ///< by more than half of its size
 

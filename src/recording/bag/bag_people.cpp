@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/recording/bag/bag_people.h"
 
+#include <sensor_msgs/LaserScan.h>
+
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <stdexcept>
@@ -30,6 +33,32 @@ TrueObject personOf(const rosbag::MessageInstance& message) {
   return {message.getTime().toSec(), static_cast<long>(id), {numbers[0], numbers[1]}};
 }
 
+struct RecordedScan {
+  double recorded, stamp;  ///< s
+};
+
+/// The scans of the busiest laser.
+std::vector<RecordedScan> scansOf(const BagFiles& files, const BagTopics& topics) {
+  std::vector<RecordedScan> scans;
+  const std::string topic =
+      busiestTopic(topics, ros::message_traits::datatype<sensor_msgs::LaserScan>());
+  if (topic.empty()) return scans;
+  files.forEach(topic, [&](const rosbag::MessageInstance& message) {
+    const auto scan = message.instantiate<sensor_msgs::LaserScan>();
+    if (scan) scans.push_back({message.getTime().toSec(), scan->header.stamp.toSec()});
+  });
+  return scans;
+}
+
+/// A mark is recorded between the scan that it belongs to and the next one. Without scans: the time
+/// of recording.
+double stampOf(double recorded, const std::vector<RecordedScan>& scans) {
+  const auto next =
+      std::upper_bound(scans.begin(), scans.end(), recorded,
+                       [](double time, const RecordedScan& scan) { return time < scan.recorded; });
+  return next == scans.begin() ? recorded : std::prev(next)->stamp;
+}
+
 }  // namespace
 
 std::vector<TrueObject> readBagPeople(const std::string& path, const std::string& topic) {
@@ -41,9 +70,11 @@ std::vector<TrueObject> readBagPeople(const std::string& path, const std::string
     throw std::runtime_error(path + ": has no topic of type " + kType +
                              "; its topics: " + listTopics(topics, ""));
   }
+  const std::vector<RecordedScan> scans = scansOf(files, topics);
   std::vector<TrueObject> people;
   files.forEach(chosen, [&](const rosbag::MessageInstance& message) {
-    const TrueObject person = personOf(message);
+    TrueObject person = personOf(message);
+    person.stamp = stampOf(person.stamp, scans);
     if (person.position.allFinite()) people.push_back(person);
   });
   return people;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/mapper/graph_markers.h"
 
+#include <cmath>
 #include <cstdio>
 
 namespace kestrel {
@@ -9,7 +10,7 @@ namespace {
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
-constexpr double kPathWidth = 0.03, kLoopWidth = 0.04, kTextHeight = 0.3;  // m
+constexpr double kPathWidth = 0.03, kLoopWidth = 0.04, kSubmapWidth = 0.1, kTextHeight = 0.3;  // m
 /// Newer loops only, so that the message stays small.
 constexpr std::size_t kMostTexts = 100;
 
@@ -29,6 +30,21 @@ Marker markerOf(const char* ns, int type, const std::string& frame, const ros::T
   marker.pose.orientation.w = 1.0;
   marker.color.a = 1.0F;
   return marker;
+}
+
+/// Neighbors differ: each color is a third of the circle of colors, and a little, after the one
+/// before.
+std_msgs::ColorRGBA colorOf(std::size_t number) {
+  constexpr double kStep = 2.4;  // rad, the golden angle
+  std_msgs::ColorRGBA color;
+  const auto channel = [&](int i) {
+    return static_cast<float>(0.5 + 0.5 * std::cos(kStep * static_cast<double>(number) + 2.1 * i));
+  };
+  color.r = channel(0);
+  color.g = channel(1);
+  color.b = channel(2);
+  color.a = 1.0F;
+  return color;
 }
 
 void setColor(LoopState state, Marker& marker) {
@@ -59,6 +75,32 @@ MarkerArray graphMarkers(const GraphView& graph, const std::string& map_frame,
     }
     lines.action = lines.points.empty() ? Marker::DELETE : Marker::ADD;
     result.markers.push_back(lines);
+  }
+  return result;
+}
+
+MarkerArray submapMarkers(const GraphView& graph, const std::string& map_frame,
+                          const ros::Time& stamp) {
+  MarkerArray result;
+  Marker clear = markerOf("submaps", Marker::LINE_STRIP, map_frame, stamp);
+  clear.action = Marker::DELETEALL;
+  result.markers.push_back(clear);
+  for (const KnownPlace& submap : graph.submaps) {
+    Marker path = markerOf("submaps", Marker::LINE_STRIP, map_frame, stamp);
+    path.id = static_cast<int>(submap.submap);
+    path.scale.x = kSubmapWidth;
+    path.color = colorOf(submap.submap);
+    for (std::size_t i = submap.first; i < submap.last; ++i)
+      path.points.push_back(pointOf(graph.keyframes[i]));
+    if (path.points.size() < 2) path.points.push_back(path.points.front());
+    Marker name = markerOf("names", Marker::TEXT_VIEW_FACING, map_frame, stamp);
+    name.id = path.id;
+    name.scale.z = kTextHeight;
+    name.color = path.color;
+    name.pose.position = path.points[path.points.size() / 2];
+    name.text = std::to_string(submap.submap);
+    result.markers.push_back(path);
+    result.markers.push_back(name);
   }
   return result;
 }

@@ -42,6 +42,16 @@ void GraphWorker::add(const PlanarScan& scan, const MapperResult& result) {
   arrived_.notify_one();
 }
 
+void GraphWorker::beginPart() {
+  {
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    correction_ = {Pose2(), std::nullopt, false};
+    ++waiting_parts_;
+    queue_.push_back({{}, {}, true});
+  }
+  arrived_.notify_one();
+}
+
 void GraphWorker::configure(const LoopConfig& loops) {
   const std::lock_guard<std::mutex> lock(queue_mutex_);
   loops_ = loops;
@@ -57,7 +67,8 @@ void GraphWorker::replace(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<Co
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
     queue_.clear();
-    map_T_local_ = graph->mapTLocal();
+    waiting_parts_ = 0;
+    correction_ = {graph->mapTLocal(), std::nullopt, graph->isLocated()};
     view_ = {};
     next_graph_ = std::move(graph);
     next_map_ = std::move(map);
@@ -117,6 +128,7 @@ void GraphWorker::answer(std::vector<std::promise<GraphSnapshot>> wanted) const 
 
 void GraphWorker::change(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<ComposedMap> map) {
   graph_ = std::move(graph);
+  solutions_ = graph_->solutionCount();
   memory_bytes_ = graph_->memoryBytes() + map->grid().memoryBytes();
   const std::lock_guard<FairMutex> lock(map_mutex_);
   map_ = std::move(map);
@@ -125,6 +137,12 @@ void GraphWorker::change(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<Com
 }
 
 void GraphWorker::handle(const Work& work) {
+  if (work.begins_part) {
+    graph_->beginPart(std::nullopt);
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    if (waiting_parts_ > 0) --waiting_parts_;
+    return;
+  }
   graph_->add(work.scan, work.result);
   if (map_->isOutdated(*graph_)) {
     auto composed = std::make_unique<ComposedMap>(mapper_.grid);
@@ -140,17 +158,27 @@ void GraphWorker::handle(const Work& work) {
   GraphView view;
   for (std::size_t i = 0; i < graph_->keyframes().size(); ++i)
     view.keyframes.push_back(graph_->poseOf(i));
+  view.submaps = graph_->places().all();
   view.loops = graph_->loops();
+  GraphCorrection correction = correctionNow();
   const std::lock_guard<std::mutex> lock(queue_mutex_);
   if (next_graph_) return;
-  map_T_local_ = graph_->mapTLocal();
+  if (waiting_parts_ == 0) correction_ = std::move(correction);
   view_ = std::move(view);
   ++version_;
 }
 
-Pose2 GraphWorker::mapTLocal() const {
+/// The covariance needs a factorization, so it is only computed where the graph was optimized.
+GraphCorrection GraphWorker::correctionNow() {
+  GraphCorrection correction{graph_->mapTLocal(), this->correction().known, graph_->isLocated()};
+  const std::size_t solutions = graph_->solutionCount();
+  if (std::exchange(solutions_, solutions) != solutions) correction.known = graph_->knownEnd();
+  return correction;
+}
+
+GraphCorrection GraphWorker::correction() const {
   const std::lock_guard<std::mutex> lock(queue_mutex_);
-  return map_T_local_;
+  return correction_;
 }
 
 GraphView GraphWorker::view() const {

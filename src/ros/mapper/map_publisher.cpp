@@ -56,13 +56,6 @@ MapPublisher::MapPublisher(const ros::NodeHandle& nh, const MapperNodeConfig& co
   advertise();
   timer_ =
       nh_.createWallTimer(ros::WallDuration(kTick), [this](const ros::WallTimerEvent&) { tick(); });
-  spinner_ = std::make_unique<ros::AsyncSpinner>(1, &queue_);
-  spinner_->start();
-}
-
-MapPublisher::~MapPublisher() {
-  spinner_->stop();
-  timer_.stop();
 }
 
 void MapPublisher::advertise() {
@@ -80,6 +73,7 @@ void MapPublisher::advertise() {
     using visualization_msgs::MarkerArray;
     graph_publisher_ = nh_.advertise<MarkerArray>("graph_markers", kQueueSize, true);
     loop_publisher_ = nh_.advertise<MarkerArray>("loop_closures", kQueueSize, true);
+    submap_publisher_ = nh_.advertise<MarkerArray>("submaps", kQueueSize, true);
   }
   if (with_map_service_) {
     map_server_ = nh_.advertiseService("dynamic_map", &MapPublisher::dynamicMap, this);
@@ -204,6 +198,7 @@ void MapPublisher::publishGraph() {
   loops_ = countsOf(view.loops);
   graph_publisher_.publish(graphMarkers(view, map_frame_, stamp_));
   loop_publisher_.publish(loopMarkers(view, map_frame_, stamp_));
+  submap_publisher_.publish(submapMarkers(view, map_frame_, stamp_));
 }
 
 /// `map`: of `replica_`.

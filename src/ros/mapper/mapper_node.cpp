@@ -96,6 +96,8 @@ MapperNode::MapperNode(ros::NodeHandle nh, ros::NodeHandle private_nh)
       [this] { return map_publisher_->mapSize(); });
   live_parameters_ = std::make_unique<LiveParameters>(private_nh, parametersOf(live_config_),
                                                       [this] { onParameters(); });
+  map_thread_ = map_publisher_->thread();
+  map_thread_->start();
   match_thread_ = std::thread([this] { matchLoop(); });
   pthread_setname_np(match_thread_.native_handle(), "match");
   ROS_INFO("%s scans on %s; %s.", config_.localizes() ? "Localizing with" : "Mapping",

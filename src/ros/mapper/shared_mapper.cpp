@@ -10,21 +10,6 @@ namespace kestrel {
 
 using Lock = std::lock_guard<FairMutex>;
 
-namespace {
-
-/// A result of the local frame in map.
-MapperResult inMap(MapperResult result, const Pose2& map_T_local) {
-  result.pose = map_T_local * result.pose;
-  result.match.pose = map_T_local * result.match.pose;
-  result.match.degenerate_direction = map_T_local.rotation() * result.match.degenerate_direction;
-  result.match.covariance = rotated(result.match.covariance, map_T_local.yaw);
-  result.covariance = rotated(result.covariance, map_T_local.yaw);
-  result.uncertain = placedAt(result.pose, result.uncertain);
-  return result;
-}
-
-}  // namespace
-
 SharedMapper::SharedMapper(const MapperConfig& config, const LoopConfig& loops,
                            bool keep_out_moving)
     : config_(config),
@@ -42,7 +27,14 @@ MapperResult SharedMapper::process(PlanarScan& scan, const std::optional<Pose2>&
   if (result.inserted && !graph_) ++version_;
   if (!graph_) return result;
   graph_->add(scan, result);
-  return inMap(std::move(result), graph_->mapTLocal());
+  const GraphCorrection correction = graph_->correction();
+  const bool lost = lost_.add(result, scan.time);
+  result = correction.inMap(std::move(result));
+  if (lost) {
+    mapping_.reset(result.pose);
+    graph_->beginPart();
+  }
+  return result;
 }
 
 void SharedMapper::configure(const MapperConfig& config, const LoopConfig& loops) {

@@ -14,6 +14,10 @@ namespace kestrel {
 visualization_msgs::MarkerArray graphMarkers(const GraphView& graph, const std::string& map_frame,
                                              const ros::Time& stamp);
 
+/// The paths of the finished submaps in different colors, with their numbers.
+visualization_msgs::MarkerArray submapMarkers(const GraphView& graph, const std::string& map_frame,
+                                              const ros::Time& stamp);
+
 /// The loops that a search found, as text: the reason, fit, margin and correction of each.
 visualization_msgs::MarkerArray loopMarkers(const GraphView& graph, const std::string& map_frame,
                                             const ros::Time& stamp);

@@ -22,6 +22,7 @@ namespace kestrel {
 /// Keyframes and loops as they are now, for publishing.
 struct GraphView {
   std::vector<Pose2> keyframes;  ///< map_T_base
+  std::vector<KnownPlace> submaps;
   std::vector<Loop> loops;
 };
 
@@ -43,6 +44,9 @@ class GraphWorker {
   /// Takes the scan if the mapper inserted it. `result.pose` is in the local frame.
   void add(const PlanarScan& scan, const MapperResult& result);
 
+  /// The scans from now on are of a new part at an unknown place, see SubmapGraph::beginPart.
+  void beginPart();
+
   /// See SubmapGraph::configure. Does not wait for a search that runs.
   void configure(const LoopConfig& loops);
 
@@ -56,7 +60,7 @@ class GraphWorker {
   GraphSnapshot snapshot();
 
   /// The newest correction of the local frame.
-  Pose2 mapTLocal() const;
+  GraphCorrection correction() const;
 
   /// See OccupancyGrid::takeChangedTiles. For one reader. `map_number`: another one means that the
   /// map was composed again, and that the older tiles are not valid.
@@ -73,11 +77,13 @@ class GraphWorker {
   struct Work {
     PlanarScan scan;
     MapperResult result;
+    bool begins_part = false;  ///< and has no scan
   };
 
   void run();
   bool isIdle() const;
   void handle(const Work& work);
+  GraphCorrection correctionNow();
   void change(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<ComposedMap> map);
   void answer(std::vector<std::promise<GraphSnapshot>> wanted) const;
 
@@ -90,7 +96,8 @@ class GraphWorker {
   std::unique_ptr<SubmapGraph> next_graph_;  ///< replaces `graph_`
   std::unique_ptr<ComposedMap> next_map_;
   std::vector<std::promise<GraphSnapshot>> wanted_;
-  Pose2 map_T_local_;
+  GraphCorrection correction_;
+  std::size_t waiting_parts_ = 0;  ///< in the queue: `correction_` is that of the last one
   GraphView view_;
 
   FairMutex map_mutex_;
@@ -98,6 +105,7 @@ class GraphWorker {
   std::uint64_t map_number_ = 1;
 
   std::unique_ptr<SubmapGraph> graph_;  ///< only the thread uses it
+  std::size_t solutions_ = 0;           ///< SubmapGraph::solutionCount() of the known end
   std::atomic<std::uint64_t> version_{0};
   std::atomic<std::size_t> memory_bytes_{0};
   std::thread thread_;

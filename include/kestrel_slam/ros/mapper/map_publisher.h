@@ -24,16 +24,21 @@ namespace kestrel {
 
 /// Publishes the map and the trajectory, and serves the services that read the map.
 ///
-/// It has its own callback queue and thread. It keeps a copy of the map and blocks the matching
-/// only for the short time in which some changed tiles are copied. Uses a wall timer, so that the
-/// last map of a replay is published even after the clock has stopped.
+/// It has its own callback queue, which its owner serves with a thread. It keeps a copy of the map
+/// and blocks the matching only for the short time in which some changed tiles are copied. Uses a
+/// wall timer, so that the last map of a replay is published even after the clock has stopped.
 class MapPublisher {
  public:
   MapPublisher(const ros::NodeHandle& nh, const MapperNodeConfig& config, SharedMapper& mapper,
                TrajectoryLog& trajectory);
-  ~MapPublisher();
 
-  /// A node handle whose timers run on the thread of this class.
+  /// A thread for the queue, not yet started. Whatever uses `nodeHandle()` must outlive it: roscpp
+  /// does not wait for a running callback when a timer or a service is removed.
+  std::unique_ptr<ros::AsyncSpinner> thread() {
+    return std::make_unique<ros::AsyncSpinner>(1, &queue_);
+  }
+
+  /// A node handle whose callbacks run on the thread of this class.
   const ros::NodeHandle& nodeHandle() const { return nh_; }
 
   /// Time between two maps, s. Any thread may set it.
@@ -67,7 +72,7 @@ class MapPublisher {
   SharedMapper& mapper_;
   TrajectoryLog& trajectory_;
 
-  ros::Publisher graph_publisher_, loop_publisher_;
+  ros::Publisher graph_publisher_, loop_publisher_, submap_publisher_;
   ros::Publisher map_publisher_, update_publisher_, metadata_publisher_, trajectory_publisher_;
   ros::Publisher probability_publisher_;
   ros::ServiceServer map_server_, save_server_;
@@ -87,7 +92,6 @@ class MapPublisher {
   ros::WallTime next_map_, next_update_, next_trajectory_, next_graph_;
   nav_msgs::MapMetaData last_info_;
   std::optional<LoopCounts> loops_;
-  std::unique_ptr<ros::AsyncSpinner> spinner_;
 };
 
 }  // namespace kestrel

@@ -94,6 +94,7 @@ class MapperNode {
   std::unique_ptr<Diagnostics> diagnostics_;
   std::unique_ptr<LiveParameters> live_parameters_;
   std::unique_ptr<SessionServices> session_services_;
+  std::unique_ptr<ros::AsyncSpinner> map_thread_;  ///< last: it ends before what it calls
 };
 
 }  // namespace kestrel

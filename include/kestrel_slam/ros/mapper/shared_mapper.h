@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "kestrel_slam/mapping/lost_watch.h"
 #include "kestrel_slam/pipeline/mapping_stage.h"
 #include "kestrel_slam/ros/common/fair_mutex.h"
 #include "kestrel_slam/ros/mapper/graph_worker.h"
@@ -81,12 +82,13 @@ class SharedMapper {
  private:
   std::pair<MapperConfig, LoopConfig> parameters() const;
   void requireGraph() const;
-  Pose2 mapTLocal() const { return graph_ ? graph_->mapTLocal() : Pose2(); }
+  Pose2 mapTLocal() const { return graph_ ? graph_->correction().map_T_local : Pose2(); }
 
   MapperConfig config_;
   LoopConfig loops_;
   mutable FairMutex mutex_;
   MappingStage mapping_;
+  LostWatch lost_;
   std::unique_ptr<GraphWorker> graph_;
   ros::Time stamp_;
   std::uint64_t map_number_ = 1;

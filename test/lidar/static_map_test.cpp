@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "kestrel_slam/report/static_map.h"
+#include "kestrel_slam/lidar/static_map.h"
 
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
