@@ -43,6 +43,7 @@ SubmapGraph::SubmapGraph(const MapperConfig& mapper, const LoopConfig& config, G
   for (const KnownPlace& place : record.places) places_.add(place.submap, place.first, place.last);
   loaded_ = searched_ = keyframes_.size();
   joined_ = connectedParts(graph_);
+  doubtful_.assign(keyframes_.size(), false);
   std::vector<const PoseEdge*> odometry(keyframes_.size(), nullptr);  // to each keyframe
   for (const PoseEdge& edge : graph_.edges) {
     if (edge.kind == EdgeKind::kOdometry && edge.from + 1 == edge.to) odometry[edge.to] = &edge;
@@ -148,7 +149,7 @@ void SubmapGraph::lookForPart(const PlanarScan& scan) {
 
 /// Uncertainty of all keyframes relative to one. Where no edges lead, the guess of the start does.
 std::vector<RelativeUncertainty> SubmapGraph::uncertainties(std::size_t from) const {
-  std::vector<RelativeUncertainty> result = uncertaintiesFrom(graph_, from);
+  std::vector<RelativeUncertainty> result = uncertaintiesFrom(withOdometry(), from);
   if (!guess_ || !result[guess_->to].isKnown() || result[guess_->from].isKnown()) return result;
   const Eigen::Matrix3d covariance = guess_->information.inverse();
   RelativeUncertainty start = result[guess_->to];

@@ -52,9 +52,12 @@ SubmapGraph::SubmapGraph(const MapperConfig& mapper, const LoopConfig& config)
     : mapper_(mapper), config_(config), matcher_(mapper.matcher, config), places_(mapper) {}
 
 void SubmapGraph::add(const PlanarScan& scan, const MapperResult& result) {
+  track_.add(scan.time, result.odom_T_base);
   if (!result.inserted) return;
   shown_.reset();
+  const std::size_t places = places_.all().size();
   addKeyframe(scan, result);
+  if (places_.all().size() > places && !track_.empty()) solve();
   if (!isQuery({searched_, keyframes_.size()})) return;
   const LoopQuery query{searched_, keyframes_.size()};
   searched_ = keyframes_.size();
@@ -90,6 +93,7 @@ void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result
   end_ = result.uncertain;
   path_.push_back((number == 0 ? 0.0 : path_.back()) + motion.distance());
   joined_.push_back(first ? number : joined_.back());
+  doubtful_.push_back(result.state != MatchState::kOk);
   if (first) {
     if (start_) guess(number);
   } else {
@@ -97,6 +101,7 @@ void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result
   }
   odometry_.vertices.emplace_back();
   chain_.grow(odometry_);
+  track_.addKeyframe(number, result.pose);
   if (finder_) lookForPart(scan);
 }
 
@@ -262,11 +267,24 @@ void SubmapGraph::optimizeIfNeeded(const Loop& loop) {
 void SubmapGraph::solve() {
   unsolved_ = 0;
   ++solutions_;
+  track_.learn(chain_);
   do {
-    const OptimizerResult result = optimize(graph_);
+    PoseGraph joint = withOdometry();
+    const OptimizerResult result = optimize(joint);
+    std::copy_n(joint.vertices.begin(), graph_.vertices.size(), graph_.vertices.begin());
     weights_ = result.edge_weights;
-    if (!result.ok() || !takeBack(weights_)) return;
+    if (!result.ok()) return;
+    weights_.resize(graph_.edges.size());
+    if (!takeBack(weights_)) return;
   } while (true);
+}
+
+PoseGraph SubmapGraph::withOdometry() const {
+  PoseGraph result = graph_;
+  if (track_.empty()) return result;
+  track_.weaken(result, chain_, doubtful_);
+  track_.addTo(result, chain_);
+  return result;
 }
 
 /// Takes loops back that the others contradict. Returns whether there was one.
@@ -321,7 +339,7 @@ void SubmapGraph::finish() {
 }
 
 void SubmapGraph::refine() {
-  if (graph_.edges.size() == odometry_.edges.size()) return;  // no loop
+  if (graph_.edges.size() == odometry_.edges.size() && track_.empty()) return;  // no loop
   solve();
   std::vector<int> matched(keyframes_.size(), 0);
   unsolved_ = 0;

@@ -209,6 +209,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   if (odom_T_base && !isUsable(*odom_T_base)) return process(scan);
   State& s = *state_;
   MapperResult result;
+  result.odom_T_base = odom_T_base;
   const Points points = thinned(hitsOf(scan), kMatchPoints);
   const PredictionError error = s.motion.errorAt(scan, odom_T_base);
   result.blank = s.isBlank(points, scan, odom_T_base);

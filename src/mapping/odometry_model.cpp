@@ -79,11 +79,15 @@ void OdometryModel::learnSystematic(double distance_m) {
   const Pose2 &measured = segment_.measured, &matched = segment_.matched;
   squares_ = kKept * squares_ + square(distance_m);
   products_ = kKept * products_ + measured.translation().dot(matched.translation());
-  scale_ = std::clamp((products_ + kAssumed) / (squares_ + kAssumed), kMinScale, kMaxScale);
+  // Random errors of the odometry make its motion look too long, and a fit gives too small a scale
+  // and too small a turn. So the more of them there are, the more weight has what was assumed.
+  const double scale_weight = kAssumed * std::max(1.0, position_ratio_);
+  scale_ = std::clamp((products_ + scale_weight) / (squares_ + scale_weight), kMinScale, kMaxScale);
   const Eigen::Vector2d cause(measured.yaw, distance_m);
   yaw_normals_ = kKept * yaw_normals_ + cause * cause.transpose();
   yaw_right_ = kKept * yaw_right_ + normalizeAngle(matched.yaw - measured.yaw) * cause;
-  const Eigen::Vector2d assumed(kAssumedSegments * square(kSegmentRad), kAssumed);
+  const Eigen::Vector2d assumed =
+      std::max(1.0, yaw_ratio_) * Eigen::Vector2d(kAssumedSegments * square(kSegmentRad), kAssumed);
   const Eigen::Matrix2d normals = yaw_normals_ + Eigen::Matrix2d(assumed.asDiagonal());
   yaw_gains_ = normals.inverse() * yaw_right_;
 }

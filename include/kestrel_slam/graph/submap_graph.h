@@ -12,6 +12,7 @@
 #include "kestrel_slam/graph/loop.h"
 #include "kestrel_slam/graph/loop_matcher.h"
 #include "kestrel_slam/graph/odometry_chain.h"
+#include "kestrel_slam/graph/odometry_track.h"
 #include "kestrel_slam/graph/pairwise_consistency.h"
 #include "kestrel_slam/graph/part_finder.h"
 #include "kestrel_slam/graph/places.h"
@@ -130,6 +131,7 @@ class SubmapGraph {
   Pose2 expectedAt(const Candidate& candidate, std::size_t query) const;
   void optimizeIfNeeded(const Loop& loop);
   void solve();
+  PoseGraph withOdometry() const;
   bool takeBack(const std::vector<double>& weights);
   void refine();
   void refineAt(std::size_t place, std::vector<int>& matched);
@@ -143,6 +145,8 @@ class SubmapGraph {
   PoseGraph odometry_;  ///< only that, for `chain_`
   PoseGraph graph_;     ///< the odometry and the accepted loops
   OdometryChain chain_;
+  OdometryTrack track_;         ///< the wheel odometry
+  std::vector<bool> doubtful_;  ///< keyframes whose match may be wrong
   ConsistentLoops consistency_;
   std::vector<Loop> loops_;
   std::vector<std::size_t> loop_of_edge_;  ///< for every edge of `graph_`, the loop
