@@ -206,7 +206,7 @@ std::size_t SubmapGraph::memoryBytes() const {
                       loops_.capacity() * sizeof(Loop);
   for (const LocalKeyframe& keyframe : keyframes_)
     bytes += sizeof keyframe + keyframe.keyframe->memoryBytes();
-  return bytes + (finder_ ? finder_->memoryBytes() : 0);
+  return bytes + track_.memoryBytes() + (finder_ ? finder_->memoryBytes() : 0);
 }
 
 }  // namespace kestrel
