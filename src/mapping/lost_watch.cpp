@@ -5,7 +5,7 @@ namespace kestrel {
 namespace {
 
 constexpr double kLost_s = 5.0;
-constexpr int kLostScans = 10;
+constexpr int kLostScans = 20;
 
 }  // namespace
 

@@ -90,8 +90,9 @@ class SubmapGraph {
   bool isJoined(std::size_t keyframe) const {
     return joined_[keyframe] == shown_.value_or(joined_.back());
   }
-  /// false: the newest part began at an unknown place, and no loop has joined it yet.
-  bool isLocated() const { return finder_ == nullptr; }
+  /// false: the newest part began at an unknown place, no loop has joined it yet, and it is not the
+  /// largest part: that one is the map.
+  bool isLocated() const { return finder_ == nullptr || joined_.back() == largestPart(0); }
   /// Number of parts of the new keyframes that no loop has joined.
   std::size_t partCount() const;
   /// All loops of a search, accepted or not, and the accepted ones of other matches.

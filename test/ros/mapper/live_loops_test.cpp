@@ -21,11 +21,13 @@ std::size_t linesOf(const visualization_msgs::MarkerArray& markers, const std::s
 
 TEST(LiveLoops, ALoopIsClosedAndShown) {
   MapperClient client;
-  visualization_msgs::MarkerArray graph, loops;
+  visualization_msgs::MarkerArray graph, loops, submaps;
   const auto graph_subscriber = client.nh.subscribe<visualization_msgs::MarkerArray>(
       "graph_markers", 1, [&](const visualization_msgs::MarkerArrayConstPtr& m) { graph = *m; });
   const auto loop_subscriber = client.nh.subscribe<visualization_msgs::MarkerArray>(
       "loop_closures", 1, [&](const visualization_msgs::MarkerArrayConstPtr& m) { loops = *m; });
+  const auto submap_subscriber = client.nh.subscribe<visualization_msgs::MarkerArray>(
+      "submaps", 1, [&](const visualization_msgs::MarkerArrayConstPtr& m) { submaps = *m; });
   ASSERT_TRUE(client.connect());
   const ros::Time start = ros::Time::now();
   const std::vector<Pose2> poses = loop_world::laps(1.3);
@@ -38,6 +40,7 @@ TEST(LiveLoops, ALoopIsClosedAndShown) {
   EXPECT_TRUE(client.waitFor([&] { return linesOf(graph, "accepted") > 3; }, 20.0))
       << linesOf(graph, "accepted") << " loops are shown as accepted";
   EXPECT_FALSE(loops.markers.empty());
+  EXPECT_GE(submaps.markers.size(), 3U) << "a path and a name for each finished submap";
   const Pose2 truth = poses.front().between(poses.back());
   EXPECT_LT(truth.between(*estimated).distance(), 0.15);
   std_srvs::Trigger reset;
