@@ -16,12 +16,6 @@ function(kestrel_library folder)
   target_link_libraries(${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE})
   # Set as compile options, because kestrel_warnings is not exported and cannot be linked here.
   target_compile_options(${name} PRIVATE $<TARGET_PROPERTY:kestrel_warnings,INTERFACE_COMPILE_OPTIONS>)
-  if(KESTREL_PRECOMPILE AND folder STREQUAL "geometry")
-    target_precompile_headers(${name} PRIVATE <Eigen/Geometry> <algorithm> <cmath> <functional>
-      <map> <memory> <optional> <sstream> <string> <vector>)
-  elseif(KESTREL_PRECOMPILE)
-    target_precompile_headers(${name} REUSE_FROM kestrel_geometry)
-  endif()
   string(REPLACE "/" "_" export_name ${folder})
   set_target_properties(${name} PROPERTIES EXPORT_NAME ${export_name})
   add_library(kestrel_slam::${export_name} ALIAS ${name})

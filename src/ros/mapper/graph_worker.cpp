@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "kestrel_slam/graph/submap_graph.h"
@@ -30,8 +31,8 @@ GraphView viewOf(const SubmapGraph& graph) {
 
 GraphWorker::GraphWorker(const MapperConfig& mapper, const LoopConfig& loops)
     : mapper_(mapper), loops_(loops) {
-  change(std::make_unique<SubmapGraph>(mapper_, loops_),
-         std::make_unique<ComposedMap>(mapper_.grid));
+  reset();
+  change(std::move(next_graph_));
   thread_ = std::thread([this] { run(); });
   pthread_setname_np(thread_.native_handle(), "graph");
 }
@@ -49,7 +50,7 @@ void GraphWorker::add(const PlanarScan& scan, const MapperResult& result) {
   if (!result.inserted) return;
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
-    queue_.push_back({scan, result});
+    queue_.push_back({scan, result, false, nullptr});
   }
   arrived_.notify_one();
 }
@@ -59,7 +60,7 @@ void GraphWorker::beginPart() {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
     correction_ = {Pose2(), std::nullopt, false};
     ++waiting_parts_;
-    queue_.push_back({{}, {}, true});
+    queue_.push_back({{}, {}, true, nullptr});
   }
   arrived_.notify_one();
 }
@@ -77,32 +78,35 @@ void GraphWorker::reset() {
 
 void GraphWorker::replace(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<ComposedMap> map) {
   {
+    const std::lock_guard<FairMutex> map_lock(map_mutex_);
     const std::lock_guard<std::mutex> lock(queue_mutex_);
-    queue_.clear();
+    queue_.erase(std::remove_if(queue_.begin(), queue_.end(),
+                                [](const Work& work) { return work.wanted == nullptr; }),
+                 queue_.end());
     waiting_parts_ = 0;
     correction_ = {graph->mapTLocal(), std::nullopt, graph->isLocated()};
     view_ = {};
     next_graph_ = std::move(graph);
-    next_map_ = std::move(map);
+    map_ = std::move(map);
+    is_new_map_ = true;
+    ++map_number_;
+    ++version_;
   }
   arrived_.notify_one();
 }
 
 GraphSnapshot GraphWorker::snapshot() {
-  std::future<GraphSnapshot> result;
+  const auto wanted = std::make_shared<std::promise<GraphSnapshot>>();
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
-    wanted_.emplace_back();
-    result = wanted_.back().get_future();
+    queue_.push_back({{}, {}, false, wanted});
   }
   arrived_.notify_one();
-  return result.get();
+  return wanted->get_future().get();
 }
 
 /// The caller holds the lock.
-bool GraphWorker::isIdle() const {
-  return !closed_ && !next_graph_ && wanted_.empty() && queue_.empty();
-}
+bool GraphWorker::isIdle() const { return !closed_ && !next_graph_ && queue_.empty(); }
 
 void GraphWorker::run() {
   setpriority(PRIO_PROCESS, 0, kNice);  // of this thread
@@ -116,14 +120,8 @@ void GraphWorker::run() {
     }
     if (next_graph_) {
       std::unique_ptr<SubmapGraph> graph = std::move(next_graph_);
-      std::unique_ptr<ComposedMap> map = std::move(next_map_);
       lock.unlock();
-      change(std::move(graph), std::move(map));
-    } else if (!wanted_.empty()) {
-      std::vector<std::promise<GraphSnapshot>> wanted;
-      wanted.swap(wanted_);
-      lock.unlock();
-      answer(std::move(wanted));
+      change(std::move(graph));
     } else {
       const Work work = std::move(queue_.front());
       queue_.pop_front();
@@ -133,22 +131,40 @@ void GraphWorker::run() {
   }
 }
 
-void GraphWorker::answer(std::vector<std::promise<GraphSnapshot>> wanted) const {
-  const GraphSnapshot snapshot{graph_->record(), graph_->loadedCount()};
-  for (std::promise<GraphSnapshot>& promise : wanted) promise.set_value(snapshot);
-}
-
-void GraphWorker::change(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<ComposedMap> map) {
+/// The new graph, whose map is already there.
+void GraphWorker::change(std::unique_ptr<SubmapGraph> graph) {
   graph_ = std::move(graph);
   solutions_ = graph_->solutionCount();
-  memory_bytes_ = graph_->memoryBytes() + map->grid().memoryBytes();
   const std::lock_guard<FairMutex> lock(map_mutex_);
-  map_ = std::move(map);
-  ++map_number_;
-  ++version_;
+  is_new_map_ = false;
+  memory_bytes_ = graph_->memoryBytes() + map_->grid().memoryBytes();
+}
+
+/// Adds what is new in the graph to the map, or composes the map again. Not if the map already
+/// belongs to the next graph.
+void GraphWorker::compose() {
+  const auto is_outdated = [this] {
+    const std::lock_guard<FairMutex> lock(map_mutex_);
+    return !is_new_map_ && map_->isOutdated(*graph_);
+  };
+  std::unique_ptr<ComposedMap> composed;
+  if (is_outdated()) {
+    composed = std::make_unique<ComposedMap>(mapper_.grid);
+    composed->add(*graph_);
+  }
+  const std::lock_guard<FairMutex> lock(map_mutex_);
+  if (is_new_map_) return;
+  if (composed) {
+    map_ = std::move(composed);
+    ++map_number_;
+  } else {
+    map_->add(*graph_);
+  }
+  memory_bytes_ = graph_->memoryBytes() + map_->grid().memoryBytes();
 }
 
 void GraphWorker::handle(const Work& work) {
+  if (work.wanted) return work.wanted->set_value({graph_->record(), graph_->loadedCount()});
   if (work.begins_part) {
     graph_->beginPart(std::nullopt);
     const std::lock_guard<std::mutex> lock(queue_mutex_);
@@ -156,17 +172,7 @@ void GraphWorker::handle(const Work& work) {
     return;
   }
   graph_->add(work.scan, work.result);
-  if (map_->isOutdated(*graph_)) {
-    auto composed = std::make_unique<ComposedMap>(mapper_.grid);
-    composed->add(*graph_);
-    const std::lock_guard<FairMutex> lock(map_mutex_);
-    map_ = std::move(composed);
-    ++map_number_;
-  } else {
-    const std::lock_guard<FairMutex> lock(map_mutex_);
-    map_->add(*graph_);
-  }
-  memory_bytes_ = graph_->memoryBytes() + map_->grid().memoryBytes();
+  compose();
   GraphView view = viewOf(*graph_);
   GraphCorrection correction = correctionNow();
   const std::lock_guard<std::mutex> lock(queue_mutex_);

@@ -60,7 +60,7 @@ class GraphWorker {
   /// Goes on with another graph and its map.
   void replace(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<ComposedMap> map);
 
-  /// Waits until the graph is not being changed, which may take some seconds.
+  /// Waits until the scans that were added before are in the graph, which may take some seconds.
   GraphSnapshot snapshot();
 
   /// The newest correction of the local frame.
@@ -81,15 +81,16 @@ class GraphWorker {
   struct Work {
     PlanarScan scan;
     MapperResult result;
-    bool begins_part = false;  ///< and has no scan
+    bool begins_part = false;                             ///< and has no scan
+    std::shared_ptr<std::promise<GraphSnapshot>> wanted;  ///< asks for a snapshot, has no scan
   };
 
   void run();
   bool isIdle() const;
   void handle(const Work& work);
   GraphCorrection correctionNow();
-  void change(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<ComposedMap> map);
-  void answer(std::vector<std::promise<GraphSnapshot>> wanted) const;
+  void change(std::unique_ptr<SubmapGraph> graph);
+  void compose();
 
   MapperConfig mapper_;
   mutable std::mutex queue_mutex_;  ///< for the queue, and what is asked for often
@@ -98,14 +99,13 @@ class GraphWorker {
   LoopConfig loops_;
   bool closed_ = false, reconfigured_ = false;
   std::unique_ptr<SubmapGraph> next_graph_;  ///< replaces `graph_`
-  std::unique_ptr<ComposedMap> next_map_;
-  std::vector<std::promise<GraphSnapshot>> wanted_;
   GraphCorrection correction_;
   std::size_t waiting_parts_ = 0;  ///< in the queue: `correction_` is that of the last one
   GraphView view_;
 
   FairMutex map_mutex_;
   std::unique_ptr<ComposedMap> map_;
+  bool is_new_map_ = false;  ///< `map_` belongs to `next_graph_`
   std::uint64_t map_number_ = 1;
 
   std::unique_ptr<SubmapGraph> graph_;  ///< only the thread uses it
