@@ -9,6 +9,7 @@
 #include "kestrel_slam/report/map_image.h"
 #include "kestrel_slam/report/series.h"
 #include "kestrel_slam/session/version.h"
+#include "page_data.h"
 
 namespace kestrel {
 namespace {
@@ -276,24 +277,10 @@ Json wallsOf(const MapSnapshot& map) {
   return Json::array({box->min().x(), box->min().y(), box->max().x(), box->max().y()});
 }
 
-Json imageOf(const MapSnapshot& map) {
-  const MapImage image = renderMap(map);
-  return {{"walls", wallsOf(map)},
-          {"png", "data:image/png;base64," + base64(image.png)},
-          {"width", image.width},
-          {"height", image.height},
-          {"metersPerPixel", map.resolution_m * image.cells_per_pixel},
-          {"originX", map.origin_x},
-          {"originY", map.origin_y}};
-}
-
-/// JSON that is safe inside a script element. It escapes '<', because "</script>" in a file name
-/// would end the element.
-std::string embedded(const Json& data) {
-  std::string result;
-  for (const char c : data.dump(-1, ' ', false, Json::error_handler_t::replace)) {
-    result += c == '<' ? "\\u003c" : std::string(1, c);
-  }
+/// The picture, and the walls, on which the page opens.
+Json mapOf(const MapSnapshot& map) {
+  Json result = {{"walls", wallsOf(map)}};
+  result.update(imageOf(map));
   return result;
 }
 
@@ -312,7 +299,7 @@ std::string reportHtml(const OfflineRun& run, const RunInfo& info) {
                      {"reasons", reasonsOf(run, times)},
                      {"path", pathOf(run, times)},
                      {"graph", graphOf(run)},
-                     {"map", imageOf(run.map)}};
+                     {"map", mapOf(run.map)}};
   return std::string("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n") +
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n" +
          "<title>Mapping report</title>\n<style>" + kStyle + "</style>\n</head>\n" + kBody +

@@ -6,7 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "kestrel_slam/report/map_image.h"
+#include "page_data.h"
 
 namespace kestrel {
 namespace {
@@ -76,31 +76,12 @@ Json tracksOf(const TracksPage& page, const std::vector<Pose2>& map_T_odom) {
   return tracks;
 }
 
-Json mapOf(const MapSnapshot& map) {
-  const MapImage image = renderMap(map);
-  return {{"png", "data:image/png;base64," + base64(image.png)},
-          {"width", image.width},
-          {"height", image.height},
-          {"metersPerPixel", map.resolution_m * image.cells_per_pixel},
-          {"originX", map.origin_x},
-          {"originY", map.origin_y}};
-}
-
-/// JSON inside a script element: "</script>" in a name would end the element.
-std::string embedded(const Json& data) {
-  std::string result;
-  for (const char c : data.dump(-1, ' ', false, Json::error_handler_t::replace)) {
-    result += c == '<' ? "\\u003c" : std::string(1, c);
-  }
-  return result;
-}
-
 }  // namespace
 
 std::string tracksHtml(const TracksPage& page) {
   const std::vector<Pose2> map_T_odom = mapFromOdom(page);
   const Json data = {{"title", page.title},
-                     {"map", mapOf(page.map)},
+                     {"map", imageOf(page.map)},
                      {"vehicle", vehicleOf(page, map_T_odom)},
                      {"tracks", tracksOf(page, map_T_odom)}};
   return std::string(kPage) + "<script type=\"application/json\" id=\"data\">" + embedded(data) +

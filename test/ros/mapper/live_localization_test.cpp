@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Localizes with a real mapper node in the picture of a map. The test starts the node itself.
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <std_srvs/Trigger.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <filesystem>
 
@@ -15,59 +12,18 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "mapper_client.h"
 #include "room.h"
+#include "ros/mapper/mapper_process.h"
+#include "ros/mapper/ring_scan.h"
 #include "temporary_folder.h"
 
 namespace kestrel {
 namespace {
 
-sensor_msgs::LaserScan messageAt(const Pose2& pose, const ros::Time& stamp) {
-  constexpr int kBeams = 360;
-  sensor_msgs::LaserScan scan;
-  scan.header.stamp = stamp;
-  scan.header.frame_id = "base_link";
-  scan.angle_min = static_cast<float>(-kPi);
-  scan.angle_increment = static_cast<float>(2.0 * kPi / kBeams);
-  scan.angle_max = scan.angle_min + static_cast<float>(kBeams - 1) * scan.angle_increment;
-  scan.range_max = 30.0F;
-  for (int i = 0; i < kBeams; ++i) {
-    const double angle = -kPi + 2.0 * kPi * i / kBeams;
-    scan.ranges.push_back(static_cast<float>(room::cast(room::walls(), pose, angle)));
-  }
-  return scan;
+using Node = MapperProcess;
+
+sensor_msgs::LaserScan inRoom(const Pose2& pose, const ros::Time& stamp) {
+  return messageAt(pose, stamp, room::walls());
 }
-
-/// A mapper node as a process of its own.
-class Node {
- public:
-  explicit Node(std::vector<std::string> words) {
-    ros::param::del("/mapper");  // of the node before
-    words.insert(words.begin(), {KESTREL_MAPPER_NODE, "__name:=mapper"});
-    pid_ = fork();
-    if (pid_ != 0) return;
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    execv(arguments[0], arguments.data());
-    _exit(127);
-  }
-  ~Node() {
-    if (pid_ > 0) kill(pid_, SIGKILL);
-    if (pid_ > 0) waitpid(pid_, nullptr, 0);
-  }
-  Node(const Node&) = delete;
-  Node& operator=(const Node&) = delete;
-
-  /// Waits for its end. Returns its exit code.
-  int wait() {
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    pid_ = 0;
-    return WEXITSTATUS(status);
-  }
-
- private:
-  pid_t pid_ = 0;
-};
 
 class LiveLocalization : public ::testing::Test {
  protected:
@@ -88,7 +44,7 @@ class LiveLocalization : public ::testing::Test {
     for (int i = 0; i < scans && error > 0.1; ++i) {
       stamp_ += ros::Duration(0.1);
       const double patience_s = scans > 1 ? 0.5 : 10.0;  // while it is lost, no pose is published
-      const std::optional<Pose2> pose = client_->match(messageAt(truth, stamp_), patience_s);
+      const std::optional<Pose2> pose = client_->match(inRoom(truth, stamp_), patience_s);
       error = pose ? truth.between(*pose).distance() : 1e9;
     }
     return error;

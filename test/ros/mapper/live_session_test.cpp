@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <std_srvs/Trigger.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <thread>
@@ -15,6 +13,7 @@
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/session/session_file.h"
 #include "mapper_client.h"
+#include "ros/mapper/mapper_process.h"
 #include "ros/mapper/ring_scan.h"
 #include "temporary_folder.h"
 
@@ -23,46 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A mapper node as a process of its own.
-class Node {
- public:
-  explicit Node(const std::vector<std::string>& parameters) {
-    ros::param::del("/mapper");  // of the node before
-    std::vector<std::string> words = {KESTREL_MAPPER_NODE, "__name:=mapper", "_graph:=true",
-                                      "_map_pub_period:=0.5"};
-    words.insert(words.end(), parameters.begin(), parameters.end());
-    pid_ = fork();
-    if (pid_ != 0) return;
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    execv(arguments[0], arguments.data());
-    _exit(127);
-  }
-  ~Node() { end(SIGINT); }
-  Node(const Node&) = delete;
-  Node& operator=(const Node&) = delete;
-
-  int end(int signal) {
-    int status = 0;
-    if (pid_ <= 0) return status;
-    kill(pid_, signal);
-    waitpid(pid_, &status, 0);
-    pid_ = 0;
-    return status;
-  }
-
-  /// Waits for its end. Returns its exit code.
-  int wait() {
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    pid_ = 0;
-    return WEXITSTATUS(status);
-  }
-
- private:
-  pid_t pid_ = 0;
-};
+using Node = MapperProcess;
 
 class LiveSession : public ::testing::Test {
  protected:
