@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The catkin commands that must come before the first target.
+# catkin caches the environment of the tests now, and leaves out folders that do not exist yet. The
+# Python modules of the messages would be missing in the tests of a fresh build folder.
+file(MAKE_DIRECTORY ${CATKIN_DEVEL_PREFIX}/lib/python3/dist-packages)
 find_package(catkin REQUIRED COMPONENTS
   diagnostic_updater dynamic_reconfigure geometry_msgs map_msgs message_filters message_generation nav_msgs nodelet pluginlib
   roscpp sensor_msgs std_msgs std_srvs tf2 tf2_msgs tf2_ros visualization_msgs)
