@@ -85,6 +85,7 @@ if(KESTREL_WITH_ROS AND CATKIN_ENABLE_TESTING)
       KESTREL_SCAN_PROJECTOR_NODE="$<TARGET_FILE:scan_projector_node>")
   endforeach()
   target_link_libraries(pipeline_parity_test PRIVATE kestrel_offline)
+  target_link_libraries(tracker_node_test PRIVATE kestrel_ros_panel)
   target_link_libraries(replay_freiburg_test PRIVATE kestrel_evaluation)
   target_link_libraries(several_vehicles_test PRIVATE kestrel_evaluation kestrel_merging)
   file(GLOB ROS_TESTS CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} test/ros/*.test

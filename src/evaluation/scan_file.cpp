@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kColumns =
     "stamp,x,y,yaw,state,score,known,constraint,degenerate_x,degenerate_y,sigma_x,sigma_y,"
     "sigma_yaw,inserted,searched,carried,ambiguous,odom_x,odom_y,odom_yaw,reason";
-constexpr int kStampDecimals = 6, kPoseDecimals = 6, kDigits = 6;
+constexpr int kScanStampDecimals = 6, kPoseDecimals = 6, kScanDigits = 6;
 
 std::string poseText(const std::optional<Pose2>& pose) {
   if (!pose) return ",,";
@@ -25,8 +25,8 @@ std::string poseText(const std::optional<Pose2>& pose) {
 }
 
 void write(std::ostream& out, const ScanRow& scan) {
-  out << std::fixed << std::setprecision(kStampDecimals) << scan.stamp << std::defaultfloat
-      << std::setprecision(kDigits) << ',' << poseText(scan.pose) << ',' << toString(scan.state)
+  out << std::fixed << std::setprecision(kScanStampDecimals) << scan.stamp << std::defaultfloat
+      << std::setprecision(kScanDigits) << ',' << poseText(scan.pose) << ',' << toString(scan.state)
       << ',' << scan.score << ',' << scan.known << ',' << scan.constraint << ',';
   const Eigen::Vector2d& direction = scan.degenerate_direction;
   if (direction.isZero()) {

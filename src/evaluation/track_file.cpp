@@ -18,7 +18,7 @@ namespace {
 constexpr const char* kHeader =
     "stamp,id,state,moved,size,x,y,vx,vy,sigma_x,sigma_y,sigma_vx,sigma_vy,turn_rate,standing,"
     "box_x,box_y,box_yaw,length,width,age,unseen,shown";
-constexpr int kStampDecimals = 6, kDecimals = 4;
+constexpr int kTrackStampDecimals = 6, kDecimals = 4;
 constexpr int kJsonIndent = 1;
 constexpr double kMillimeters = 1e3;
 
@@ -26,9 +26,10 @@ double rounded(double value) { return std::round(value * kMillimeters) / kMillim
 
 void write(std::ostream& out, double stamp, const Track& t) {
   const Eigen::Vector4d sigmas = t.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  out << std::fixed << std::setprecision(kStampDecimals) << stamp << std::setprecision(kDecimals)
-      << ',' << t.id << ',' << toString(t.state) << ',' << t.moved << ',' << toString(t.size) << ','
-      << t.position.x() << ',' << t.position.y() << ',' << t.velocity.x() << ',' << t.velocity.y();
+  out << std::fixed << std::setprecision(kTrackStampDecimals) << stamp
+      << std::setprecision(kDecimals) << ',' << t.id << ',' << toString(t.state) << ',' << t.moved
+      << ',' << toString(t.size) << ',' << t.position.x() << ',' << t.position.y() << ','
+      << t.velocity.x() << ',' << t.velocity.y();
   for (int i = 0; i < sigmas.size(); ++i) out << ',' << sigmas(i);
   out << ',' << t.turn_rate << ',' << t.standing << ',' << t.box.center.x() << ','
       << t.box.center.y() << ',' << t.box.yaw << ',' << t.box.size.x() << ',' << t.box.size.y()

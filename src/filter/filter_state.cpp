@@ -3,6 +3,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/gravity.h"
+#include "kestrel_slam/geometry/square.h"
 #include "kestrel_slam/sensor/attitude_estimator.h"
 
 namespace kestrel {
@@ -15,8 +16,6 @@ constexpr double kSaturatedAccelerometerNoise = 10.0;  // m/s²/sqrt(Hz)
 // Unknown motion in a gap, in addition to the continued one.
 constexpr double kGapRate = 0.5;          // rad/s
 constexpr double kGapAcceleration = 2.0;  // m/s²
-
-double square(double x) { return x * x; }
 
 /// The blocks of the transition that are neither zero nor identity.
 struct Step {

@@ -7,6 +7,7 @@
 
 #include "kestrel_slam/geometry/gravity.h"
 #include "kestrel_slam/geometry/pose3.h"
+#include "kestrel_slam/geometry/square.h"
 #include "measurement.h"
 
 namespace kestrel {
@@ -25,8 +26,6 @@ constexpr double kStartRad = 0.002;
 constexpr double kUnknownOffset = 1e3;  // offset of a barometer, m
 // Factor for the bias uncertainty of an IMU that has failed.
 constexpr double kUncertainBiasFactor = 20.0;
-
-double square(double x) { return x * x; }
 
 template <int Size>
 void setVariance(int block, double sigma, StateMatrix& covariance) {

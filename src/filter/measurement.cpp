@@ -8,6 +8,7 @@
 #include "covariance_intersection.h"
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/pose3.h"
+#include "kestrel_slam/geometry/square.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 
 namespace kestrel {
@@ -35,8 +36,6 @@ constexpr double kStandstillRate = 5e-4;
 
 /// A standstill is only accepted if the speed is known with this standard deviation, m/s.
 constexpr double kKnownSpeed = 0.3;
-
-double square(double x) { return x * x; }
 
 void makeSymmetric(FilterState& state) {
   state.covariance = (0.5 * (state.covariance + state.covariance.transpose())).eval();

@@ -7,6 +7,7 @@
 
 #include "kestrel_slam/geometry/gravity.h"
 #include "kestrel_slam/geometry/pose3.h"
+#include "kestrel_slam/geometry/square.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
 #include "kestrel_slam/sensor/attitude_estimator.h"
 
@@ -20,8 +21,6 @@ constexpr double kFreshHeight_s = 0.5;  // an older range is not used for the in
 /// biases: in a shifted map they are measured equally well. Tuned with the random flights of
 /// measure_filter, and checked with other seeds.
 constexpr double kMapShare = 0.2;
-
-double square(double x) { return x * x; }
 
 /// Standard deviation of the height over the surface below, m.
 double heightSigma(const FilterState& state) {

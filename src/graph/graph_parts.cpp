@@ -14,7 +14,7 @@
 namespace kestrel {
 namespace {
 
-constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kNoPart = std::numeric_limits<std::size_t>::max();
 
 /// The first loop that gave this edge and has no edge yet.
 std::size_t loopOf(const PoseEdge& edge, const std::vector<Loop>& loops, std::vector<bool>& used) {
@@ -26,7 +26,7 @@ std::size_t loopOf(const PoseEdge& edge, const std::vector<Loop>& loops, std::ve
     used[i] = true;
     return i;
   }
-  return kNone;
+  return kNoPart;
 }
 
 double lengthOf(const PoseGraph& odometry, std::size_t to) {
@@ -63,7 +63,7 @@ void SubmapGraph::restore(const std::vector<Loop>& loops) {
   loops_ = loops;
   std::vector<bool> used(loops_.size(), false);
   for (const PoseEdge& edge : graph_.edges)
-    loop_of_edge_.push_back(edge.kind == EdgeKind::kLoop ? loopOf(edge, loops_, used) : kNone);
+    loop_of_edge_.push_back(edge.kind == EdgeKind::kLoop ? loopOf(edge, loops_, used) : kNoPart);
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     const bool counts =
         loops_[i].state == LoopState::kAccepted || loops_[i].state == LoopState::kPending;

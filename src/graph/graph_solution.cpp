@@ -17,7 +17,7 @@ constexpr std::size_t kRefineEvery = 3;
 constexpr int kRefinePlaces = 3;
 constexpr double kRefineM = 3.0, kRefineRadiusM = 0.3;
 /// Not a loop.
-constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kNoVertex = std::numeric_limits<std::size_t>::max();
 
 }  // namespace
 
@@ -46,7 +46,7 @@ PoseGraph SubmapGraph::withOdometry() const {
 bool SubmapGraph::takeBack(const std::vector<double>& weights) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < graph_.edges.size(); ++i) {
-    if (loop_of_edge_[i] != kNone && weights[i] < kLeastWeight) {
+    if (loop_of_edge_[i] != kNoVertex && weights[i] < kLeastWeight) {
       Loop& loop = loops_[loop_of_edge_[i]];
       loop.state = LoopState::kUndone;
       loop.reason = "the optimized graph contradicts it";

@@ -14,16 +14,16 @@ namespace kestrel {
 namespace {
 
 /// Work of one search, see WorkBudget.
-constexpr std::int64_t kWork = 10'000'000;
+constexpr std::int64_t kLoopWork = 10'000'000;
 /// Number of points of a query, and of a single scan.
-constexpr std::size_t kQueryPoints = 1000, kScanPoints = 360;
+constexpr std::size_t kQueryPoints = 1000, kLoopScanPoints = 360;
 /// The errors of a match with an old place: those of the place's own walls, which neighboring
 /// matches have in common.
-constexpr double kPlaceM = 0.015, kPlaceRad = 0.004, kMatchFactor = 4.0;
+constexpr double kLoopPlaceM = 0.015, kLoopPlaceRad = 0.004, kLoopMatchFactor = 4.0;
 /// A single scan agrees if it fits at the same place up to this.
-constexpr double kSameM = 0.15, kSameRad = 0.035, kSingleFit = 0.6, kSingleKnown = 0.4;
+constexpr double kSameLoopM = 0.15, kSameLoopRad = 0.035, kSingleLoopFit = 0.6, kSingleKnown = 0.4;
 /// A scan with fewer hits says nothing.
-constexpr std::size_t kLeastHits = 10;
+constexpr std::size_t kLeastLoopHits = 10;
 /// Limits where the graph already expects the place.
 constexpr double kExpectedFit = 0.75, kExpectedRad = 0.1;
 
@@ -53,12 +53,12 @@ std::size_t nearestKeyframe(const KnownPlace& place, const std::vector<LocalKeyf
 /// them has a large effect: the loop then gives little information about this direction.
 Eigen::Matrix3d covarianceOf(const MatchResult& match, double min_constraint) {
   constexpr double kLeastConstraint = 1e-3;
-  Eigen::Matrix3d result = kMatchFactor * match.covariance;
+  Eigen::Matrix3d result = kLoopMatchFactor * match.covariance;
   const double constraint = std::max(match.constraint, kLeastConstraint);
   if (constraint >= min_constraint) return result;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(result.topLeftCorner<2, 2>());
   const Eigen::Vector2d weakest =
-      axes.eigenvectors().col(1) * kPlaceM * min_constraint / constraint;
+      axes.eigenvectors().col(1) * kLoopPlaceM * min_constraint / constraint;
   result.topLeftCorner<2, 2>() += weakest * weakest.transpose();
   return result;
 }
@@ -99,7 +99,7 @@ Loop LoopMatcher::loopAt(const KnownPlace& place, const std::vector<LocalKeyfram
   loop.anchor_T_query.covariance =
       tangentCovariance(covarianceOf(match, config_.min_constraint), match.pose);
   loop.anchor_T_query.covariance.diagonal() +=
-      Eigen::Vector3d(kPlaceM, kPlaceM, kPlaceRad).cwiseAbs2();
+      Eigen::Vector3d(kLoopPlaceM, kLoopPlaceM, kLoopPlaceRad).cwiseAbs2();
   loop.fit = match.score;
   loop.known = match.known;
   loop.constraint = match.constraint;
@@ -120,7 +120,7 @@ Loop LoopMatcher::search(const Submap& map, const KnownPlace& place,
                          const Pose2& expected, double radius_m, double yaw_rad) const {
   const SearchWindow window{std::max(radius_m, config_.wide_radius_m), yaw_rad};
   const PlaceMatch found =
-      matchPlace(map, pointsOf(keyframes, query), expected, window, matcher_, kWork);
+      matchPlace(map, pointsOf(keyframes, query), expected, window, matcher_, kLoopWork);
   Loop loop = loopAt(place, keyframes, query.middle(), found.match);
   loop.margin = found.complete ? found.score - found.second_score : 0.0;
   loop.radius_m = radius_m;
@@ -139,12 +139,12 @@ Loop LoopMatcher::search(const Submap& map, const KnownPlace& place,
 Loop LoopMatcher::matchExpected(const Submap& map, const KnownPlace& place,
                                 const std::vector<LocalKeyframe>& keyframes, std::size_t keyframe,
                                 const Pose2& expected, double radius_m) const {
-  const Points points = sampled(keyframes[keyframe].keyframe->scan.hits(), kScanPoints);
+  const Points points = sampled(keyframes[keyframe].keyframe->scan.hits(), kLoopScanPoints);
   Loop none;
   none.anchor = place.first;
   none.query = keyframe;
   none.reason = "too few hits";
-  if (points.size() < kLeastHits) return none;
+  if (points.size() < kLeastLoopHits) return none;
   const MatchResult match = matchNear(map, points, expected, matcher_);
   Loop loop = loopAt(place, keyframes, keyframe, match);
   const Pose2 correction = expected.between(match.pose);
@@ -169,8 +169,8 @@ double LoopMatcher::agreementAt(const Submap& map, const std::vector<LocalKeyfra
   int agreeing = 0, all = 0;
   const Pose2& local_T_middle = keyframes[query.middle()].local_T_base;
   for (std::size_t i = query.first; i < query.last; ++i) {
-    const Points points = sampled(keyframes[i].keyframe->scan.hits(), kScanPoints);
-    if (points.size() < kLeastHits) continue;
+    const Points points = sampled(keyframes[i].keyframe->scan.hits(), kLoopScanPoints);
+    if (points.size() < kLeastLoopHits) continue;
     const Pose2 expected = found.pose * local_T_middle.between(keyframes[i].local_T_base);
     ++all;
     if (agrees(matchNear(map, points, expected, matcher_), expected, found)) ++agreeing;
@@ -180,11 +180,11 @@ double LoopMatcher::agreementAt(const Submap& map, const std::vector<LocalKeyfra
 
 bool LoopMatcher::agrees(const MatchResult& single, const Pose2& expected,
                          const MatchResult& found) const {
-  if (single.score < kSingleFit || single.known < kSingleKnown) return false;
+  if (single.score < kSingleLoopFit || single.known < kSingleKnown) return false;
   const Eigen::Vector2d away =
       observable(observable(single.pose.translation() - expected.translation(), single), found);
-  return away.norm() < kSameM &&
-         std::abs(normalizeAngle(single.pose.yaw - expected.yaw)) < kSameRad;
+  return away.norm() < kSameLoopM &&
+         std::abs(normalizeAngle(single.pose.yaw - expected.yaw)) < kSameLoopRad;
 }
 
 }  // namespace kestrel

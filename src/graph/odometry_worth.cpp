@@ -8,13 +8,15 @@
 #include <cmath>
 #include <limits>
 
+#include "kestrel_slam/geometry/square.h"
+
 namespace kestrel {
 namespace {
 
 /// Medians of the squares of one normal variable of variance 1, and of the sum of two.
 constexpr double kMedianOfOne = 0.455, kMedianOfTwo = 1.386;
 /// Smallest errors of a pose, and of their growth over a meter.
-constexpr double kLeastM = 0.01, kLeastRad = 0.003;
+constexpr double kLeastM = 0.01, kLeastYawRad = 0.003;
 constexpr double kLeastGrowthM = 0.01, kLeastGrowthRad = 0.001;
 /// Of the variance of the matches, what a corrected odometry has at least: it was compared with
 /// them.
@@ -29,8 +31,6 @@ constexpr double kSignificant = 16.0;
 /// Fewer comparisons say nothing.
 constexpr std::size_t kFewest = 5;
 constexpr int kRounds = 5;
-
-double square(double x) { return x * x; }
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -128,7 +128,7 @@ void learnTurn(const std::vector<OdometryPoint>& points, const std::vector<Segme
     fit.causes.emplace_back(segment.distance_m, segment.turn_rad);
     fit.effects.push_back(differenceBetween(points, segment.first, segment.last).yaw);
   }
-  fit.solve({kUsualYawPerM, kUsualGain}, kLeastRad);
+  fit.solve({kUsualYawPerM, kUsualGain}, kLeastYawRad);
   if (fit.chi2 <= kSignificant) return;
   worth.yaw_per_m = fit.gains.x();
   worth.yaw_per_rad = fit.gains.y();
@@ -219,7 +219,7 @@ void learnErrors(const std::vector<OdometryPoint>& points, const OdometryChain& 
   const double share = worth.isCorrected() ? kMatchShare : 0.0;
   const Eigen::Vector2d of_position = position.solve(), of_yaw = yaw.solve();
   worth.position_m2 = square(kLeastM) + of_position.x();
-  worth.yaw_rad2 = square(kLeastRad) + of_yaw.x();
+  worth.yaw_rad2 = square(kLeastYawRad) + of_yaw.x();
   worth.position_growth =
       std::max({of_position.y(), square(kLeastGrowthM), share * position.explainedGrowth()});
   worth.yaw_growth = std::max({of_yaw.y(), square(kLeastGrowthRad), share * yaw.explainedGrowth()});
@@ -267,7 +267,7 @@ double stepDifference(const std::vector<OdometryPoint>& points, const OdometryCh
     yaws.push_back(square(difference.yaw));
   }
   if (positions.size() < kFewest) return std::numeric_limits<double>::infinity();
-  return (square(kLeastM) + median(positions)) * (square(kLeastRad) + median(yaws));
+  return (square(kLeastM) + median(positions)) * (square(kLeastYawRad) + median(yaws));
 }
 
 }  // namespace kestrel

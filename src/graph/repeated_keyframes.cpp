@@ -14,7 +14,7 @@
 namespace kestrel {
 namespace {
 
-constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kNotKept = std::numeric_limits<std::size_t>::max();
 /// A keyframe is new if more than this share of its rays shows something else than the map.
 constexpr double kNewShare = 0.1;
 /// Walls may be this far apart, in cells: the error of the poses, and of the scans.
@@ -90,12 +90,12 @@ class Novelty {
 class Replacement {
  public:
   Replacement(const PoseGraph& graph, const std::vector<bool>& kept)
-      : by_(kept.size(), kNone), by_T_old_(kept.size()), motion_(kept.size()) {
+      : by_(kept.size(), kNotKept), by_T_old_(kept.size()), motion_(kept.size()) {
     for (const PoseEdge& edge : graph.edges) {
       if (edge.kind == EdgeKind::kOdometry && edge.from + 1 == edge.to)
         motion_[edge.to] = GaussianPose2{edge.measured, edge.information.inverse()};
     }
-    std::vector<std::size_t> steps(kept.size(), kNone);
+    std::vector<std::size_t> steps(kept.size(), kNotKept);
     for (std::size_t i = 0; i < kept.size(); ++i) take(i, kept[i], i, i - 1, motion_[i], steps);
     for (std::size_t i = kept.size(); i-- > 0;) {
       const bool joined = i + 1 < kept.size() && motion_[i + 1];
@@ -117,7 +117,7 @@ class Replacement {
     if (kept) {
       by_[i] = i;
       steps[i] = 0;
-    } else if (joint > 0 && neighbor_T_i && by_[neighbor] != kNone &&
+    } else if (joint > 0 && neighbor_T_i && by_[neighbor] != kNotKept &&
                steps[neighbor] + 1 < steps[i]) {
       by_[i] = by_[neighbor];
       by_T_old_[i] = compose(by_T_old_[neighbor], *neighbor_T_i);
@@ -130,7 +130,7 @@ class Replacement {
   std::vector<std::optional<GaussianPose2>> motion_;  ///< from the keyframe before
 };
 
-Eigen::Matrix3d symmetric(const Eigen::Matrix3d& matrix) {
+Eigen::Matrix3d symmetricPart(const Eigen::Matrix3d& matrix) {
   return 0.5 * (matrix + matrix.transpose());
 }
 
@@ -182,7 +182,7 @@ class Thinning {
     if (repeats) {
       auto keyframe = std::make_shared<Keyframe>(*entry.keyframe);
       keyframe->motion_covariance =
-          motion ? symmetric(motion->covariance) : Eigen::Matrix3d::Zero();
+          motion ? symmetricPart(motion->covariance) : Eigen::Matrix3d::Zero();
       entry.keyframe = std::move(keyframe);
     }
     result_.keyframes.push_back(std::move(entry));
@@ -192,7 +192,7 @@ class Thinning {
   void addOdometry(const GaussianPose2& motion) {
     const std::size_t to = result_.keyframes.size();
     result_.graph.edges.push_back(
-        {to - 1, to, motion.mean, symmetric(motion.covariance.inverse()), EdgeKind::kOdometry});
+        {to - 1, to, motion.mean, symmetricPart(motion.covariance.inverse()), EdgeKind::kOdometry});
   }
 
   /// Of the loops of removed keyframes, the best one between two parts at each keyframe that stays.
@@ -229,12 +229,12 @@ class Thinning {
     Loop result = loop;
     result.anchor = replaced_.of(loop.anchor);
     result.query = replaced_.of(loop.query);
-    if (loop.state != LoopState::kAccepted || result.anchor == kNone || result.query == kNone ||
-        result.anchor == result.query)
+    if (loop.state != LoopState::kAccepted || result.anchor == kNotKept ||
+        result.query == kNotKept || result.anchor == result.query)
       return std::nullopt;
     result.anchor_T_query = compose(compose(replaced_.pose(loop.anchor), loop.anchor_T_query),
                                     inverse(replaced_.pose(loop.query)));
-    result.anchor_T_query.covariance = symmetric(result.anchor_T_query.covariance);
+    result.anchor_T_query.covariance = symmetricPart(result.anchor_T_query.covariance);
     return result;
   }
 

@@ -22,7 +22,7 @@ namespace {
 // Gray values and thresholds of map_saver in map_server.
 constexpr std::uint8_t kFreeGray = 254, kUnknownGray = 205, kOccupiedGray = 0;
 constexpr double kOccupiedThreshold = 0.65, kFreeThreshold = 0.196;
-constexpr double kWhite = 255.0, kRawOccupied = 100.0;
+constexpr double kLightest = 255.0, kRawOccupied = 100.0;
 constexpr const char* kSavingEnding = ".pgm.saving";
 constexpr int kMaxTries = 3;
 constexpr double kMostRotatedCells = 4e8;            // a narrow image may need very many
@@ -151,9 +151,9 @@ struct Classes {
 
   /// In the mode raw, the values 0 to 100 are the occupancy in percent.
   std::int8_t cellOf(std::uint8_t gray) const {
-    const double dark = negate ? gray : kWhite - gray;
-    if (raw && kWhite - dark > kRawOccupied) return MapSnapshot::kUnknown;
-    const double occupancy = raw ? (kWhite - dark) / kRawOccupied : dark / kWhite;
+    const double dark = negate ? gray : kLightest - gray;
+    if (raw && kLightest - dark > kRawOccupied) return MapSnapshot::kUnknown;
+    const double occupancy = raw ? (kLightest - dark) / kRawOccupied : dark / kLightest;
     if (occupancy > occupied) return MapSnapshot::kOccupied;
     return occupancy < free ? MapSnapshot::kFree : MapSnapshot::kUnknown;
   }

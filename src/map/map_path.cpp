@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kMapName = "map";
+constexpr const char* kDefaultName = "map";
 
 [[noreturn]] void refuse(const std::string& path, const std::string& reason) {
   throw std::runtime_error("cannot save a map to '" + path + "': " + reason);
@@ -72,8 +72,8 @@ std::string mapStemOf(const std::string& path) {
   }
   fs::path stem = fs::absolute(withoutTilde(path)).lexically_normal();
   std::error_code ignored;
-  if (fs::is_directory(stem, ignored)) stem /= kMapName;
-  if (!stem.has_filename()) stem /= kMapName;
+  if (fs::is_directory(stem, ignored)) stem /= kDefaultName;
+  if (!stem.has_filename()) stem /= kDefaultName;
   if (isMapExtension(stem.extension())) stem.replace_extension();
   return stem.string();
 }

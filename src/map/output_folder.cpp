@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* kPrefix = ".kestrel_slam.";
 constexpr mode_t kFileMode = 0666;  // less what the umask takes away
-constexpr int kMaxNames = 1000;
+constexpr int kMaxFolders = 1000;
 // Others hold the lock for milliseconds. A process that was stopped must not stop this one.
 constexpr std::chrono::milliseconds kLockRetry(5);
 constexpr int kMaxLockTries = 400;
@@ -127,7 +127,7 @@ std::string OutputFolder::writeNameless(const std::string& content) {
   bool named = false;
   std::string temporary;
   const bool written = writeAll(file, content) == 0;
-  for (int n = 0; written && !named && n < kMaxNames; ++n) {
+  for (int n = 0; written && !named && n < kMaxFolders; ++n) {
     temporary = temporaryName(n, kFileEnding);
     named = ::linkat(AT_FDCWD, link.c_str(), folder_, temporary.c_str(), AT_SYMLINK_FOLLOW) == 0;
     if (!named && errno != EEXIST) break;
@@ -141,7 +141,7 @@ std::string OutputFolder::writeTemporary(const std::string& name, const std::str
   if (!nameless.empty()) return nameless;
   std::string temporary;
   int file = -1;
-  for (int n = 0; file < 0 && n < kMaxNames; ++n) {
+  for (int n = 0; file < 0 && n < kMaxFolders; ++n) {
     temporary = temporaryName(n, kFileEnding);
     file = ::openat(folder_, temporary.c_str(),
                     O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kFileMode);

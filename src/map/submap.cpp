@@ -9,7 +9,7 @@
 namespace kestrel {
 namespace {
 
-constexpr double kBytesPerMegabyte = 1e6;
+constexpr double kMegabyte = 1e6;
 
 std::uint64_t newRevision() {
   static std::atomic<std::uint64_t> last{0};
@@ -21,7 +21,7 @@ std::uint64_t newRevision() {
 Submap::Submap(const OccupancyGridConfig& config, const SubmapOptions& options)
     : options_(options),
       budget_(std::make_shared<MemoryBudget>(
-          static_cast<std::size_t>(config.memory_limit_mb * kBytesPerMegabyte))),
+          static_cast<std::size_t>(config.memory_limit_mb * kMegabyte))),
       grid_(config, budget_),
       surface_(static_cast<float>(config.resolution_m), budget_),
       revision_(newRevision()) {}

@@ -16,7 +16,7 @@ constexpr double kMaxStepM = 1.0;
 constexpr double kMaxSearchScale = 8.0;
 /// A pose that is farther from the prediction than this speed explains must have a much better
 /// score. A room that looks different at another height must not cause a jump.
-constexpr double kMaxSpeed = 3.0;  // m/s
+constexpr double kSpeedLimit = 3.0;  // m/s
 constexpr double kMinPlausibleM = 0.05;
 
 /// Maximum turn rate of a vehicle, and noise of the yaw.
@@ -112,12 +112,12 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
   if (is_gap || (result.wide && !result.prior)) result.last = result.initial_guesses.front();
   if (result.lost) {
     const double distance =
-        lost_scans_ > 0 ? kMaxSpeed * (scan.time - found_time_) : kSigmas * error.position_m();
+        lost_scans_ > 0 ? kSpeedLimit * (scan.time - found_time_) : kSigmas * error.position_m();
     result.search_scale = std::clamp(1.0 + distance / wide_window_m_, 1.0, kMaxSearchScale);
     // Scans that did not fit are a sign of a blocked view, not of a long way.
     if (lost_scans_ == 0) result.moved_scale = result.search_scale;
   }
-  result.plausible_m = std::max(kMinPlausibleM, kMaxSpeed * (scan.time - found_time_));
+  result.plausible_m = std::max(kMinPlausibleM, kSpeedLimit * (scan.time - found_time_));
   if (placed_) result.plausible_m = std::numeric_limits<double>::infinity();
   return result;
 }

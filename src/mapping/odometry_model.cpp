@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kestrel_slam/geometry/square.h"
+
 namespace kestrel {
 namespace {
 
@@ -25,8 +27,6 @@ constexpr double kKept = 1.0 - 1.0 / kMemorySegments;
 constexpr double kSlipRatio = 9.0;
 /// Limits of the scale. Beyond them the unit is wrong, or the data.
 constexpr double kMinScale = 0.5, kMaxScale = 2.0;
-
-double square(double x) { return x * x; }
 
 /// Variances of the assumed errors of a motion, m² and rad².
 double assumedPosition(double distance_m) { return square(kRelativeError * distance_m); }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "kestrel_slam/geometry/pose_covariance.h"
+#include "kestrel_slam/geometry/square.h"
 #include "kestrel_slam/matching/covariance.h"
 
 namespace kestrel {
@@ -32,8 +33,6 @@ constexpr double kAccelerometerError = 0.05;
 constexpr double kUnknownAcceleration = 1.0, kAccelerationTime = 0.5, kMaxSpeed = 3.0;
 /// Error of the odometry, relative to the distance.
 constexpr double kOdometryError = 0.1;
-
-double square(double x) { return x * x; }
 
 Eigen::Matrix3d absolute(const Eigen::Matrix3d& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(symmetric);

@@ -10,9 +10,9 @@ namespace {
 /// Standard deviation of the velocity at the last match, m/s, and its growth, m/s². A quadrotor
 /// that is tilted by 9 degrees accelerates with 1.5 m/s². With an accelerometer the error is that
 /// of the attitude: half a degree.
-constexpr double kFirstSpeed = 0.15, kFirstMeasuredSpeed = 0.05;
-constexpr double kUnknownAcceleration = 1.5, kAccelerometerError = 0.1;
-constexpr double kMaxSpeed = 3.0;  // m/s
+constexpr double kFirstSpeedError = 0.15, kFirstMeasuredSpeed = 0.05;
+constexpr double kAccelerationError = 1.5, kMeasuredAccelerationError = 0.1;
+constexpr double kFastest = 3.0;  // m/s
 
 /// The same for the yaw, rad/s and rad/s².
 constexpr double kFirstRate = 0.1, kUnknownAngularAcceleration = 3.0, kMaxRate = 4.0;
@@ -37,9 +37,9 @@ void PredictionError::grow(const PredictedStep& step) {
     return;
   }
   const bool measured = step.source == PredictionSource::kAccelerometer;
-  speed_m_s_ = std::max(speed_m_s_, measured ? kFirstMeasuredSpeed : kFirstSpeed);
-  extend(step.seconds, measured ? kAccelerometerError : kUnknownAcceleration, kMaxSpeed, speed_m_s_,
-         position_m_);
+  speed_m_s_ = std::max(speed_m_s_, measured ? kFirstMeasuredSpeed : kFirstSpeedError);
+  extend(step.seconds, measured ? kMeasuredAccelerationError : kAccelerationError, kFastest,
+         speed_m_s_, position_m_);
 }
 
 void PredictionError::growYaw(const PredictedStep& step) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kestrel_slam/matching/unknown_score.h"
+#include "round_up.h"
 
 namespace kestrel {
 namespace {
@@ -21,8 +22,6 @@ static_assert(BoundImages::kUnknown == static_cast<int>(kUnknownScore * BoundIma
 
 /// Squares of this side lie in one tile of the surface.
 constexpr int kSquare = 16;
-
-int roundUp(int value, int unit) { return (value + unit - 1) / unit * unit; }
 
 int floorDiv(int value, int shift) { return value >> shift; }
 

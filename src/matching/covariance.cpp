@@ -9,7 +9,7 @@ namespace kestrel {
 namespace {
 
 /// Added to the Hessian, because that of an empty scan is zero.
-constexpr double kLeastInformation = 1e-3;
+constexpr double kLeastShare = 1e-3;
 /// Distance of the samples, in standard deviations of the spread.
 constexpr double kSampleSigmas = 1.0;
 /// Limits the covariance of a flat likelihood to 25 times the spread, since the samples do not show
@@ -19,7 +19,7 @@ constexpr double kLeastCurvature = 0.04;
 }  // namespace
 
 Eigen::Matrix3d hessianCovariance(const Eigen::Matrix3d& hessian, double variance) {
-  const Eigen::Matrix3d inverse = (hessian + kLeastInformation * Eigen::Matrix3d::Identity())
+  const Eigen::Matrix3d inverse = (hessian + kLeastShare * Eigen::Matrix3d::Identity())
                                       .ldlt()
                                       .solve(Eigen::Matrix3d::Identity());
   return variance * 0.5 * (inverse + inverse.transpose());

@@ -12,7 +12,7 @@ namespace {
 
 /// Maximum pair distance of the stages, relative to that of the first.
 constexpr std::array<double, kMatchStages> kReachShares = {1.0, 0.4, 0.2};
-constexpr std::size_t kLastStage = kMatchStages - 1;
+constexpr std::size_t kLastIcpStage = kMatchStages - 1;
 /// Maximum distance of the iterations from all initial guesses, m.
 constexpr float kMaxDriftM = 1.0F;
 /// Step between rotated initial guesses, rad. ICP converges from half of it.
@@ -27,7 +27,8 @@ IcpMatcher::IcpMatcher(const MatcherConfig& config)
 
 MatchResult IcpMatcher::match(const Submap& map, const MatchRequest& request) const {
   const Task task = taskOf(map, request);
-  Candidate best = refine(task, request.initial_guesses.front(), request.trusted ? kLastStage : 0);
+  Candidate best =
+      refine(task, request.initial_guesses.front(), request.trusted ? kLastIcpStage : 0);
   MatchResult result;
   result.iterations = best.iterations;
   for (std::size_t i = 1; i < request.initial_guesses.size() && best.fit.score < config_.good_score;
@@ -91,7 +92,7 @@ IcpMatcher::Candidate IcpMatcher::refine(const Task& task, const Pose2& initial_
   pairs.reserve(task.request.points.size());
   Pose2 pose = initial_guess;
   for (std::size_t stage = first_stage; stage < kMatchStages; ++stage) {
-    const Points& points = stage == kLastStage ? task.request.points : task.few;
+    const Points& points = stage == kLastIcpStage ? task.request.points : task.few;
     const auto reach = static_cast<float>(icp.max_pair_distance_m * kReachShares[stage]);
     result.converged = false;
     for (int i = 0; i < icp.max_iterations && !result.converged; ++i) {

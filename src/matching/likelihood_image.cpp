@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "round_up.h"
+
 namespace kestrel {
 namespace {
 
@@ -11,8 +13,6 @@ namespace {
 constexpr int kTableSteps = 32;
 /// Maximum distance of a cell to its surfel: kReachCells, and up to two cells that a mean can move.
 constexpr int kFarthest = SurfelField::kReachCells + 2;
-
-int roundUp(int value, int unit) { return (value + unit - 1) / unit * unit; }
 
 /// exp(-d² / (2 sigma²)) in steps of 1/255, indexed by squared distance. The last entry, 0, is for
 /// all larger distances.

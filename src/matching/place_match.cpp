@@ -16,8 +16,8 @@ namespace {
 /// Number of points for the search, and for the comparison of its hypotheses.
 constexpr std::size_t kSearchPoints = 360, kComparedPoints = 240;
 /// Poses that differ by less than this are one explanation.
-constexpr double kSameM = 0.6, kSameRad = 0.35;
-constexpr std::size_t kRefined = 2;
+constexpr double kSamePlaceM = 0.6, kSamePlaceRad = 0.35;
+constexpr std::size_t kRefinedPlaces = 2;
 
 struct Explanation {
   Pose2 pose;
@@ -53,7 +53,7 @@ PlaceMatch matchPlace(const Submap& place, const Points& points, const Pose2& ce
   if (found.empty()) return result;
   std::stable_sort(found.begin(), found.end(),
                    [](const Explanation& a, const Explanation& b) { return a.score > b.score; });
-  for (std::size_t i = 0; i < std::min(kRefined, found.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kRefinedPlaces, found.size()); ++i) {
     const MatchResult match = matchNear(place, points, found[i].pose, config);
     const double score = match.score * match.known;
     if (score <= result.score) continue;
@@ -63,7 +63,7 @@ PlaceMatch matchPlace(const Submap& place, const Points& points, const Pose2& ce
   const Eigen::Vector2d ignored = result.match.degenerate
                                       ? result.match.degenerate_direction
                                       : Eigen::Vector2d(Eigen::Vector2d::Zero());
-  const ExcludedPoses same{result.match.pose, kSameM, kSameRad, ignored};
+  const ExcludedPoses same{result.match.pose, kSamePlaceM, kSamePlaceRad, ignored};
   for (const Explanation& other : found) {
     if (isNear(same, other.pose)) continue;
     result.second_score = other.score;

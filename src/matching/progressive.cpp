@@ -15,11 +15,11 @@ static_assert(OccupancyGrid::kLevels == kMatchStages, "one stage per level");
 constexpr int kCoarsestLevel = OccupancyGrid::kLevels - 1;
 /// Number of points that vote on a level, 5 cm first. Large cells need fewer points, because
 /// neighbors hit the same cells.
-constexpr std::array<std::size_t, OccupancyGrid::kLevels> kPoints = {180, 120, 90};
+constexpr std::array<std::size_t, OccupancyGrid::kLevels> kLevelPoints = {180, 120, 90};
 /// A candidate is checked for early termination after this many points.
 constexpr std::size_t kChunk = 32;
-/// Candidates that are less likely than the best one by a factor exp(-kNegligible) are dropped.
-constexpr double kNegligible = 6.0;
+/// Candidates that are less likely than the best one by a factor exp(-kNegligibleLog) are dropped.
+constexpr double kNegligibleLog = 6.0;
 constexpr float kOccupied = 0.5F;
 
 /// The points of a scan, prepared to count votes on one level for any pose.
@@ -123,7 +123,7 @@ LevelEstimate bestCandidate(const OccupancyGrid& grid, int level, const Points& 
   LevelEstimate result;
   for (const Eigen::Vector3f& candidate : candidates) {
     const Pose2 pose = addOffset(center, sigma.cwiseProduct(candidate.cast<double>()));
-    votes.push_back(counter.vote(pose, most_votes - kNegligible / beams));
+    votes.push_back(counter.vote(pose, most_votes - kNegligibleLog / beams));
     most_votes = std::max(most_votes, votes.back());
     const double log_posterior =
         beams * votes.back() -
@@ -166,8 +166,8 @@ Refinement ProgressiveRefiner::refine(const OccupancyGrid& grid, const Points& p
   for (std::size_t stage = 0; stage < kMatchStages; ++stage) {
     const int level = kCoarsestLevel - static_cast<int>(stage);
     const LevelEstimate estimate =
-        bestCandidate(grid, level, thinned(points, kPoints[static_cast<std::size_t>(level)]), pose,
-                      space, stage == 0 ? coarse_ : fine_, config_.beams);
+        bestCandidate(grid, level, thinned(points, kLevelPoints[static_cast<std::size_t>(level)]),
+                      pose, space, stage == 0 ? coarse_ : fine_, config_.beams);
     // The mean is more accurate than the spacing of the candidates. It matters for the last level,
     // which is not refined further.
     const Pose2 next = level == 0 ? estimate.mean : estimate.pose;
@@ -191,7 +191,7 @@ Refinement ProgressiveRefiner::refine(const OccupancyGrid& grid, const Points& p
 
 Pose2 ProgressiveRefiner::findCoarsely(const OccupancyGrid& grid, const Points& points,
                                        const Pose2& center, const CandidateSpread& spread) const {
-  return bestCandidate(grid, kCoarsestLevel, thinned(points, kPoints[kCoarsestLevel]), center,
+  return bestCandidate(grid, kCoarsestLevel, thinned(points, kLevelPoints[kCoarsestLevel]), center,
                        spread, wide_, config_.beams)
       .pose;
 }

@@ -10,25 +10,25 @@ namespace kestrel {
 namespace {
 
 /// Number of points for a search.
-constexpr std::size_t kPoints = 96;
+constexpr std::size_t kRoughPoints = 96;
 /// Points farther than this are ignored, because the image would be large.
-constexpr float kFarthestM = 100.0F;
+constexpr float kRoughFarthestM = 100.0F;
 /// Limits of the angular step for pixels of 20 cm, rad.
 constexpr double kLeastStep = 0.025, kMostStep = 0.07, kPixelM = 0.2;
 /// Number of points that are summed in bytes.
-constexpr std::size_t kTogether = 4;
-static_assert(kTogether * WallImage::kWall <= 0xFF, "the sum of four fits into a byte");
-static_assert(kPoints * WallImage::kWall <= 0xFFFF, "the sum of all points fits");
+constexpr std::size_t kRoughTogether = 4;
+static_assert(kRoughTogether * WallImage::kWall <= 0xFF, "the sum of four fits into a byte");
+static_assert(kRoughPoints * WallImage::kWall <= 0xFFFF, "the sum of all points fits");
 /// Work of one rotated point, and of a row of windows for four points.
-constexpr std::int64_t kWorkPerRotation = 20, kWorkPerRow = 16, kWorkPerPart = 1000;
+constexpr std::int64_t kWorkPerRotation = 20, kWorkPerRoughRow = 16, kWorkPerPart = 1000;
 
-/// `kPoints` points of the scan, evenly distributed over the beams.
+/// `kRoughPoints` points of the scan, evenly distributed over the beams.
 Points sampleOf(const Points& points) {
   Points near;
   for (const Eigen::Vector2f& p : points) {
-    if (p.norm() <= kFarthestM) near.push_back(p);  // false for NaN
+    if (p.norm() <= kRoughFarthestM) near.push_back(p);  // false for NaN
   }
-  return sampled(near, kPoints);
+  return sampled(near, kRoughPoints);
 }
 
 float medianRange(const Points& points) {
@@ -106,7 +106,7 @@ void RoughGrid::sum(const RoughPart& part, Sums& sums) const {
   std::fill_n(sums.begin(), part.rows * kSide, std::uint16_t{0});
   const std::ptrdiff_t offset = static_cast<std::ptrdiff_t>(part.dy) * stride_ + part.dx;
   std::size_t n = 0;
-  for (; n + kTogether <= pixels_.size(); n += kTogether) {
+  for (; n + kRoughTogether <= pixels_.size(); n += kRoughTogether) {
     const std::uint8_t *a = pixels_[n] + offset, *b = pixels_[n + 1] + offset,
                        *c = pixels_[n + 2] + offset, *d = pixels_[n + 3] + offset;
     std::uint16_t* sum = sums.data();
@@ -138,8 +138,9 @@ std::int64_t RoughGrid::rotationWork() const {
 }
 
 std::int64_t RoughGrid::sumWork(const RoughPart& part) const {
-  const auto additions = static_cast<std::int64_t>(points_.size() / kTogether + kTogether);
-  return kWorkPerPart + kWorkPerRow * additions * part.rows;
+  const auto additions =
+      static_cast<std::int64_t>(points_.size() / kRoughTogether + kRoughTogether);
+  return kWorkPerPart + kWorkPerRoughRow * additions * part.rows;
 }
 
 }  // namespace kestrel

@@ -12,7 +12,7 @@ namespace kestrel {
 namespace {
 
 /// The sizes of pixels, m: the small one where the whole window can be searched with it.
-constexpr double kPixelM = 0.2;
+constexpr double kSearchPixelM = 0.2;
 constexpr int kCoarser = 1;  // 2^kCoarser times as large
 /// Only the best pose of a square of this size is a candidate.
 constexpr double kBinM = 0.8;
@@ -203,10 +203,10 @@ class Search {
   RoughGrid::Sums sums_{};
 };
 
-/// The largest pixels that are not larger than kPixelM.
+/// The largest pixels that are not larger than kSearchPixelM.
 int pixelShift(double cell_m) {
   int shift = 0;
-  while (shift + 1 + kCoarser < kTileShift && cell_m * (2 << shift) <= kPixelM * (1.0 + 1e-6))
+  while (shift + 1 + kCoarser < kTileShift && cell_m * (2 << shift) <= kSearchPixelM * (1.0 + 1e-6))
     ++shift;
   return shift;
 }

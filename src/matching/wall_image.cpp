@@ -9,9 +9,9 @@ namespace {
 
 /// The last layer reaches this many pixels farther than layer 0, which reaches one.
 constexpr int kReach = 1 << (WallImage::kMostLayers - 2);
-constexpr int kPad = 2 * kReach;
+constexpr int kMargin = 2 * kReach;
 /// Work per pixel of each layer, and per tile of the map.
-constexpr std::int64_t kWorkPerPixel = 2, kWorkPerTile = 100;
+constexpr std::int64_t kWorkPerPixel = 2, kWorkPerWallTile = 100;
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -32,9 +32,9 @@ void takeMaximum(const Bytes& in, std::ptrdiff_t step, Bytes& out) {
 
 WallImage::WallImage(const SurfelField& surface, const CellBox& box, int shift, int layers)
     : shift_(shift),
-      low_{(box.low.x >> shift) - kPad, (box.low.y >> shift) - kPad},
-      width_((box.high.x >> shift) - low_.x + 1 + kPad),
-      height_((box.high.y >> shift) - low_.y + 1 + kPad),
+      low_{(box.low.x >> shift) - kMargin, (box.low.y >> shift) - kMargin},
+      width_((box.high.x >> shift) - low_.x + 1 + kMargin),
+      height_((box.high.y >> shift) - low_.y + 1 + kMargin),
       layers_(static_cast<std::size_t>(layers)) {
   const std::size_t size = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   for (Bytes& layer : layers_) layer.assign(size, 0);
@@ -45,9 +45,10 @@ WallImage::WallImage(const SurfelField& surface, const CellBox& box, int shift, 
 }
 
 std::int64_t WallImage::workFor(const CellBox& box, int shift, int layers) {
-  const std::int64_t width = ((box.high.x - box.low.x) >> shift) + 2 * kPad;
-  const std::int64_t height = ((box.high.y - box.low.y) >> shift) + 2 * kPad;
-  return width * height * (kWorkPerPixel * layers + (kWorkPerTile >> (2 * (kTileShift - shift))));
+  const std::int64_t width = ((box.high.x - box.low.x) >> shift) + 2 * kMargin;
+  const std::int64_t height = ((box.high.y - box.low.y) >> shift) + 2 * kMargin;
+  return width * height *
+         (kWorkPerPixel * layers + (kWorkPerWallTile >> (2 * (kTileShift - shift))));
 }
 
 void WallImage::mark(const Cell& tile_corner, const SurfelField::OccupiedRows& rows) {
@@ -62,7 +63,8 @@ void WallImage::mark(const Cell& tile_corner, const SurfelField::OccupiedRows& r
       const int column = ((tile_corner.x + x) >> shift_) - low_.x;
       const int line = ((tile_corner.y + y) >> shift_) - low_.y;
       // A tile at the border may reach out of the image.
-      if (column < kPad || column >= width_ - kPad || line < kPad || line >= height_ - kPad)
+      if (column < kMargin || column >= width_ - kMargin || line < kMargin ||
+          line >= height_ - kMargin)
         continue;
       layers_[0][static_cast<std::size_t>(line) * static_cast<std::size_t>(width_) +
                  static_cast<std::size_t>(column)] = kWall;

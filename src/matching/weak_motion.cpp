@@ -24,8 +24,8 @@ constexpr double kMostDistanceM = 0.3;
 /// A hit lies on a line with two other hits of the scan in this distance, if its offset from the
 /// line is smaller than this, m, and the bend (sine) too.
 constexpr float kLeastArmM = 0.3F, kMostArmM = 8.0F, kMostOffsetM = 0.08F, kMostBend = 0.2F;
-/// The errors of neighboring beams are correlated: n beams count as n / kBeamCorrelation.
-constexpr double kBeamCorrelation = 4.0;
+/// The errors of neighboring beams are correlated: n beams count as n / kCorrelatedBeams.
+constexpr double kCorrelatedBeams = 4.0;
 /// Least noise of a distance: that of the map, m.
 constexpr double kLeastNoiseM = 0.01;
 /// Regularizes the normal equations of a scan with few beams.
@@ -196,7 +196,7 @@ Parabola parabolaOf(const SurfelField& surface, const Pose2& pose, const std::ve
   if (bend <= 0.0) return result;
   result.minimum = slope / bend;
   const double mean = beams.empty() ? 0.0 : slope / static_cast<double>(beams.size());
-  result.variance = kBeamCorrelation * (slope2 - slope * mean) / (bend * bend);
+  result.variance = kCorrelatedBeams * (slope2 - slope * mean) / (bend * bend);
   return result;
 }
 
@@ -231,7 +231,7 @@ AlongFit fitAlong(const SurfelField& surface, const Points& points, const Pose2&
     const Parabola parabola = parabolaOf(surface, pose, beams, motion, step);
     if (parabola.certain < 1.0) return {};
     result.variance_m2 = std::max(
-        parabola.variance, kBeamCorrelation * kLeastNoiseM * kLeastNoiseM / parabola.certain);
+        parabola.variance, kCorrelatedBeams * kLeastNoiseM * kLeastNoiseM / parabola.certain);
     const double moved = std::clamp(parabola.minimum, -step, step);
     result.distance_m = std::clamp(result.distance_m + moved, -limit_m, limit_m);
   }

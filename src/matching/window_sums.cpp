@@ -7,16 +7,17 @@
 namespace kestrel {
 namespace {
 
-constexpr int kLanes = LikelihoodImage::kLanes;
+constexpr int kSumLanes = LikelihoodImage::kLanes;
 /// Number of points that are summed in bytes before they are added to the total. With values of the
 /// coarse levels, a row of windows of four points then takes little more time than that of one.
-constexpr int kTogether = 4;
-static_assert(kTogether * LikelihoodImage::kCoarseMax <= 0xFF, "the sum of four fits into a byte");
+constexpr int kSummedTogether = 4;
+static_assert(kSummedTogether * LikelihoodImage::kCoarseMax <= 0xFF,
+              "the sum of four fits into a byte");
 static_assert(kChunkPoints * LikelihoodImage::kMax <= 0xFFFF, "the sum of a chunk fits");
 /// Maximum number of rows of windows at a time.
 constexpr int kMaxRows = 32;
 
-using ChunkSums = std::array<std::uint16_t, kMaxRows * kLanes>;
+using ChunkSums = std::array<std::uint16_t, kMaxRows * kSumLanes>;
 
 /// Sums `lanes` windows per row. The sum of four values fits into a `Four`. The loops over lanes
 /// have a constant length, so that compilers use vector instructions on any processor.
@@ -28,7 +29,7 @@ void addPoints(const LikelihoodImage& image, const Windows& windows, const Point
     return image.at(windows.level, points[n].x + windows.dx, points[n].y + windows.dy);
   };
   int n = 0;
-  for (; n + kTogether <= count; n += kTogether) {
+  for (; n + kSummedTogether <= count; n += kSummedTogether) {
     const std::uint8_t *a = at(n), *b = at(n + 1), *c = at(n + 2), *d = at(n + 3);
     std::uint16_t* sum = sums.data();
     for (int row = 0; row < windows.rows; ++row, sum += lanes) {
@@ -72,14 +73,14 @@ void addWindows(const LikelihoodImage& image, const Windows& windows, const Poin
   for (int row = 0; row < windows.rows; row += kMaxRows) {
     strip.rows = std::min(kMaxRows, windows.rows - row);
     strip.dy = windows.dy + row * (1 << windows.level);
-    for (int column = 0; column < windows.columns; column += kLanes) {
-      strip.columns = std::min(kLanes, windows.columns - column);
+    for (int column = 0; column < windows.columns; column += kSumLanes) {
+      strip.columns = std::min(kSumLanes, windows.columns - column);
       strip.dx = windows.dx + column * (1 << windows.level);
       int* out = sums + row * windows.columns + column;
-      if (strip.columns <= kLanes / 2) {
-        addStrip<kLanes / 2>(image, strip, points, count, windows.columns, out);
+      if (strip.columns <= kSumLanes / 2) {
+        addStrip<kSumLanes / 2>(image, strip, points, count, windows.columns, out);
       } else {
-        addStrip<kLanes>(image, strip, points, count, windows.columns, out);
+        addStrip<kSumLanes>(image, strip, points, count, windows.columns, out);
       }
     }
   }

@@ -7,13 +7,13 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "filter_sample.h"
 #include "kestrel_slam/graph/submap_graph.h"
 #include "kestrel_slam/offline/arrival_order.h"
 #include "kestrel_slam/offline/polish.h"
 #include "kestrel_slam/offline/saved_session.h"
 #include "kestrel_slam/session/graph_session.h"
 #include "peak_memory.h"
+#include "report_samples.h"
 #include "stage_clock.h"
 
 namespace kestrel {
@@ -227,6 +227,7 @@ class Runner {
     entry.reason = result.reason;
     entry.odom_T_base = sweep.input.odom_T_base;
     entry.filter = sampleOf(pipeline_.filter().output());
+    entry.tracker = sampleOf(sweep.moving);
     run_.scans.push_back(entry);
     run_.trajectory.push_back({sweep.scan.stamp, result.pose});
     if (const SubmapGraph* graph = pipeline_.graph())

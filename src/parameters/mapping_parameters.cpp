@@ -194,8 +194,8 @@ std::vector<Parameter> icpParametersOf(IcpConfig& icp) {
 std::vector<Parameter> mappingParametersOf(SlamConfig& config) {
   MatcherConfig& matcher = config.mapper.matcher;
   std::vector<Parameter> tracker = {
-      flag("tracker", &config.tracker,
-           "Track people and vehicles, and keep the beams on them out of matching and map.")};
+      live(flag("tracker", &config.tracker,
+                "Track people and vehicles, and keep the beams on them out of matching and map."))};
   return joined({group("Map", mapParametersOf(config.mapper)),
                  group("Matching", matchingParametersOf(config.mapper)),
                  group("Matching: search", searchParametersOf(matcher)),

@@ -23,8 +23,14 @@ PlanarRay moved(const Pose2& a_T_b, const PlanarRay& ray) {
 
 }  // namespace
 
-MappingStage::MappingStage(const MapperConfig& config, bool keep_out_moving)
-    : mapper_(config), moving_(keep_out_moving ? std::make_unique<MovingBeams>() : nullptr) {}
+MappingStage::MappingStage(const MapperConfig& config, bool keep_out_moving) : mapper_(config) {
+  keepOutMoving(keep_out_moving);
+}
+
+void MappingStage::keepOutMoving(bool enabled) {
+  if (enabled == (moving_ != nullptr)) return;
+  moving_ = enabled ? std::make_unique<MovingBeams>() : nullptr;
+}
 
 MapperResult MappingStage::process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                                    const std::optional<double>& time) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPeriod = 0.2;    // s; between two scans that are compared
 constexpr double kMaxPause = 1.0;  // s
-constexpr double kHistory = 10.0;  // s
+constexpr double kKept_s = 10.0;   // s
 constexpr std::size_t kMostLasers = 16;
 constexpr double kMostTilted = 0.5;  // cosine; a laser that is tilted further shows no yaw
 const double kMaxTilt = degToRad(3.0);
@@ -88,7 +88,7 @@ void MountingCheck::addOdometry(double time, double yaw) {
     yaw = odometry_yaws_.back().yaw + normalizeAngle(yaw - odometry_yaws_.back().yaw);
   }
   odometry_yaws_.push_back({time, yaw});
-  while (odometry_yaws_.front().time < time - kHistory) odometry_yaws_.pop_front();
+  while (odometry_yaws_.front().time < time - kKept_s) odometry_yaws_.pop_front();
   odometry_.compare(time, [this](double t) { return odometryAt(t); });
 }
 

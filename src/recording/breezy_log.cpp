@@ -18,7 +18,7 @@ namespace {
 // Columns, counted from 0.
 constexpr std::size_t kTime = 0, kLeftTicks = 2, kRightTicks = 3, kFirstRange = 24;
 constexpr std::size_t kBeams = 682;
-constexpr std::size_t kMinColumns = kFirstRange + kBeams, kMaxColumns = kMinColumns + 1;
+constexpr std::size_t kFewestColumns = kFirstRange + kBeams, kMostColumns = kFewestColumns + 1;
 constexpr double kMicrosecondsPerSecond = 1e6;  // used as divisor, so that a stamp is rounded once
 constexpr double kMillimetersPerMeter = 1e3;
 constexpr double kRateHz = 10.0;  // of a URG-04LX
@@ -31,7 +31,7 @@ constexpr double kTicksPerTurn = 2000.0;
 std::vector<double> columnsOf(const std::string& line) {
   std::istringstream fields(line);
   std::vector<double> columns;
-  columns.reserve(kMaxColumns);
+  columns.reserve(kMostColumns);
   double value = 0.0;
   for (std::string field; fields >> field;) {
     if (!parseFinite(field, value)) return {};
@@ -41,7 +41,7 @@ std::vector<double> columnsOf(const std::string& line) {
 }
 
 bool isScan(const std::vector<double>& columns) {
-  return columns.size() >= kMinColumns && columns.size() <= kMaxColumns;
+  return columns.size() >= kFewestColumns && columns.size() <= kMostColumns;
 }
 
 std::size_t countColumns(const std::string& line) {
@@ -89,7 +89,7 @@ bool BreezyLog::next(RecordedScan& scan) {
     if (fill(line, scan)) return true;
     if (++skipped_["broken line"] > 1) continue;
     warnings_.push_back("line " + std::to_string(line_number_) + ": broken line skipped: a scan " +
-                        "has " + std::to_string(columns_ > 0 ? columns_ : kMinColumns) +
+                        "has " + std::to_string(columns_ > 0 ? columns_ : kFewestColumns) +
                         " numbers, and the wheels do not jump");
   }
   if (stream_->bad()) reportCutOff();

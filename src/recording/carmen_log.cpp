@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "affixes.h"
 #include "kestrel_slam/recording/text_stream.h"
 
 namespace kestrel {
@@ -21,7 +22,7 @@ const std::string kBrokenLine = "broken line";
 // five more.
 constexpr std::size_t kFrontTrailingFields = 9;
 constexpr std::size_t kRobotTrailingFields = 14;
-constexpr std::size_t kPoseNumbers = 6;
+constexpr std::size_t kPoseColumns = 6;
 constexpr std::size_t kMaxNameLength = 20;  // of an unknown message, for the warning
 
 /// The last fields of a line. Does not parse the ranges, which is faster.
@@ -47,8 +48,8 @@ struct LineEnd {
 bool parseEnd(const std::string& line, std::size_t field_count, LineEnd& end) {
   const std::vector<std::string> fields = lastFields(line, field_count);
   if (fields.size() != field_count) return false;
-  std::array<double, kPoseNumbers> v{};
-  for (std::size_t i = 0; i < kPoseNumbers; ++i) {
+  std::array<double, kPoseColumns> v{};
+  for (std::size_t i = 0; i < kPoseColumns; ++i) {
     if (!parseFinite(fields[i], v[i])) return false;
   }
   double stamp = 0.0, logged = 0.0;
@@ -92,10 +93,6 @@ bool isCarmenName(const std::string& name) {
                                                "SYNC",   "TRUEPOS", "NMEAGGA", "NMEARMC"};
   const auto startsWith = [&](const char* start) { return name.rfind(start, 0) == 0; };
   return kNames.count(name) > 0 || startsWith("ROBOTLASER") || startsWith("RAWLASER");
-}
-
-bool endsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
 /// Rounds to the six decimals of the log, so that a laser at the center is exactly at 0.

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "affixes.h"
 #include "kestrel_slam/recording/text_stream.h"
 #include "kestrel_slam/sensor/point_buffer.h"
 
@@ -16,10 +17,6 @@ namespace kestrel {
 namespace {
 
 constexpr std::size_t kNuScenesValues = 5, kKittiValues = 4;  // per point
-
-bool endsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
 
 /// The header of a PCD file.
 struct PcdHeader {

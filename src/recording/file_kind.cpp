@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "affixes.h"
 #include "kestrel_slam/recording/text_stream.h"
 
 namespace kestrel {
@@ -62,10 +63,6 @@ const std::vector<Kind>& kinds() {
              "ELF"),
        "is a program, not a recording"}};
   return kKinds;
-}
-
-bool startsWith(const std::string& text, const std::string& start) {
-  return text.compare(0, start.size(), start) == 0;
 }
 
 std::string folderKind(const std::string& path) {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kHeadBytes = 1U << 21U;  // hundreds of scans
 constexpr double kFullTurnDeg = 360.0;
-constexpr double kNanosecondsPerSecond = 1e9;
+constexpr double kNanosecondsInSecond = 1e9;
 
 std::optional<TableLayout> layoutOf(const std::string& path) {
   return findTableLayout(readHead(path, kHeadBytes));
@@ -145,7 +145,7 @@ bool RangeTable::fillHeader(const std::vector<std::string_view>& fields, Recorde
   double nanoseconds = 0.0;
   read(columns.stamp, stamp);
   read(columns.nanoseconds, nanoseconds);
-  if (columns.stamp) stamp = stamp * columns.stamp_unit_s + nanoseconds / kNanosecondsPerSecond;
+  if (columns.stamp) stamp = stamp * columns.stamp_unit_s + nanoseconds / kNanosecondsInSecond;
   if (!valid || !std::isfinite(stamp)) return false;
   scan.scan.stamp = stamp;
   scan.time = columns.stamp ? monotone_time_.repair(stamp) : stamp;

@@ -16,17 +16,15 @@
 #include <stdexcept>
 #include <streambuf>
 
+#include "affixes.h"
+
 namespace kestrel {
 namespace {
 
-constexpr std::size_t kMagicBytes = 6;
+constexpr std::size_t kCompressionBytes = 6;
 const std::string kBzip2Magic = "BZh";
 const std::string kGzipMagic = "\x1f\x8b";
 const std::string kXzMagic("\xfd\x37zXZ\0", 6);
-
-bool startsWith(const std::string& text, const std::string& start) {
-  return text.compare(0, start.size(), start) == 0;
-}
 
 void requireFile(const std::string& path) {
   std::error_code error;
@@ -63,7 +61,7 @@ std::string readMagic(const std::string& path, std::size_t count) {
 }
 
 std::unique_ptr<std::istream> openText(const std::string& path) {
-  const std::string magic = readMagic(path, kMagicBytes);
+  const std::string magic = readMagic(path, kCompressionBytes);
   auto stream = std::make_unique<boost::iostreams::filtering_istream>();
   if (startsWith(magic, kBzip2Magic)) {
     stream->push(boost::iostreams::bzip2_decompressor());

@@ -255,7 +255,7 @@ void drawPanels(cairo_t* cr, const std::vector<PlotPanel>& panels) {
   }
 }
 
-cairo_status_t append(void* bytes, const unsigned char* data, unsigned int count) {
+cairo_status_t appendTo(void* bytes, const unsigned char* data, unsigned int count) {
   static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), count);
   return CAIRO_STATUS_SUCCESS;
 }
@@ -270,13 +270,13 @@ void writePng(const std::string& path, const std::vector<PlotPanel>& panels, int
                         cairo_surface_destroy);
   drawPanels(Context(cairo_create(surface.get()), cairo_destroy).get(), panels);
   std::string bytes;
-  requireSuccess(path, cairo_surface_write_to_png_stream(surface.get(), append, &bytes));
+  requireSuccess(path, cairo_surface_write_to_png_stream(surface.get(), appendTo, &bytes));
   writeFileAtomically(path, bytes);
 }
 
 void writeSvg(const std::string& path, const std::vector<PlotPanel>& panels, int height) {
   std::string bytes;
-  const Surface surface(cairo_svg_surface_create_for_stream(append, &bytes, kWidth, height),
+  const Surface surface(cairo_svg_surface_create_for_stream(appendTo, &bytes, kWidth, height),
                         cairo_surface_destroy);
   cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PX);
   drawPanels(Context(cairo_create(surface.get()), cairo_destroy).get(), panels);

@@ -191,6 +191,21 @@ void addFilterCharts(const OfflineRun& run, const std::vector<double>& times, Js
   charts.push_back(chartOf("Filter: bias of the accelerometer", "m/s²", t, accelerometer, 4));
 }
 
+/// The curves of the tracker, if it kept out what moves.
+void addTrackerCharts(const OfflineRun& run, const std::vector<double>& times, Json& charts) {
+  std::vector<double> t, objects, beams;
+  for (std::size_t i = 0; i < run.scans.size(); ++i) {
+    const std::optional<TrackerSample>& sample = run.scans[i].tracker;
+    if (!sample) continue;
+    t.push_back(times[i]);
+    objects.push_back(sample->objects);
+    beams.push_back(sample->kept_out);
+  }
+  if (t.empty()) return;
+  charts.push_back(chartOf("Tracker: moving objects", "", t, objects, 0));
+  charts.push_back(shareChartOf("Tracker: share of the beams that are on them", t, beams, 1.0));
+}
+
 Json chartsOf(const OfflineRun& run, const RunInfo& info, const std::vector<double>& times) {
   std::vector<double> score, known, constraint, ms;
   std::vector<Pose2> poses;
@@ -212,6 +227,7 @@ Json chartsOf(const OfflineRun& run, const RunInfo& info, const std::vector<doub
   charts.push_back(chartOf("Speed", "m/s", times, speeds.linear_m_s, 3));
   charts.push_back(chartOf("Yaw rate", "rad/s", times, speeds.angular_rad_s, 3));
   addFilterCharts(run, times, charts);
+  addTrackerCharts(run, times, charts);
   return charts;
 }
 

@@ -13,17 +13,17 @@
 namespace kestrel {
 namespace {
 
-constexpr double kMaxStep_s = 0.5;  // largest weight of one reading
-constexpr double kTipped_s = 0.5;   // a flip takes less time
+constexpr double kMaxWeight_s = 0.5;  // largest weight of one reading
+constexpr double kTipped_s = 0.5;     // a flip takes less time
 const double kLyingTilt = degToRad(60.0);
 constexpr double kLying_s = 5.0;    // no vehicle flies at this tilt for so long
 constexpr double kMean_s = 5.0;     // time constant of the means; accelerations average out
 constexpr double kMinMean_s = 3.0;  // the means are used after this time
 const double kMaxAngle = degToRad(30.0);
-const double kReversed = degToRad(150.0);
+const double kUpsideDown = degToRad(150.0);
 // Share of the force that must have a constant direction to be gravity.
 constexpr double kMinShare = 0.5;
-constexpr double kUnitTolerance = 0.2;
+constexpr double kSizeTolerance = 0.2;
 
 const char kAskMounting[] = "is the tf from the vehicle's base frame to the IMU's frame correct?";
 
@@ -32,7 +32,7 @@ std::string degrees(double angle) {
 }
 
 bool isNear(double size, double expected) {
-  return std::abs(size - expected) <= kUnitTolerance * expected;
+  return std::abs(size - expected) <= kSizeTolerance * expected;
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ std::string describeSize(double size) {
 
 void MountingMonitor::add(double dt, const Eigen::Quaterniond& world_R_base,
                           const std::optional<Eigen::Vector3d>& force, bool estimated) {
-  const double step = std::clamp(dt, 0.0, kMaxStep_s);
+  const double step = std::clamp(dt, 0.0, kMaxWeight_s);
   estimated_ = estimated;
   tilt_ = tiltOf(world_R_base);
   tipped_s_ = tilt_ > 0.5 * kPi ? tipped_s_ + step : 0.0;
@@ -96,7 +96,7 @@ MountingMonitor::Judgment MountingMonitor::judgeDirection() const {
   if (angle <= kMaxAngle) return {};
   std::string message = "the IMU's accelerometer and its orientation disagree by " +
                         degrees(angle) + " on the direction of gravity: ";
-  message += angle >= kReversed
+  message += angle >= kUpsideDown
                  ? "the accelerometer has the wrong sign (at rest it must read +9.8 "
                    "upwards), or the orientation's z axis points down"
                  : std::string(kAskMounting) +

@@ -11,14 +11,14 @@
 namespace kestrel {
 namespace {
 
-constexpr double kTurn = 2.0 * kPi;
-constexpr double kNearlyAll = 0.9;  // share of a turn; a segment covers less
+constexpr double kFullTurn = 2.0 * kPi;
+constexpr double kMostOfTurn = 0.9;  // share of a turn; a segment covers less
 
 /// How far a beam at `angle` is from `start` in the direction of `increment`, 0 to 2 pi.
 double turnedFrom(double start, double angle, double increment) {
-  const double turned = std::remainder(increment < 0.0 ? start - angle : angle - start, kTurn);
+  const double turned = std::remainder(increment < 0.0 ? start - angle : angle - start, kFullTurn);
   // Half a beam of tolerance, so that rounding does not make a full turn of zero.
-  return turned < -0.5 * std::abs(increment) ? turned + kTurn : turned;
+  return turned < -0.5 * std::abs(increment) ? turned + kFullTurn : turned;
 }
 
 }  // namespace
@@ -28,7 +28,8 @@ ScanJoiner::Place ScanJoiner::placeOf(const LaserScan& scan) {
 }
 
 bool ScanJoiner::coversTurn(const Place& place) {
-  return std::abs(place.angle_increment) * static_cast<double>(place.beams) >= kNearlyAll * kTurn;
+  return std::abs(place.angle_increment) * static_cast<double>(place.beams) >=
+         kMostOfTurn * kFullTurn;
 }
 
 bool ScanJoiner::hasIncrement(const Place& place, double increment) {
@@ -48,8 +49,8 @@ bool ScanJoiner::continues(const Place& first, const Place& second) {
   const double pause = second.stamp - first.stamp;
   if (!(pause >= 0.0 && pause < kMaxPause_s)) return false;
   const double span = step * static_cast<double>(first.beams);
-  const double moved = std::remainder(second.angle_min - first.angle_min, kTurn);
-  const double gap = std::remainder(moved - span, kTurn);
+  const double moved = std::remainder(second.angle_min - first.angle_min, kFullTurn);
+  const double gap = std::remainder(moved - span, kFullTurn);
   return std::abs(gap) <= kMaxGapBeams * std::abs(step) && std::abs(moved) > std::abs(span) / 2.0;
 }
 
@@ -117,7 +118,7 @@ std::optional<std::size_t> ScanJoiner::indexInTurn(const LaserScan& segment) con
 }
 
 void ScanJoiner::startTurn(LaserScan segment) {
-  beams_per_turn_ = static_cast<std::size_t>(std::lround(kTurn / std::abs(increment_)));
+  beams_per_turn_ = static_cast<std::size_t>(std::lround(kFullTurn / std::abs(increment_)));
   last_index_ = 0;
   turn_ = std::move(segment);
 }

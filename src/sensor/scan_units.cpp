@@ -7,10 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include "number_text.h"
+
 namespace kestrel {
 namespace {
 
-constexpr double kMaxSweep = 1.0;          // s; all 2D lasers turn faster
+constexpr double kMaxScanTime = 1.0;       // s; all 2D lasers turn faster
 constexpr double kMaxLaserRange = 1000.0;  // m; no 2D laser measures so far
 constexpr double kMillimetersPerMeter = 1e3;
 
@@ -23,7 +25,7 @@ double sweepOf(const LaserScan& scan) {
 std::string timeUnitOf(double sweep) {
   for (const auto& [factor, unit] :
        {std::pair{1e3, "milliseconds"}, {1e6, "microseconds"}, {1e9, "nanoseconds"}}) {
-    if (sweep / factor <= kMaxSweep) return std::string(": ") + unit + "?";
+    if (sweep / factor <= kMaxScanTime) return std::string(": ") + unit + "?";
   }
   return "";
 }
@@ -40,12 +42,6 @@ std::string fewBeamsText(const LaserScan& scan) {
   return "the scan has " + std::to_string(scan.ranges.size()) + " beams: fewer than " +
          std::to_string(kMinBeamsToMatch) +
          " cannot be matched reliably; use odometry (offline: --odometry use)";
-}
-
-std::string numberText(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
 }
 
 /// The measured ranges of a scan, and those of them that are beyond one of its limits.
@@ -106,7 +102,7 @@ std::string tooCloseText(const LaserScan& scan) {
 
 }  // namespace
 
-bool hasUsableTimes(const LaserScan& scan) { return sweepOf(scan) <= kMaxSweep; }
+bool hasUsableTimes(const LaserScan& scan) { return sweepOf(scan) <= kMaxScanTime; }
 
 std::vector<ScanWarning> warningsOf(const LaserScan& scan) {
   std::vector<ScanWarning> warnings;

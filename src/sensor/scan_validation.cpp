@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "number_text.h"
 
 namespace kestrel {
 namespace {
@@ -42,12 +43,6 @@ std::string rangeProblem(const LaserScan& scan) {
   std::ostringstream text;
   text << "range_min is " << scan.range_min << " and range_max " << scan.range_max
        << " m, range_max must be the larger";
-  return text.str();
-}
-
-std::string numberText(double value) {
-  std::ostringstream text;
-  text << value;
   return text.str();
 }
 

@@ -14,7 +14,7 @@ constexpr double kForceNoise = 0.2;  // m/s²
 // A slow rotation about the vertical looks like a bias. Therefore only small values are accepted.
 constexpr double kMaxTurn = 0.02;  // rad/s
 // About the horizontal axes a rotation would change the direction of gravity, so more is accepted.
-constexpr double kMaxBias = 0.1;  // rad/s
+constexpr double kMaxRestingRate = 0.1;  // rad/s
 
 }  // namespace
 
@@ -47,7 +47,7 @@ std::optional<Eigen::Vector3d> Standstill::judge() const {
   if (force_variance > kForceNoise * kForceNoise) return std::nullopt;
   const Eigen::Vector3d mean = rate + rate_offset_;
   const double turn = mean.dot((force + force_offset_).normalized());
-  if (std::abs(turn) > kMaxTurn || mean.norm() > kMaxBias) return std::nullopt;
+  if (std::abs(turn) > kMaxTurn || mean.norm() > kMaxRestingRate) return std::nullopt;
   return mean;
 }
 

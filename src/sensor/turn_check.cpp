@@ -12,17 +12,17 @@ namespace {
 constexpr double kDelayStep = 0.05;  // s
 constexpr int kDelaySteps = 10;      // each side
 constexpr std::size_t kMostWaiting = 100;
-const double kMoving = degToRad(1.5);  // smaller turns of a scan are inaccurate
-constexpr double kMostTurn = 1e3;      // rad; larger ones are differences across a gap of the IMU
-constexpr double kKept = 0.97;         // weight of the old turns: about 33 turns count
-constexpr int kFewest = 8;             // turns before a verdict
-constexpr double kPath = 0.7;          // rad; before a verdict
-constexpr double kAligned = 0.8;       // correlation
+const double kSmallestTurn = degToRad(1.5);  // smaller turns of a scan are inaccurate
+constexpr double kMostTurn = 1e3;     // rad; larger ones are differences across a gap of the IMU
+constexpr double kKeptTurns = 0.97;   // weight of the old turns: about 33 turns count
+constexpr int kFewestTurns = 8;       // turns before a verdict
+constexpr double kPath = 0.7;         // rad; before a verdict
+constexpr double kTurnAligned = 0.8;  // correlation
 /// A sensor does not turn if it shows less of the large turns of the scans. Small ones may be an
 /// effect of a motion close to walls.
 const double kLarge = degToRad(4.0);
-constexpr double kZeroShare = 0.1;
-constexpr double kUnitTolerance = 0.4;  // the turns of the scans are less accurate than a gyro
+constexpr double kNoTurnShare = 0.1;
+constexpr double kTurnTolerance = 0.4;  // the turns of the scans are less accurate than a gyro
 /// A delay is certain if the turns fit this well with it, and much worse without it.
 constexpr double kDelayFit = 0.95, kDelayGain = 2.0;
 constexpr double kFewestForDelay = 20;
@@ -58,12 +58,12 @@ void TurnCheck::use(const Turn& turn, const YawAt& yaw) {
     const std::optional<double> from = yaw(turn.from + delayOf(i)), to = yaw(turn.to + delayOf(i));
     if (!from || !to) continue;
     const double other = *to - *from;
-    if (std::max(std::abs(other), std::abs(turn.turn)) < kMoving) continue;
+    if (std::max(std::abs(other), std::abs(turn.turn)) < kSmallestTurn) continue;
     if (std::abs(other) > kMostTurn) continue;
     Sums& sums = sums_[i];
     for (double* sum : {&sums.other_squares, &sums.scan_squares, &sums.products, &sums.path,
                         &sums.large, &sums.other_at_large}) {
-      *sum *= kKept;
+      *sum *= kKeptTurns;
     }
     ++sums.pairs;
     sums.other_squares += other * other;
@@ -80,14 +80,14 @@ void TurnCheck::judge() {
   const auto fit = [](const Sums& sums) { return std::abs(sums.correlation()); };
   const auto best = std::max_element(sums_.begin(), sums_.end(),
                                      [&](const Sums& a, const Sums& b) { return fit(a) < fit(b); });
-  if (best == sums_.end() || best->pairs < kFewest || best->path < kPath) return;
+  if (best == sums_.end() || best->pairs < kFewestTurns || best->path < kPath) return;
   const double factor = std::sqrt(best->other_squares / std::max(best->scan_squares, 1e-12));
   const double degrees = radToDeg(1.0);
-  if (best->large > kPath && best->other_at_large < kZeroShare * best->large) {
+  if (best->large > kPath && best->other_at_large < kNoTurnShare * best->large) {
     verdict_ = RotationVerdict::kFirstZero;
-  } else if (fit(*best) < kAligned) {
+  } else if (fit(*best) < kTurnAligned) {
     return;
-  } else if (std::abs(factor - degrees) < kUnitTolerance * degrees) {
+  } else if (std::abs(factor - degrees) < kTurnTolerance * degrees) {
     verdict_ = RotationVerdict::kDegrees;
   } else if (factor > 0.5 && factor < 2.0) {
     verdict_ = best->products > 0.0 ? RotationVerdict::kAgree : RotationVerdict::kOpposite;

@@ -13,7 +13,7 @@ namespace kestrel::chunk_format {
 /// Not a text, and changed by every transfer that takes it for one.
 constexpr char kMagic[] = "\x89KSLAM\r\n";
 constexpr std::uint64_t kMagicBytes = 8;
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kContainerVersion = 1;
 constexpr std::uint64_t kMaxWriterBytes = 255;
 constexpr std::uint64_t kFixedHeaderBytes = kMagicBytes + 4 + 4;
 constexpr std::uint64_t kTagBytes = 4;

@@ -39,7 +39,7 @@ bool ChunkReader::readHeader() {
     return false;
   }
   writer_ = bytes_.substr(kFixedHeaderBytes, length);
-  if (container_version_ > kVersion) {
+  if (container_version_ > kContainerVersion) {
     throw std::runtime_error("it has the newer format " + std::to_string(container_version_) +
                              "; read it with " + writer_);
   }
@@ -49,7 +49,7 @@ bool ChunkReader::readHeader() {
 
 /// The first place behind the shortest header where a whole chunk is.
 void ChunkReader::findFirstChunk() {
-  container_version_ = kVersion;
+  container_version_ = kContainerVersion;
   const std::uint64_t last = kFixedHeaderBytes + kMaxWriterBytes + kChecksumBytes;
   first_chunk_ = kFixedHeaderBytes + kChecksumBytes;
   while (first_chunk_ <= last && !isWhole(chunkAt(first_chunk_))) ++first_chunk_;

@@ -10,7 +10,7 @@ namespace kestrel {
 ChunkWriter::ChunkWriter(const std::string& writer) {
   const std::string name = writer.substr(0, chunk_format::kMaxWriterBytes);
   bytes_ = std::string(chunk_format::kMagic, chunk_format::kMagicBytes);
-  appendNumber(bytes_, chunk_format::kVersion, 4);
+  appendNumber(bytes_, chunk_format::kContainerVersion, 4);
   appendNumber(bytes_, name.size(), 4);
   bytes_ += name;
   appendNumber(bytes_, checksumOf(bytes_, 0, bytes_.size()), 8);
@@ -43,7 +43,7 @@ void ChunkWriter::append(const std::string& tag, std::uint32_t schema_version,
 }
 
 std::string ChunkWriter::finish() {
-  append(chunk_format::kTableTag, chunk_format::kVersion, chunk_format::tableOf(chunks_));
+  append(chunk_format::kTableTag, chunk_format::kContainerVersion, chunk_format::tableOf(chunks_));
   appendNumber(bytes_, checksumOf(bytes_, 0, bytes_.size()), chunk_format::kChecksumBytes);
   return std::move(bytes_);
 }

@@ -8,12 +8,11 @@
 #include <stdexcept>
 
 #include "imu_simulator.h"
+#include "infinity.h"
 #include "kestrel_slam/geometry/random.h"
 
 namespace kestrel {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Numbers of the random streams. They must not change, because they determine the flights.
 enum StreamId : std::uint64_t {

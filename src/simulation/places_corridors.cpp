@@ -8,7 +8,7 @@
 namespace kestrel {
 namespace {
 
-constexpr double kFlightHeight = 1.0;  // m
+constexpr double kCorridorFlightHeight = 1.0;  // m
 
 /// A closed door, slightly behind the face of its wall.
 Opening closedDoor(double at, Random& random) {
@@ -83,7 +83,7 @@ Place corridorRing() {
     addCorridorWall(ring.parts, {inner[next], inner[i], ring.parts.ceiling_m}, 1.0, random);
   }
   // One loop from the middle of one side, and 8 m more, so that the first part is seen again.
-  const double c = kCenterLine, z = kFlightHeight;
+  const double c = kCenterLine, z = kCorridorFlightHeight;
   ring.plan.waypoints = alongLines(
       {{0, -c, z}, {c, -c, z}, {c, c, z}, {-c, c, z}, {-c, -c, z}, {0, -c, z}, {8, -c, z}}, 1.0);
   ring.plan.speed_m_s = 1.0;
@@ -103,7 +103,8 @@ Place straightCorridor() {
   addWall(parts, left, {{kLength - 47.0, 1.2, 0.2}, {kLength - 24.0, 1.0, 0.2}});
   addWall(parts, {right.to, left.from, parts.ceiling_m});
   addWall(parts, {left.to, right.from, parts.ceiling_m});
-  corridor.plan.waypoints = alongLines({{3, 0, kFlightHeight}, {57, 0, kFlightHeight}}, 1.0);
+  corridor.plan.waypoints =
+      alongLines({{3, 0, kCorridorFlightHeight}, {57, 0, kCorridorFlightHeight}}, 1.0);
   corridor.plan.speed_m_s = 1.0;
   corridor.plan.nose_forward = true;
   return corridor;

@@ -8,8 +8,8 @@
 namespace kestrel {
 namespace {
 
-constexpr double kFlightHeight = 1.0;  // m
-constexpr double kSpacing = 0.7;       // m between the waypoints of a room
+constexpr double kRoomFlightHeight = 1.0;  // m
+constexpr double kSpacing = 0.7;           // m between the waypoints of a room
 
 std::vector<Eigen::Vector2d> rectangle(double x0, double y0, double x1, double y1) {
   return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
@@ -55,7 +55,7 @@ Place laboratory() {
   addPole(parts, {1.2, 1.95}, 0.06, parts.ceiling_m);
   addPole(parts, {0.8, -1.95}, 0.12, 1.6);  // gas bottle
   // Around the bench and the desks: a C-shaped loop of 25 m.
-  const double o = 2.68, n = 1.2, z = kFlightHeight;
+  const double o = 2.68, n = 1.2, z = kRoomFlightHeight;
   lab.plan.waypoints = aroundLoop({{-o, 0, z},
                                    {-o, -o, z},
                                    {o, -o, z},
@@ -155,7 +155,7 @@ Place glassOffice() {
   addAgainst(parts, walls[3], 2.2, {0.6, 0.3, 0.5}, 0.74);
   addAgainst(parts, walls[3], 5.0, {0.4, 0.3, parts.ceiling_m});
   addAgainst(parts, walls[3], 7.6, {1.2, 0.4, 1.9}, 0.0, Material::kBlack);
-  const double x = 3.9, y = 3.0, z = kFlightHeight;
+  const double x = 3.9, y = 3.0, z = kRoomFlightHeight;
   office.plan.waypoints =
       aroundLoop({{0, -y, z}, {x, -y, z}, {x, y, z}, {-x, y, z}, {-x, -y, z}}, kSpacing);
   office.plan.speed_m_s = 0.5;
@@ -184,7 +184,7 @@ Place peopleRoom() {
                    {{{-4.0, 3.2}, {-5.8, 3.2}, {-5.8, -3.2}, {-4.0, -3.2}}, 0.9, 3.0},
                    {{{-2.5, 3.1}, {2.5, 3.1}, {2.0, 3.8}, {-2.0, 3.8}}, 1.0, 1.0},
                    {{{-2.0, -3.8}, {2.0, -3.8}, {2.5, -3.1}, {-2.5, -3.1}}, 1.4, 4.0}};
-  const double x = 2.4, y = 1.7, z = kFlightHeight;
+  const double x = 2.4, y = 1.7, z = kRoomFlightHeight;
   room.plan.waypoints =
       aroundLoop({{0, -y, z}, {x, -y, z}, {x, y, z}, {-x, y, z}, {-x, -y, z}}, kSpacing);
   room.plan.speed_m_s = 0.5;
@@ -221,7 +221,7 @@ Place fourRooms() {
   addBlock(parts, {5.0, -0.7}, {0.9, 0.6, 1.2});
   addPole(parts, {-5.2, 0.8}, 0.15, parts.ceiling_m);
   addBlock(parts, {-4.6, -1.0}, {0.8, 0.5, 1.7});
-  const double west = -2.8, east = 2.6, south = -2.8, north = 2.6, z = kFlightHeight;
+  const double west = -2.8, east = 2.6, south = -2.8, north = 2.6, z = kRoomFlightHeight;
   rooms.plan.waypoints = aroundLoop(
       {{west, -1.6, z}, {west, south, z}, {east, south, z}, {east, north, z}, {west, north, z}},
       kSpacing);

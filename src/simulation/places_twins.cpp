@@ -7,15 +7,15 @@ namespace {
 
 constexpr double kLength = 45.0, kWidth = 2.5;      // of a corridor, m
 constexpr double kRoomWidth = 5.0, kRoomDepth = 4;  // m
-constexpr int kRooms = 6;
-constexpr double kFirstRoom = 7.5, kLastRoom = kFirstRoom + kRooms * kRoomWidth;  // x, m
+constexpr int kTwinRooms = 6;
+constexpr double kFirstRoom = 7.5, kLastRoom = kFirstRoom + kTwinRooms * kRoomWidth;  // x, m
 constexpr double kBetween = 2.0;  // solid part between a corridor and the rooms of the next one, m
 
 /// A corridor whose southern wall is at `y`, with identical rooms in the south.
 void addCorridor(World::Parts& parts, double y) {
   const double height = parts.ceiling_m, middle = y - kRoomDepth / 2.0;
   std::vector<Opening> doors;
-  for (int room = 0; room < kRooms; ++room) {
+  for (int room = 0; room < kTwinRooms; ++room) {
     const double x = kFirstRoom + kRoomWidth * room;
     doors.push_back({kRoomWidth * room + 2.0, 1.4});
     addBlock(parts, {x, middle}, {0.2, kRoomDepth, height});

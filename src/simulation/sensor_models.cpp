@@ -5,12 +5,12 @@
 #include <cmath>
 #include <limits>
 
+#include "infinity.h"
 #include "kestrel_slam/geometry/angles.h"
 
 namespace kestrel {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// The beams of a sweep: `steps` azimuths, each with one beam per elevation.

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "infinity.h"
+
 namespace kestrel {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The steps of a ray along one axis of the grid.
 struct AxisSteps {

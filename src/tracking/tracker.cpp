@@ -22,7 +22,7 @@ constexpr double kMaxPosition = 1e6;     ///< m; poses beyond this are wrong
 constexpr double kSharpSigma = 0.3;      ///< m; twice the sigma of a place that counts as known
 /// At a grazing angle, the returns of neighboring beams on a wall are this many beam spacings
 /// apart.
-constexpr double kGrazing = 6.0;
+constexpr double kGrazingFactor = 6.0;
 constexpr int kModes = 3;  ///< motion models: constant velocity, standing, turn
 constexpr double kStandingJitter =
     0.1;  ///< m/sqrt(s): the visible part of a person who stands changes
@@ -52,7 +52,7 @@ std::vector<bool> attachedToStatic(const std::vector<GridRay<2>>& rays,
     if (motion[i] != CellMotion::kNew) return;
     const bool source = motion[last] == CellMotion::kStatic || attached[last];
     const double range = static_cast<double>((rays[i].end - rays[i].origin).norm());
-    const double gap = std::max(config.join_gap_m, kGrazing * beam_step * range);
+    const double gap = std::max(config.join_gap_m, kGrazingFactor * beam_step * range);
     if (source && static_cast<double>((rays[i].end - rays[last].end).norm()) < gap) {
       attached[i] = true;
     }

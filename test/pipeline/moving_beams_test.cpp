@@ -31,10 +31,12 @@ int ghostCells(const Mapper& mapper) {
   return ghosts;
 }
 
-int ghostsWhileHeStands(bool keep_out) {
-  MappingStage stage(MapperConfig(), keep_out);
+/// `later`: whether he is kept out from the 10th scan on, before he comes.
+int ghostsWhileHeStands(bool at_start, bool later) {
+  MappingStage stage(MapperConfig(), at_start);
   Room room;
   for (int i = 0; i < 95; ++i) {
+    if (i == 10) stage.keepOutMoving(later);
     PlanarScan scan = room.scan(i, Pose2(0.02 * i, 0.0, 0.0), walkerAt(i));
     stage.process(scan, std::nullopt);
   }
@@ -42,8 +44,13 @@ int ghostsWhileHeStands(bool keep_out) {
 }
 
 TEST(MovingBeams, WhatMovesIsNotInTheMap) {
-  EXPECT_GT(ghostsWhileHeStands(false), 2);
-  EXPECT_EQ(ghostsWhileHeStands(true), 0);
+  EXPECT_GT(ghostsWhileHeStands(false, false), 2);
+  EXPECT_EQ(ghostsWhileHeStands(true, true), 0);
+}
+
+TEST(MovingBeams, AreSwitchedInFlight) {
+  EXPECT_EQ(ghostsWhileHeStands(false, true), 0);
+  EXPECT_GT(ghostsWhileHeStands(true, false), 2);
 }
 
 TEST(MovingBeams, BeamsOnWallsStay) {

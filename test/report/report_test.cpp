@@ -136,6 +136,16 @@ TEST(ReportTest, ShowsThePoseFilterAndThePartsOfTheTime) {
   EXPECT_NE(data["rows"].dump().find("matching 0.300 ms"), std::string::npos);
 }
 
+TEST(ReportTest, ShowsWhatMoved) {
+  OfflineRun run = runOf(10);
+  for (ScanRecord& scan : run.scans) scan.tracker = TrackerSample{2.0, 0.25};
+  const nlohmann::json data = dataOf(reportHtml(run, infoOf(true)));
+  ASSERT_EQ(data["charts"].size(), 8U);
+  EXPECT_EQ(data["charts"][6]["title"], "Tracker: moving objects");
+  EXPECT_EQ(data["charts"][6]["v"][0], 2.0);
+  EXPECT_EQ(data["charts"][7]["v"][0], 0.25);
+}
+
 TEST(ReportTest, MarksChangedParameters) {
   RunInfo info = infoOf(true);
   setParameter(info.config, "map_resolution", "0.1");

@@ -34,6 +34,12 @@ struct FilterSample {
   double accelerometer_bias_m_s2 = 0.0;  ///< size
 };
 
+/// What moved at a scan, for the report.
+struct TrackerSample {
+  double objects = 0.0;   ///< number of objects that are shown
+  double kept_out = 0.0;  ///< share of the beams that are on them, 0 to 1
+};
+
 /// Data of one processed scan for the report.
 struct ScanRecord {
   double time = 0.0;  ///< on the repaired time base, s
@@ -57,6 +63,7 @@ struct ScanRecord {
   std::string reason;                ///< of the state, see reasonOf()
   std::optional<Pose2> odom_T_base;  ///< the odometry that was used
   std::optional<FilterSample> filter;
+  std::optional<TrackerSample> tracker;  ///< if what moves is kept out
 };
 
 /// The complete result of one recording. `scans[i]` belongs to `trajectory[i]`.

@@ -41,6 +41,8 @@ class MappingStage {
 
   /// See Mapper::configure.
   void configure(const MapperConfig& config) { mapper_.configure(config); }
+  /// Begins or ends to keep out what moves.
+  void keepOutMoving(bool enabled);
 
   /// Deletes the map. The next scan starts a new map at `map_T_base`. While it localizes, the map
   /// stays, and this is setPose().

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/geometry/square.h"
 
 namespace kestrel {
 namespace {
@@ -46,8 +47,6 @@ void setVariance(boost::array<double, 9>& covariance, double variance) {
   constexpr std::size_t kDiagonalStep = 4;
   for (std::size_t i = 0; i < covariance.size(); i += kDiagonalStep) covariance[i] = variance;
 }
-
-double square(double x) { return x * x; }
 
 /// The ring of the lidar that measured a point; the lowest ring is 0.
 std::uint16_t ringOf(const PointCloud::Point& point, const std::vector<double>& elevations) {

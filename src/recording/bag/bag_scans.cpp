@@ -11,8 +11,8 @@ namespace {
 double stampOf(const LaserScan& scan) { return scan.stamp; }
 double stampOf(const PointCloud& cloud) { return cloud.stamp; }
 
-void store(LaserScan scan, BagScan& result) { result.scan = std::move(scan); }
-void store(PointCloud cloud, BagScan& result) { result.cloud = std::move(cloud); }
+void storeSweep(LaserScan scan, BagScan& result) { result.scan = std::move(scan); }
+void storeSweep(PointCloud cloud, BagScan& result) { result.cloud = std::move(cloud); }
 
 }  // namespace
 
@@ -67,7 +67,7 @@ void BagScans::release(Frame& frame, Sweeps sweeps) {
     const auto message = frame.messages.find(stampOf(sweep));
     if (message == frame.messages.end()) continue;  // cannot happen: the newest are kept
     ready_.push_back(message->second);
-    store(std::move(sweep), ready_.back());
+    storeSweep(std::move(sweep), ready_.back());
   }
 }
 

@@ -17,8 +17,8 @@
 namespace kestrel {
 namespace {
 
-const std::string kLaserFrame = "laser";
-const std::string kBaseFrame = "base_link";
+const std::string kScanFrame = "laser";
+const std::string kVehicleFrame = "base_link";
 const std::string kOdomFrame = "odom";
 // Record tf 1 us before its scan, because players do not keep the order of messages with the same
 // time.
@@ -41,7 +41,7 @@ geometry_msgs::Quaternion yawQuaternion(double yaw) {
 sensor_msgs::LaserScan toMessage(const LaserScan& scan, const ros::Time& stamp) {
   sensor_msgs::LaserScan message;
   message.header.stamp = stamp;
-  message.header.frame_id = kLaserFrame;
+  message.header.frame_id = kScanFrame;
   const double steps = scan.ranges.empty() ? 0.0 : static_cast<double>(scan.ranges.size() - 1);
   message.angle_min = static_cast<float>(scan.angle_min);
   message.angle_max = static_cast<float>(scan.angle_min + steps * scan.angle_increment);
@@ -57,7 +57,7 @@ tf2_msgs::TFMessage toOdometryTransform(const Pose2& odom_T_base, const ros::Tim
   geometry_msgs::TransformStamped transform;
   transform.header.stamp = stamp;
   transform.header.frame_id = kOdomFrame;
-  transform.child_frame_id = kBaseFrame;
+  transform.child_frame_id = kVehicleFrame;
   transform.transform.translation.x = odom_T_base.x;
   transform.transform.translation.y = odom_T_base.y;
   transform.transform.rotation = yawQuaternion(odom_T_base.yaw);
@@ -70,7 +70,7 @@ nav_msgs::Odometry toOdometry(const Pose2& odom_T_base, const ros::Time& stamp) 
   nav_msgs::Odometry message;
   message.header.stamp = stamp;
   message.header.frame_id = kOdomFrame;
-  message.child_frame_id = kBaseFrame;
+  message.child_frame_id = kVehicleFrame;
   message.pose.pose.position.x = odom_T_base.x;
   message.pose.pose.position.y = odom_T_base.y;
   message.pose.pose.orientation = yawQuaternion(odom_T_base.yaw);
@@ -93,8 +93,8 @@ void writeMounting(rosbag::Bag& bag, const Eigen::Isometry3d& base_T_laser, cons
   const Eigen::Quaterniond q(base_T_laser.linear());
   geometry_msgs::TransformStamped transform;
   transform.header.stamp = time;
-  transform.header.frame_id = kBaseFrame;
-  transform.child_frame_id = kLaserFrame;
+  transform.header.frame_id = kVehicleFrame;
+  transform.child_frame_id = kScanFrame;
   transform.transform.translation.x = base_T_laser.translation().x();
   transform.transform.translation.y = base_T_laser.translation().y();
   transform.transform.translation.z = base_T_laser.translation().z();

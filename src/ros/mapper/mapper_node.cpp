@@ -162,7 +162,7 @@ void MapperNode::onParameters() {
 void MapperNode::takeParameters() {
   const std::lock_guard<std::mutex> lock(new_parameters_mutex_);
   if (!new_parameters_) return;
-  mapper_.configure(new_parameters_->mapper, new_parameters_->loops);
+  mapper_.configure(new_parameters_->mapper, new_parameters_->loops, new_parameters_->tracker);
   projection_.configure(new_parameters_->projector);
   new_parameters_.reset();
 }

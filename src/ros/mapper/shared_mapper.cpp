@@ -61,11 +61,13 @@ MapperResult SharedMapper::process(PlanarScan& scan, const std::optional<Pose2>&
   return result;
 }
 
-void SharedMapper::configure(const MapperConfig& config, const LoopConfig& loops) {
+void SharedMapper::configure(const MapperConfig& config, const LoopConfig& loops,
+                             bool keep_out_moving) {
   const Lock lock(mutex_);
   config_ = config;
   loops_ = loops;
   mapping_.configure(config);
+  mapping_.keepOutMoving(keep_out_moving);
   if (graph_) graph_->configure(loops);
 }
 

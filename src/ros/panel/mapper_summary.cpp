@@ -69,10 +69,16 @@ std::string mapperIn(const diagnostic_msgs::DiagnosticArray& message) {
   return "";
 }
 
-/// The tracker is another node, with an item "Tracks".
-void takeTracks(const diagnostic_msgs::DiagnosticArray& message, MapperSummary& summary) {
+std::string namespaceOf(const std::string& node) { return node.substr(0, node.rfind('/') + 1); }
+
+/// The tracker is another node, with an item "Tracker"; the one beside the mapper counts.
+void takeTracks(const diagnostic_msgs::DiagnosticArray& message, const std::string& mapper,
+                MapperSummary& summary) {
   for (const DiagnosticStatus& status : message.status) {
-    if (splitName(status.name).second == "Tracks") summary.tracks = valueOf(status, "tracks");
+    const auto [node, item] = splitName(status.name);
+    if (item != "Tracker" || (!mapper.empty() && namespaceOf(node) != namespaceOf(mapper)))
+      continue;
+    summary.tracks = valueOf(status, "moving objects");
   }
 }
 
@@ -80,7 +86,7 @@ void takeTracks(const diagnostic_msgs::DiagnosticArray& message, MapperSummary& 
 
 bool takeOver(const diagnostic_msgs::DiagnosticArray& message, const std::string& node,
               MapperSummary& summary) {
-  takeTracks(message, summary);
+  takeTracks(message, node.empty() ? summary.node : node, summary);
   const std::string mapper = mapperIn(message);
   if (mapper.empty() || (!node.empty() && mapper != node)) return false;
   summary.node = mapper;

@@ -38,7 +38,7 @@ diagnostic_msgs::DiagnosticArray mapperMessage(const std::string& node) {
                 {"memory (MB)", "1.5"},
                 {"loops closed", "3"},
                 {"loops refused", "1"}}),
-      statusOf("/tracker: Tracks", 0, "ok", {{"tracks", "2"}})};
+      statusOf("/tracker: Tracker", 0, "scans are tracked", {{"moving objects", "2"}})};
   return message;
 }
 
@@ -65,6 +65,17 @@ TEST(MapperSummaryTest, APauseHidesTheLastMatch) {
   EXPECT_EQ(summary.state, "paused");
   EXPECT_EQ(summary.problem, "");
   EXPECT_TRUE(summary.dropped.empty());
+}
+
+TEST(MapperSummaryTest, TheTrackerOfAnotherVehicleIsIgnored) {
+  diagnostic_msgs::DiagnosticArray message = mapperMessage("/uav1/mapper");
+  message.status.back().name = "/uav2/tracker: Tracker";
+  MapperSummary summary;
+  ASSERT_TRUE(takeOver(message, "/uav1/mapper", summary));
+  EXPECT_EQ(summary.tracks, "");
+  message.status.back().name = "/uav1/tracker: Tracker";
+  ASSERT_TRUE(takeOver(message, "/uav1/mapper", summary));
+  EXPECT_EQ(summary.tracks, "2");
 }
 
 TEST(MapperSummaryTest, OtherNodesAreIgnored) {

@@ -151,6 +151,14 @@ TEST_F(LiveParametersTest, DynparamSetsGetsAndSaysTheReason) {
     const Outcome all = runCommand(dynparam + "get " + node);
     EXPECT_NE(all.output.find("'laser_z_max_value': 0.7"), std::string::npos) << all.output;
   }
+  for (const std::string name : {"close_loops", "tracker"}) {
+    for (const std::string value : {"False", "True", "False"}) {
+      const Outcome done = runCommand(dynparam + "set /mapper " + name + " " + value);
+      EXPECT_EQ(done.code, 0) << done.output;
+      const Outcome all = runCommand(dynparam + "get /mapper");
+      EXPECT_NE(all.output.find("'" + name + "': " + value), std::string::npos) << all.output;
+    }
+  }
   const Outcome refused = runCommand(dynparam + "set /mapper laser_min_dist 90.0");
   EXPECT_NE(refused.output.find("laser_min_dist"), std::string::npos) << refused.output;
   EXPECT_NE(refused.output.find("laser_max_dist"), std::string::npos) << refused.output;

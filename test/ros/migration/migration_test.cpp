@@ -12,6 +12,11 @@
 #include <string>
 #include <vector>
 
+#include "kestrel_slam/map/map_io.h"
+#include "room.h"
+#include "run_command.h"
+#include "temporary_folder.h"
+
 extern char** environ;
 
 namespace kestrel {
@@ -22,8 +27,9 @@ namespace fs = std::filesystem;
 /// A running roslaunch. Its nodes end with it.
 class Launch {
  public:
-  explicit Launch(const std::string& file) {
+  explicit Launch(const std::string& file, const std::string& argument = "") {
     std::vector<std::string> words = {"roslaunch", "--disable-title", file};
+    if (!argument.empty()) words.push_back(argument);
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
@@ -43,9 +49,9 @@ class Launch {
 };
 
 /// What all nodes log, as one text.
-class Migration : public testing::TestWithParam<std::string> {
+class MigrationBase : public testing::Test {
  protected:
-  Migration() {
+  MigrationBase() {
     const boost::function<void(const rosgraph_msgs::Log&)> keep =
         [this](const rosgraph_msgs::Log& message) {
           log_ += message.name + ": " + message.msg + "\n";
@@ -68,6 +74,8 @@ class Migration : public testing::TestWithParam<std::string> {
   std::string log_;
 };
 
+class Migration : public MigrationBase, public testing::WithParamInterface<std::string> {};
+
 /// The file of a real robot starts, and every line that has no effect is explained.
 TEST_P(Migration, TheMapperStartsAndKnowsEveryName) {
   const std::string file = KESTREL_SOURCE_DIR "/test/ros/migration/launch/" + GetParam();
@@ -77,8 +85,29 @@ TEST_P(Migration, TheMapperStartsAndKnowsEveryName) {
   EXPECT_FALSE(says("cannot run")) << log_;
 }
 
-/// Says that mode localization needs map_file or session, and ends.
+/// Its map is a pose graph of slam_toolbox, so it says what to change, and ends.
 constexpr char kNeedsAMap[] = "slam_toolbox_localization.launch";
+
+TEST(LocalizationTest, WithoutAMapTheNodeSaysWhatToChange) {
+  const Outcome launch = runCommand("timeout 60 roslaunch --disable-title " KESTREL_SOURCE_DIR
+                                    "/test/ros/migration/launch/" +
+                                    std::string(kNeedsAMap) + " 2>&1");
+  EXPECT_NE(launch.output.find("needs a map: set ~map_file or ~session"), std::string::npos)
+      << launch.output;
+  EXPECT_NE(launch.output.find("map_file_name has no effect: here it is called map_file"),
+            std::string::npos)
+      << launch.output;
+  EXPECT_EQ(launch.output.find("Unknown parameter"), std::string::npos) << launch.output;
+}
+
+/// A picture of a map or a session, by the same argument.
+TEST_F(MigrationBase, LocalizationLaunchTakesAMap) {
+  const TemporaryFolder folder;
+  writeMap(folder.file("office"), room::map().grid().snapshot());
+  const Launch launch(KESTREL_SOURCE_DIR "/launch/localization.launch",
+                      "map:=" + folder.file("office.yaml"));
+  EXPECT_TRUE(waitFor("Localizing with scans on /scan")) << log_;
+}
 
 std::vector<std::string> launchFiles() {
   std::vector<std::string> names;

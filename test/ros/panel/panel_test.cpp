@@ -54,6 +54,12 @@ class PanelTest : public testing::Test {
   bool says(const std::string& name, const std::string& part) {
     return waitFor([&] { return label(name).find(part) != std::string::npos; });
   }
+  /// Writes into the field that has this text.
+  void write(const std::string& before, const std::string& text) {
+    for (QLineEdit* field : panel_->findChildren<QLineEdit*>()) {
+      if (field->text().toStdString() == before) field->setText(QString::fromStdString(text));
+    }
+  }
   bool press(const std::string& service) {
     if (!waitFor([&] { return button(service)->isEnabled(); })) return false;
     QTest::mouseClick(button(service), Qt::LeftButton);
@@ -80,15 +86,39 @@ TEST_F(PanelTest, ButtonsCallTheServicesAndTheStateIsShown) {
   EXPECT_TRUE(says("answer", "mapping is now running")) << label("answer");
 
   const TemporaryFolder folder;
-  for (QLineEdit* field : panel_->findChildren<QLineEdit*>()) {
-    if (field->text() == "map") field->setText(QString::fromStdString(folder.file("saved")));
-  }
+  write("map", folder.file("saved"));
   ASSERT_TRUE(press("save_map"));
   EXPECT_TRUE(says("answer", "wrote " + folder.file("saved.pgm"))) << label("answer");
   EXPECT_TRUE(std::filesystem::exists(folder.file("saved.yaml")));
 
   ASSERT_TRUE(press("reset_map"));
   EXPECT_TRUE(says("answer", "the map was deleted")) << label("answer");
+}
+
+TEST_F(PanelTest, ASessionIsSavedAndLoadedAndLocalizedIn) {
+  ASSERT_TRUE(says("state", "ok")) << label("state");
+  const TemporaryFolder folder;
+  write("session", folder.file("day.session"));
+  ASSERT_TRUE(press("save_session"));
+  EXPECT_TRUE(says("answer", "keyframes to " + folder.file("day.session"))) << label("answer");
+  ASSERT_TRUE(press("load_session"));
+  EXPECT_TRUE(says("answer", "keyframes from " + folder.file("day.session"))) << label("answer");
+
+  ASSERT_TRUE(press("relocalize"));
+  EXPECT_TRUE(says("answer", "refused: it maps")) << label("answer");
+  ASSERT_TRUE(press("set_mode"));
+  EXPECT_TRUE(says("answer", "the vehicle is localized")) << label("answer");
+  EXPECT_TRUE(says("state", "(localization)")) << label("state");
+  EXPECT_EQ(button("set_mode")->text().toStdString(), "Map again");
+  ASSERT_TRUE(press("relocalize"));
+  EXPECT_TRUE(says("answer", "searched for in the whole map")) << label("answer");
+  EXPECT_TRUE(waitFor([&] {  // refused until it is found
+    if (label("answer") == "the map grows" || label("answer") == "the mode was already mapping")
+      return true;
+    QTest::mouseClick(button("set_mode"), Qt::LeftButton);
+    return false;
+  })) << label("answer");
+  EXPECT_TRUE(says("state", "(mapping)")) << label("state");
 }
 
 /// Functions that this mapper does not have may be services of another node.

@@ -12,6 +12,7 @@
 
 #include "kestrel_slam/TrackArray.h"
 #include "kestrel_slam/messages/planar_scan_message.h"
+#include "kestrel_slam/ros/panel/mapper_summary.h"
 #include "tracking/walker_room.h"
 
 namespace kestrel {
@@ -81,6 +82,7 @@ class TrackerNodeTest : public testing::Test {
   Collected<visualization_msgs::MarkerArray> markers_{nh_, "track_markers"};
   Collected<sensor_msgs::PointCloud2> points_{nh_, "moving_points"};
   Collected<nav_msgs::OccupancyGrid> grid_{nh_, "dynamic_grid"};
+  Collected<diagnostic_msgs::DiagnosticArray> diagnostics_{nh_, "/diagnostics"};
 };
 
 TEST_F(TrackerNodeTest, FollowsAWalkerWhileTheVehicleMoves) {
@@ -114,6 +116,10 @@ TEST_F(TrackerNodeTest, FollowsAWalkerWhileTheVehicleMoves) {
   EXPECT_GT(points_.all.back().width, 2U);
   ASSERT_FALSE(grid_.all.empty());
   EXPECT_GT(grid_.all.back().info.width, 100U);
+
+  MapperSummary panel;
+  for (const auto& message : diagnostics_.all) takeOver(message, "", panel);
+  EXPECT_NE(panel.tracks, "") << "what the panel of rviz shows";
 }
 
 }  // namespace

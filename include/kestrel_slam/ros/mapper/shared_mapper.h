@@ -38,8 +38,9 @@ class SharedMapper {
   MapperResult process(PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                        const ros::Time& stamp);
 
-  /// Uses these parameters from the next scan on, see Mapper::configure and SubmapGraph::configure.
-  void configure(const MapperConfig& config, const LoopConfig& loops);
+  /// Uses these parameters from the next scan on, see Mapper::configure, SubmapGraph::configure and
+  /// MappingStage::keepOutMoving.
+  void configure(const MapperConfig& config, const LoopConfig& loops, bool keep_out_moving);
 
   /// Deletes the map. The next scan starts a new map at `map_T_base`. While it localizes, the map
   /// stays and the vehicle is at `map_T_base`.
