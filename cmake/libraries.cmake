@@ -2,10 +2,6 @@
 # One static library for each folder of src/. They are sorted by dependency: a folder may
 # include only folders above it in this file (scripts/check_includes checks this).
 set(KESTREL_LIBRARIES)
-# Folders for KESTREL_UNITY: what scripts/demo builds. No two files of one of them have the same name
-# in their anonymous namespaces.
-set(KESTREL_UNITY_FOLDERS geometry sensor map matching mapping graph session filter tracking pipeline
-  parameters messages simulation recording offline evaluation report commands)
 
 # kestrel_library(FOLDER SOURCES glob... LINKS library... PRIVATE library...)
 function(kestrel_library folder)
@@ -20,9 +16,6 @@ function(kestrel_library folder)
   target_link_libraries(${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE})
   # Set as compile options, because kestrel_warnings is not exported and cannot be linked here.
   target_compile_options(${name} PRIVATE $<TARGET_PROPERTY:kestrel_warnings,INTERFACE_COMPILE_OPTIONS>)
-  if(KESTREL_UNITY AND folder IN_LIST KESTREL_UNITY_FOLDERS)
-    set_target_properties(${name} PROPERTIES UNITY_BUILD ON)
-  endif()
   string(REPLACE "/" "_" export_name ${folder})
   set_target_properties(${name} PROPERTIES EXPORT_NAME ${export_name})
   add_library(kestrel_slam::${export_name} ALIAS ${name})
@@ -80,7 +73,6 @@ add_custom_target(built_commit BYPRODUCTS ${COMMIT_FILE} COMMAND ${CMAKE_COMMAND
   -DSOURCE=${PROJECT_SOURCE_DIR} -DOUTPUT=${COMMIT_FILE} -P ${PROJECT_SOURCE_DIR}/cmake/commit.cmake)
 add_dependencies(kestrel_offline built_commit)
 target_sources(kestrel_offline PRIVATE ${COMMIT_FILE})
-set_source_files_properties(${COMMIT_FILE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 kestrel_library(evaluation LINKS kestrel_recording kestrel_mapping kestrel_tracking
   PRIVATE nlohmann_json::nlohmann_json)
 kestrel_library(report LINKS kestrel_offline kestrel_evaluation PRIVATE PkgConfig::CAIRO geotiff TIFF::TIFF)

@@ -7,11 +7,15 @@
 #include <QFormLayout>
 #include <QHBoxLayout>
 #include <QMetaObject>
+#include <QScrollArea>
 #include <QVBoxLayout>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "kestrel_slam/JoinVehicle.h"
 #include "kestrel_slam/LoadSession.h"
 #include "kestrel_slam/SaveMap.h"
+#include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/messages/conversions.h"
 
 namespace kestrel {
 namespace {
@@ -47,6 +51,23 @@ std::function<std::string(const std::string&)> withText(const std::string& text)
   return [request](const std::string& name) { return answerOf(name, request); };
 }
 
+/// Where the map of a vehicle begins in world, "uav2 12.5 3 90": its name, m and degrees.
+std::function<std::string(const std::string&)> joining(const QString& text) {
+  const QStringList words = text.simplified().split(' ');
+  bool is_number[] = {words.size() == 4, true, true};
+  double pose[3] = {};
+  for (int i = 0; i < 3 && is_number[0]; ++i) pose[i] = words[i + 1].toDouble(&is_number[i]);
+  if (!is_number[0] || !is_number[1] || !is_number[2]) {
+    return [](const std::string&) {
+      return "write where the map of the vehicle begins: name x y yaw, in m and degrees";
+    };
+  }
+  kestrel_slam::JoinVehicle::Request request;
+  request.vehicle = words[0].toStdString();
+  request.world_T_map = toMessage(Pose2(pose[0], pose[1], degToRad(pose[2])));
+  return [request](const std::string& name) { return answerOf(name, request); };
+}
+
 /// All services that the master knows.
 std::set<std::string> knownServices() {
   std::set<std::string> names;
@@ -71,10 +92,14 @@ MapperPanel::MapperPanel(QWidget* parent)
       node_(new QLineEdit),
       map_path_(new QLineEdit("map")),
       session_path_(new QLineEdit("session")),
+      vehicle_(new QLineEdit),
       state_(new QLabel("no mapper")),
       numbers_(new QLabel),
       answer_(new QLabel) {
   node_->setPlaceholderText("any mapper");
+  vehicle_->setPlaceholderText("uav2 12.5 3 90");
+  vehicle_->setToolTip("Where the map of a vehicle begins in world: name, x, y (m), yaw (degrees)");
+  vehicle_->setObjectName("vehicle");
   state_->setTextFormat(Qt::RichText);
   answer_->setObjectName("answer");
   state_->setObjectName("state");
@@ -117,15 +142,30 @@ void MapperPanel::addWidgets() {
   form->addRow("Map file", rowOf({map_path_, addButton("Save map", "save_map", map_path)}));
   form->addRow("Session", rowOf({session_path_, addButton("Save", "save_session", session_path),
                                  addButton("Load", "load_session", load_session)}));
+  const auto join = [this] { return joining(vehicle_->text()); };
+  form->addRow("Vehicle", rowOf({vehicle_, addButton("Join", "join", join)}));
   auto* layout = new QVBoxLayout(this);
-  layout->addWidget(state_);
-  layout->addWidget(numbers_);
+  layout->addLayout(rowOf({pause_, mode_, addButton("Relocalize", "relocalize", trigger),
+                           addButton("Reset map", "reset_map", trigger)}));
   layout->addLayout(form);
-  layout->addLayout(rowOf({pause_, addButton("Reset map", "reset_map", trigger)}));
-  layout->addLayout(rowOf(
-      {mode_, addButton("Relocalize", "relocalize", trigger), addButton("Join", "join", trigger)}));
-  layout->addWidget(answer_);
+  layout->addWidget(textArea());
+}
+
+/// The texts, below the buttons and in an area that scrolls, so that no button moves away from the
+/// pointer when a text gets longer.
+QWidget* MapperPanel::textArea() const {
+  constexpr int kLines = 8;
+  auto* texts = new QWidget;
+  auto* layout = new QVBoxLayout(texts);
+  layout->setContentsMargins(0, 0, 0, 0);
+  for (QLabel* label : {state_, numbers_, answer_}) layout->addWidget(label);
   layout->addStretch();
+  auto* area = new QScrollArea;
+  area->setWidget(texts);
+  area->setWidgetResizable(true);
+  area->setFrameShape(QFrame::NoFrame);
+  area->setMinimumHeight(kLines * fontMetrics().lineSpacing());
+  return area;
 }
 
 /// `call`: what to do with the service; asked for when the button is pressed.

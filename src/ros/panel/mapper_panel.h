@@ -39,6 +39,7 @@ class MapperPanel : public rviz::Panel {
   using Call = std::function<std::string(const std::string& service)>;
 
   void addWidgets();
+  QWidget* textArea() const;
   QPushButton* addButton(const std::string& text, const std::string& service,
                          const std::function<Call()>& call);
   void onDiagnostics(const diagnostic_msgs::DiagnosticArray& message);
@@ -59,6 +60,7 @@ class MapperPanel : public rviz::Panel {
   QLineEdit* node_;
   QLineEdit* map_path_;
   QLineEdit* session_path_;
+  QLineEdit* vehicle_;
   QLabel* state_;
   QLabel* numbers_;
   QLabel* answer_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <rviz/panel.h>
-#include <std_srvs/Trigger.h>
 
 #include <QApplication>
 #include <QLabel>
@@ -12,6 +11,8 @@
 #include <pluginlib/class_loader.hpp>
 #include <string>
 
+#include "kestrel_slam/JoinVehicle.h"
+#include "kestrel_slam/geometry/angles.h"
 #include "mapper_client.h"
 #include "temporary_folder.h"
 
@@ -123,21 +124,30 @@ TEST_F(PanelTest, ASessionIsSavedAndLoadedAndLocalizedIn) {
 
 /// Functions that this mapper does not have may be services of another node.
 TEST_F(PanelTest, AServiceInTheRootIsUsedAndItsRefusalShown) {
-  int calls = 0;
-  using Trigger = std_srvs::Trigger;
-  const boost::function<bool(Trigger::Request&, Trigger::Response&)> refuse =
-      [&](Trigger::Request&, Trigger::Response& response) {
-        ++calls;
+  using Join = kestrel_slam::JoinVehicle;
+  std::vector<Join::Request> calls;
+  const boost::function<bool(Join::Request&, Join::Response&)> refuse =
+      [&](Join::Request& request, Join::Response& response) {
+        calls.push_back(request);
         response.success = false;
         response.message = "the maps do not overlap";
         return true;
       };
   const ros::ServiceServer server =
-      ros::NodeHandle().advertiseService<Trigger::Request, Trigger::Response>("/join", refuse);
+      ros::NodeHandle().advertiseService<Join::Request, Join::Response>("/join", refuse);
   ASSERT_TRUE(says("state", "ok"));
   ASSERT_TRUE(press("join"));
+  EXPECT_TRUE(says("answer", "name x y yaw")) << label("answer");
+  EXPECT_TRUE(calls.empty());
+  panel_->findChild<QLineEdit*>("vehicle")->setText("uav2 12.5 -3 90");
+  ASSERT_TRUE(press("join"));
   EXPECT_TRUE(says("answer", "refused: the maps do not overlap")) << label("answer");
-  EXPECT_EQ(calls, 1);
+  ASSERT_EQ(calls.size(), 1U);
+  EXPECT_EQ(calls[0].vehicle, "uav2");
+  const Pose2 world_T_map = poseOf(calls[0].world_T_map);
+  EXPECT_EQ(world_T_map.x, 12.5);
+  EXPECT_EQ(world_T_map.y, -3.0);
+  EXPECT_NEAR(world_T_map.yaw, 0.5 * kPi, 1e-9);
 }
 
 TEST_F(PanelTest, WithoutAMapperEveryButtonIsGrayAndSaysWhy) {
