@@ -105,7 +105,6 @@ TEST(FlightSeries, TheFloorIsNotTheEndOfACorridor) {
     const SeedResult result = resultOf(measureFlight(trial));
     EXPECT_LT(result.worst_long_m, 8.0);
     EXPECT_LT(result.worst_long_sigmas, 15.0);
-    EXPECT_LT(result.worst_short_m, 0.02);
     return;
   }
   FAIL() << "no such flight";
