@@ -152,8 +152,7 @@ void SurfelField::addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Ve
 
 /// Creates a surfel without hits in the cell of `hit`. Returns kNone at the memory limit.
 std::uint32_t SurfelField::create(const OccupancyGrid::Changes::Hit& hit) {
-  // If a surfel is not stored in its own cell, it cannot be found, and the next hit would add
-  // another.
+  // A surfel that is not stored in its own cell cannot be found, and the next hit adds another.
   Tile* tile = hasRoom() ? tiles_.obtain(hit.cell) : nullptr;
   if (tile == nullptr) {
     full_ = true;
@@ -161,7 +160,8 @@ std::uint32_t SurfelField::create(const OccupancyGrid::Changes::Hit& hit) {
   }
   Surfel surfel{hit.point, hit.point, 1.0F, 0.0F, 1.0F, hit.cell};
   surfel.birth = number_;
-  std::uint32_t id = static_cast<std::uint32_t>(surfels_.size());
+  surfel.appeared = hit.in_free && !isAtWall(*tile, offsetInTile(hit.cell));
+  auto id = static_cast<std::uint32_t>(surfels_.size());
   if (free_.empty()) {
     surfels_.push_back(surfel);
   } else {
@@ -173,6 +173,14 @@ std::uint32_t SurfelField::create(const OccupancyGrid::Changes::Hit& hit) {
   tile->distance2[offsetInTile(hit.cell)] = 0;
   setOwn(hit.cell, true);
   return id;
+}
+
+/// Whether a wall is known so close to a cell that the noise of its hits reaches the cell.
+bool SurfelField::isAtWall(const Tile& tile, std::size_t offset) const {
+  constexpr float kReach2 = 9.0F;  // cells²
+  const std::uint32_t nearest = tile.nearest[offset];
+  return nearest != kNone && !surfels_[nearest].appeared &&
+         static_cast<float>(tile.distance2[offset]) <= kReach2 * kDistanceSteps;
 }
 
 /// Makes room for one more surfel. Returns false at the memory limit.

@@ -70,7 +70,7 @@ void Mapper::State::follow(const Points& points, const PlanarScan& scan,
   if (contradicts) result.state = MatchState::kDegraded;
 }
 
-/// Along an unobservable direction: the prediction, and what little the scan shows.
+/// Along a weak direction: the prediction, and what little the scan shows.
 void Mapper::State::followAlong(const Points& points, const PlanarScan& scan,
                                 const Pose2& motion_prediction, PredictionSource source,
                                 MatchResult& match) {
@@ -79,9 +79,11 @@ void Mapper::State::followAlong(const Points& points, const PlanarScan& scan,
   const double moved = (motion.pose().inverse() * match.pose).distance();
   const AlongError error = uncertainty.alongError(match, seconds, moved, source);
   const double variance = error.covariance(0, 0);
-  keepPredictionAlong(motion_prediction, match);
-  const AlongFit fit = fitAlong(map.current().surface(), points, match.pose, weakMotionOf(match),
-                                kSigmas * std::sqrt(variance));
+  const bool unobservable = isUnobservable(match, source);
+  const double matched_m = keepPredictionAlong(motion_prediction, match);
+  AlongFit fit = fitAlong(map.current(), points, match.pose, weakMotionOf(match),
+                          kSigmas * std::sqrt(variance));
+  if (!unobservable) fit = combined(fit, matched_m);
   correctAlong(fit, variance, seconds, match);
   if (source == PredictionSource::kVelocity)
     motion.setGainAlong(match.degenerate_direction, error.speedGain());
@@ -95,7 +97,7 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   const std::optional<Pose2> motion_prediction =
       motion.motionPrediction(request, scan, odom_T_base);
   result.match = matcher->match(map.current(), request);
-  if (motion_prediction && isUnobservable(result.match, prediction_source))
+  if (motion_prediction && isWeak(result.match, prediction_source))
     followAlong(points, scan, *motion_prediction, prediction_source, result.match);
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request, error);

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kestrel_slam/geometry/pose_covariance.h"
 #include "kestrel_slam/geometry/square.h"
@@ -24,7 +25,7 @@ constexpr double kFirstM = 0.004, kFirstRad = 0.0008;
 constexpr double kChainFactor = 4.5;
 
 /// Standard deviation of the velocity when a direction becomes unobservable, m/s.
-constexpr double kFirstSpeed = 0.05;
+constexpr double kFirstSpeed = 0.05, kFirstLaserSpeed = 0.15;
 /// Growth of the velocity error, m/s², for an accelerometer with a tilt error of a third of a
 /// degree.
 constexpr double kAccelerometerError = 0.05;
@@ -76,22 +77,30 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
                              const MatchResult& match, double seconds, double moved_m,
                              PredictionSource prediction_source) {
   UncertainPose next{match.pose, map_.at(surface, points, match.pose), match.covariance};
-  if (match.degenerate) unobservable_direction_ = match.degenerate_direction;
-  const bool is_drifting = match.degenerate;
-  if (is_drifting) {
-    const Eigen::Vector2d& along = unobservable_direction_;
-    if (!drifting_) {
-      entry_variance_ = along.dot(last_.covariance().topLeftCorner<2, 2>() * along);
-      drift_variance_ = inserted_variance_ = 0.0;
-      along_ = firstError(along);
-    }
-    drift(seconds, moved_m, prediction_source, match.along_variance);
+  const Eigen::Vector2d& along = match.degenerate_direction;
+  if (match.degenerate && !drifting_) {
+    entry_variance_ = along.dot(last_.covariance().topLeftCorner<2, 2>() * along);
+    drift_variance_ = inserted_variance_ = 0.0;
+  }
+  const bool is_weak = match.degenerate || match.constraint < kWeakConstraint;
+  if (is_weak) {
+    if (!weak_) along_ = firstError(along, prediction_source);
+    const bool nothing_shown = match.degenerate && !match.predicted_along;
+    drift(seconds, moved_m, prediction_source,
+          nothing_shown ? std::numeric_limits<double>::infinity() : match.along_variance);
+  }
+  if (match.degenerate) {
     next.map_covariance = stretched(next.map_covariance, along, 0.0);
     next.match_covariance = stretched(next.match_covariance, along, 0.0);
     next.map_covariance.topLeftCorner<2, 2>() +=
         (entry_variance_ + drift_variance_) * along * along.transpose();
+  } else if (match.predicted_along) {
+    next.match_covariance = stretched(next.match_covariance, along, 0.0);
+    next.match_covariance.topLeftCorner<2, 2>() +=
+        along_.covariance(0, 0) * along * along.transpose();
   }
-  drifting_ = is_drifting;
+  drifting_ = match.degenerate;
+  weak_ = is_weak;
   motion_ = relativeCovariance(last_, next);
   last_ = next;
   found_ = next.covariance();
@@ -132,16 +141,18 @@ void AlongError::correct(double variance, PredictionSource source) {
 }
 
 /// The error along the unobservable direction at the beginning of a drift.
-AlongError PoseUncertainty::firstError(const Eigen::Vector2d& along) const {
+AlongError PoseUncertainty::firstError(const Eigen::Vector2d& along,
+                                       PredictionSource source) const {
+  const double speed = source == PredictionSource::kVelocity ? kFirstLaserSpeed : kFirstSpeed;
   AlongError result;
   result.covariance(0, 0) = along.dot(last_.match_covariance.topLeftCorner<2, 2>() * along);
-  result.covariance(1, 1) = square(std::max(kFirstSpeed, carried_speed_m_s_));
+  result.covariance(1, 1) = square(std::max(speed, carried_speed_m_s_));
   return result;
 }
 
 AlongError PoseUncertainty::alongError(const MatchResult& match, double seconds, double moved_m,
                                        PredictionSource source) const {
-  AlongError error = drifting_ ? along_ : firstError(match.degenerate_direction);
+  AlongError error = weak_ ? along_ : firstError(match.degenerate_direction, source);
   error.predict(seconds, moved_m, source);
   return error;
 }
@@ -172,7 +183,7 @@ void PoseUncertainty::predict(const Pose2& predicted, const Eigen::Vector3d& sig
                            Eigen::Matrix3d(sigmas.cwiseAbs2().asDiagonal())};
   motion_ = relativeCovariance(last_, next);
   last_ = next;
-  drifting_ = false;
+  drifting_ = weak_ = false;
 }
 
 }  // namespace kestrel

@@ -3,7 +3,26 @@
 
 #include <algorithm>
 
+#include "kestrel_slam/mapping/pose_uncertainty.h"
+
 namespace kestrel {
+namespace {
+
+/// Largest standard deviation of a match that shows something along the weakest direction, m.
+constexpr double kMostMatchSigma = 0.1;
+
+/// The scans of some time see the same noise of the map, so their errors do not average out.
+double correlated(double variance, double seconds) {
+  constexpr double kCorrelationTime = 0.25;  // s
+  return variance * std::max(1.0, kCorrelationTime / std::max(seconds, 1e-3));
+}
+
+}  // namespace
+
+bool isWeak(const MatchResult& match, PredictionSource source) {
+  return match.degenerate ||
+         (source == PredictionSource::kVelocity && match.constraint < kWeakConstraint);
+}
 
 bool isUnobservable(const MatchResult& match, PredictionSource source) {
   constexpr double kNoConstraint = 0.0035;  // share of the beams
@@ -15,20 +34,27 @@ WeakMotion weakMotionOf(const MatchResult& match) {
   return {match.degenerate_direction, match.degenerate_turn, match.constraint};
 }
 
-void keepPredictionAlong(const Pose2& motion_prediction, MatchResult& match) {
+double keepPredictionAlong(const Pose2& motion_prediction, MatchResult& match) {
   const Eigen::Vector2d missing = motion_prediction.translation() - match.pose.translation();
-  match.pose = weakMotionOf(match).moved(match.pose, match.degenerate_direction.dot(missing));
+  const double moved = match.degenerate_direction.dot(missing);
+  match.pose = weakMotionOf(match).moved(match.pose, moved);
+  return -moved;
+}
+
+AlongFit combined(const AlongFit& fit, double matched_m) {
+  const double apart = matched_m - fit.distance_m;
+  if (apart * apart > fit.variance_m2) return fit;
+  return {matched_m, std::min(fit.variance_m2, kMostMatchSigma * kMostMatchSigma)};
 }
 
 void correctAlong(const AlongFit& fit, double variance, double seconds, MatchResult& match) {
-  // The scans of this time see the same noise of the map, so their errors do not average out.
-  constexpr double kCorrelationTime = 0.25;  // s
-  const double correlated =
-      fit.variance_m2 * std::max(1.0, kCorrelationTime / std::max(seconds, 1e-3));
   // What differs more than both errors explain is not what the map shows, but floor or people.
-  match.along_variance = std::max(correlated, fit.distance_m * fit.distance_m - variance);
+  match.along_variance =
+      std::max(correlated(fit.variance_m2, seconds), fit.distance_m * fit.distance_m - variance);
   const double gain = variance / (variance + match.along_variance);
   match.pose = weakMotionOf(match).moved(match.pose, gain * fit.distance_m);
+  match.predicted_along = true;
+  match.mostly_predicted = gain < 0.5;
 }
 
 }  // namespace kestrel

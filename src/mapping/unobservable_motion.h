@@ -7,18 +7,26 @@
 
 namespace kestrel {
 
-/// Whether the motion prediction is better than the match along the degenerate direction. Without a
-/// motion sensor the little that the scan shows is used: otherwise a scan may be inserted with an
-/// error of centimeters, and loops of whole buildings do not close.
+/// Whether the motion prediction takes part along the weakest direction: always if it is
+/// unobservable. Without a motion sensor also if few beams show it, because they may be wrong.
+bool isWeak(const MatchResult& match, PredictionSource source);
+
+/// Whether the match shows nothing along the weakest direction. Without a motion sensor the little
+/// that it shows is used: otherwise a scan may be inserted with an error of centimeters, and loops
+/// of whole buildings do not close.
 bool isUnobservable(const MatchResult& match, PredictionSource source);
 
 WeakMotion weakMotionOf(const MatchResult& match);
 
-/// Replaces the match along the unobservable direction by the motion prediction. There the match
-/// only shows the discretization error of the cells.
-void keepPredictionAlong(const Pose2& motion_prediction, MatchResult& match);
+/// Replaces the match along the weakest direction by the motion prediction. Returns the distance
+/// from there to the match, m.
+double keepPredictionAlong(const Pose2& motion_prediction, MatchResult& match);
 
-/// Corrects the predicted position along the unobservable direction by the few beams that show it.
+/// The match, `matched_m` from the prediction, where `fit` does not contradict it: the match is
+/// more accurate. Otherwise `fit`.
+AlongFit combined(const AlongFit& fit, double matched_m);
+
+/// Corrects the predicted position along the weakest direction by the few beams that show it.
 /// `variance`: of the prediction, m².
 void correctAlong(const AlongFit& fit, double variance, double seconds, MatchResult& match);
 

@@ -294,7 +294,7 @@ void fillUncertainty(const Submap& map, const Points& points, const Optimum& opt
   const Fit& fit = optimum.fit;
   result.score = fit.score;
   result.known = fit.known;
-  const WeakMotion weak = weakMotion(map.surface(), thinned(points, kWeakPoints), result.pose);
+  const WeakMotion weak = weakMotion(map, thinned(points, kWeakPoints), result.pose);
   const Eigen::Vector2d& weakest = weak.direction;
   const double share = weak.constraint;
   result.constraint = share;
@@ -306,9 +306,10 @@ void fillUncertainty(const Submap& map, const Points& points, const Optimum& opt
   const double constrained = std::max(share, config.degenerate_share);
   result.covariance =
       stretched(result.covariance, weakest, std::sqrt(std::max(hessian_share / constrained, 1.0)));
-  if (!result.degenerate) return;
   result.degenerate_direction = weakest;
+  result.along_variance = weakest.dot(result.covariance.topLeftCorner<2, 2>() * weakest);
   result.degenerate_turn = weak.turn_rad_m;
+  if (!result.degenerate) return;
   result.covariance.topLeftCorner<2, 2>() +=
       kUnconstrainedM * kUnconstrainedM * (weakest * weakest.transpose());
 }

@@ -118,6 +118,7 @@ std::vector<Beam> fittingBeams(const SurfelField& surface, const Points& points,
       const auto lane = static_cast<Eigen::Index>(k);
       if (trace[lane] <= 0.0F || distance2[lane] > reach2) continue;
       const Surfel& surfel = *p.surfels[k];
+      if (surfel.appeared) continue;
       Beam beam;
       beam.arm = {p.rx[lane], p.ry[lane]};
       beam.wall = surfel.mean.cast<double>();
@@ -154,13 +155,19 @@ Eigen::Matrix3d informationOf(const std::vector<Beam>& beams) {
   return result;
 }
 
-/// Squared distance of a beam to the surface after the vehicle moved, m².
-double distance2(const SurfelField& surface, const Pose2& pose, const Beam& beam,
-                 const WeakMotion& motion, double moved_m) {
+/// Squared distance of a beam to the surface after the vehicle moved, m². Nothing in unknown space,
+/// and where something appeared.
+std::optional<double> distance2(const Submap& map, const Pose2& pose, const Beam& beam,
+                                const WeakMotion& motion, double moved_m) {
   const Eigen::Vector2d velocity = motion.direction + motion.turn_rad_m * beam.turned();
   const Eigen::Vector2d end = pose.translation() + beam.arm + moved_m * velocity;
-  const Surfel* wall = surface.nearest(end.cast<float>());
-  if (wall == nullptr) return kMostDistanceM * kMostDistanceM;
+  const Eigen::Vector2f at = end.cast<float>();
+  const Surfel* wall = map.surface().nearest(at);
+  if (wall == nullptr) {
+    if (!map.grid().isKnownOrPresumed(map.grid().cellAt(at))) return std::nullopt;
+    return kMostDistanceM * kMostDistanceM;
+  }
+  if (wall->appeared) return std::nullopt;
   const Eigen::Vector2d offset = end - wall->mean.cast<double>();
   double distance = 0.0;
   if (!isPoint(*wall)) {
@@ -179,15 +186,16 @@ struct Parabola {
   double variance = 0.0;   ///< of the place, m²
 };
 
-Parabola parabolaOf(const SurfelField& surface, const Pose2& pose, const std::vector<Beam>& beams,
+Parabola parabolaOf(const Submap& map, const Pose2& pose, const std::vector<Beam>& beams,
                     const WeakMotion& motion, double step_m) {
   double bend = 0.0, bend2 = 0.0, slope = 0.0, slope2 = 0.0;
   for (const Beam& beam : beams) {
-    const double before = distance2(surface, pose, beam, motion, -step_m);
-    const double middle = distance2(surface, pose, beam, motion, 0.0);
-    const double after = distance2(surface, pose, beam, motion, step_m);
-    const double b = (before + after - 2.0 * middle) / (2.0 * step_m * step_m);
-    const double t = (before - after) / (4.0 * step_m);
+    const auto before = distance2(map, pose, beam, motion, -step_m);
+    const auto middle = distance2(map, pose, beam, motion, 0.0);
+    const auto after = distance2(map, pose, beam, motion, step_m);
+    if (!before || !middle || !after) continue;
+    const double b = (*before + *after - 2.0 * *middle) / (2.0 * step_m * step_m);
+    const double t = (*before - *after) / (4.0 * step_m);
     bend += b, bend2 += b * b, slope += t, slope2 += t * t;
   }
   Parabola result;
@@ -207,28 +215,28 @@ Pose2 WeakMotion::moved(const Pose2& pose, double distance_m) const {
   return {place.x(), place.y(), pose.yaw + distance_m * turn_rad_m};
 }
 
-WeakMotion weakMotion(const SurfelField& surface, const Points& points, const Pose2& map_T_base) {
+WeakMotion weakMotion(const Submap& map, const Points& points, const Pose2& map_T_base) {
   WeakMotion result;
-  const std::vector<Beam> beams = fittingBeams(surface, points, map_T_base);
+  const std::vector<Beam> beams = fittingBeams(map.surface(), points, map_T_base);
   if (beams.empty()) return result;
   const Eigen::Matrix3d covariance = informationOf(beams).inverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
       Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
   result.direction = axes.eigenvectors().col(1);
   result.turn_rad_m = covariance.block<1, 2>(2, 0).dot(result.direction) / axes.eigenvalues()(1);
-  const Parabola test = parabolaOf(surface, map_T_base, beams, result, kTestM);
+  const Parabola test = parabolaOf(map, map_T_base, beams, result, kTestM);
   result.constraint = test.curvature / static_cast<double>(beams.size());
   return result;
 }
 
-AlongFit fitAlong(const SurfelField& surface, const Points& points, const Pose2& start,
+AlongFit fitAlong(const Submap& map, const Points& points, const Pose2& start,
                   const WeakMotion& motion, double limit_m) {
   constexpr std::array<double, 3> kSteps = {kTestM, 0.5 * kTestM, 0.5 * kTestM};
   AlongFit result;
   for (const double step : kSteps) {
     const Pose2 pose = motion.moved(start, result.distance_m);
-    const std::vector<Beam> beams = fittingBeams(surface, points, pose, kMostDistanceM);
-    const Parabola parabola = parabolaOf(surface, pose, beams, motion, step);
+    const std::vector<Beam> beams = fittingBeams(map.surface(), points, pose, kMostDistanceM);
+    const Parabola parabola = parabolaOf(map, pose, beams, motion, step);
     if (parabola.certain < 1.0) return {};
     result.variance_m2 = std::max(
         parabola.variance, kCorrelatedBeams * kLeastNoiseM * kLeastNoiseM / parabola.certain);

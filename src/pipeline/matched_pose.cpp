@@ -9,7 +9,7 @@ MatchedPose matchedPoseOf(const MapperResult& result, double stamp) {
   // A predicted pose is no measurement, even if the vehicle is not lost.
   const MatchState state = result.isMatched() ? result.state : MatchState::kLost;
   MatchedPose pose{stamp, result.pose, result.covariance, result.velocity, state};
-  const bool shown = std::isfinite(result.match.along_variance);
+  const bool shown = result.match.predicted_along && std::isfinite(result.match.along_variance);
   if (result.match.degenerate && !shown) pose.unobservable = result.match.degenerate_direction;
   return pose;
 }

@@ -168,5 +168,23 @@ TEST(SurfelField, AWallOnTheBorderOfTwoRowsOfCellsIsOneWall) {
   }
 }
 
+TEST(SurfelField, MarksWhatAppearsInFreeSpace) {
+  Submap map{OccupancyGridConfig()};
+  const auto insert = [&](const std::vector<room::Segment>& walls) {
+    map.insert(room::scanFrom(Pose2(), walls, 1440, 20.0), Pose2());
+  };
+  std::vector<room::Segment> walls = room::corridor();
+  walls.push_back({8.0, -1.0, 8.0, 1.0});
+  insert(walls);
+  walls.push_back({5.0, -0.5, 5.0, 0.5});
+  insert(walls);
+  insert(walls);
+  const auto appeared = [&](float x, float y) { return map.surface().nearest({x, y})->appeared; };
+  EXPECT_TRUE(appeared(5.0F, 0.0F));
+  EXPECT_FALSE(appeared(8.0F, 0.0F));
+  EXPECT_FALSE(appeared(2.0F, 1.0F));
+  EXPECT_FALSE(appeared(2.0F, -1.0F));
+}
+
 }  // namespace
 }  // namespace kestrel

@@ -28,6 +28,9 @@ Eigen::Matrix3d relativeCovariance(const UncertainPose& a, const UncertainPose& 
 /// The same errors at a pose to which the vehicle was moved together with its map.
 UncertainPose placedAt(const Pose2& pose, const UncertainPose& uncertain);
 
+/// A direction is weak if a smaller share of the beams shows it.
+constexpr double kWeakConstraint = 0.02;
+
 /// Error of the position and of the speed along an unobservable direction, relative to the map
 /// around the vehicle.
 struct AlongError {
@@ -77,7 +80,7 @@ class PoseUncertainty {
 
  private:
   void predict(const Pose2& predicted, const Eigen::Vector3d& sigmas);
-  AlongError firstError(const Eigen::Vector2d& along) const;
+  AlongError firstError(const Eigen::Vector2d& along, PredictionSource source) const;
   void drift(double seconds, double moved_m, PredictionSource source, double along_variance);
 
   MapUncertainty map_;
@@ -86,9 +89,8 @@ class PoseUncertainty {
   Pose2 found_pose_;
   Eigen::Matrix3d found_ = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d motion_ = Eigen::Matrix3d::Zero();
-  bool drifting_ = false;  ///< the last scan had an unobservable direction
-  /// Unit vector in the map frame.
-  Eigen::Vector2d unobservable_direction_ = Eigen::Vector2d::Zero();
+  bool drifting_ = false;           ///< the last scan had an unobservable direction
+  bool weak_ = false;               ///< the last scan had a weak direction, with the error along_
   double entry_variance_ = 0.0;     ///< variance along it at the beginning of the drift, m²
   double drift_variance_ = 0.0;     ///< variance of the motion since then, m²
   double inserted_variance_ = 0.0;  ///< the same at the last insertion

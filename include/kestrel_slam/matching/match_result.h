@@ -32,9 +32,11 @@ struct MatchResult {
   /// Found after a search, but there is a second pose that fits nearly as well.
   bool ambiguous = false;
   bool degenerate = false;  ///< degenerate_direction is unobservable
-  /// Unit vector in the map frame, or zero.
+  /// The weakest direction, as a unit vector in the map frame, or zero.
   Eigen::Vector2d degenerate_direction = Eigen::Vector2d::Zero();
-  double degenerate_turn = 0.0;  ///< turn of the vehicle for each meter along it, rad/m
+  double degenerate_turn = 0.0;   ///< turn of the vehicle for each meter along it, rad/m
+  bool predicted_along = false;   ///< the pose along it is the prediction, corrected by the scan
+  bool mostly_predicted = false;  ///< and the prediction is more accurate than the scan
   /// Variance of the position along it, as far as the scan shows the position, m².
   double along_variance = std::numeric_limits<double>::infinity();
   /// Share of the points that constrain the weakest direction, 0 to 0.5.

@@ -25,7 +25,7 @@ struct WeakMotion {
 /// The weakest motion of a scan that was matched at `map_T_base`, and how well the scan constrains
 /// it. The directions of the walls do not show this well, because they are noisy. So the vehicle is
 /// moved by 0.2 m in both directions: the beams that do not fit there constrain the motion.
-WeakMotion weakMotion(const SurfelField& surface, const Points& points, const Pose2& map_T_base);
+WeakMotion weakMotion(const Submap& map, const Points& points, const Pose2& map_T_base);
 
 /// A distance along a weak motion, as the scan shows it.
 struct AlongFit {
@@ -35,7 +35,7 @@ struct AlongFit {
 
 /// Finds the distance along `motion` from `start` at which the scan fits best. `limit_m`: largest
 /// distance.
-AlongFit fitAlong(const SurfelField& surface, const Points& points, const Pose2& start,
+AlongFit fitAlong(const Submap& map, const Points& points, const Pose2& start,
                   const WeakMotion& motion, double limit_m);
 
 }  // namespace kestrel
