@@ -39,8 +39,7 @@ Loop givenLoop(const JointMap& joint, std::size_t a, std::size_t b, const Pose2&
   Loop loop;
   loop.anchor = joint.parts()[a].first;
   loop.query = joint.parts()[b].first;
-  loop.anchor_T_query.mean = joint.keyframes()[loop.anchor].local_T_base.between(
-      a_T_b * joint.keyframes()[loop.query].local_T_base);
+  loop.anchor_T_query.mean = joint.poseOf(loop.anchor).between(a_T_b * joint.poseOf(loop.query));
   loop.anchor_T_query.covariance.diagonal() =
       Eigen::Vector3d(kGivenM, kGivenM, kGivenRad).cwiseAbs2();
   loop.state = LoopState::kAccepted;

@@ -12,11 +12,14 @@ void addVehicle(const VehicleMap& vehicle, const std::vector<Pose2>& poses, Sess
   for (std::size_t i = 0; i < poses.size(); ++i) {
     auto keyframe = std::make_shared<Keyframe>(*vehicle.keyframes[i].keyframe);
     keyframe->id = first + i;
+    keyframe->submap_T_base = vehicle.keyframes[i].local_T_base;
     session.vertices.push_back({VertexKind::kKeyframe, keyframe->id, {poses[i], i + first == 0}});
     session.keyframes.push_back(std::move(keyframe));
   }
   for (const KnownPlace& place : vehicle.places) {
-    SubmapRecord submap{session.submaps.size(), poses[place.first], true, {}};
+    const Pose2 local_T_base = vehicle.keyframes[place.first].local_T_base;
+    SubmapRecord submap{
+        session.submaps.size(), poses[place.first] * local_T_base.inverse(), true, {}};
     for (std::size_t i = place.first; i < place.last; ++i) submap.keyframes.push_back(first + i);
     session.submaps.push_back(std::move(submap));
   }
