@@ -8,6 +8,9 @@ namespace kestrel {
 
 namespace {
 
+/// Memory of the grids: every vehicle is searched for in all places of all others.
+constexpr std::size_t kGridBytes = 300'000'000;
+
 SearchMemory::Key keyOfKeyframe(const LocalKeyframe& entry) {
   KeyMaker key;
   key.add(entry.keyframe->scan.bytes());
@@ -20,7 +23,7 @@ SearchMemory::Key keyOfKeyframe(const LocalKeyframe& entry) {
 }  // namespace
 
 JointMap::JointMap(const MapperConfig& config, const std::vector<const VehicleMap*>& vehicles)
-    : places_(config) {
+    : places_(config, kGridBytes) {
   for (const VehicleMap* vehicle : vehicles) add(*vehicle);
   addChain();
 }

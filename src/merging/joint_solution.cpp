@@ -29,7 +29,7 @@ Pose2 mapPose(const JointMap& joint, const PoseGraph& graph, std::size_t a, cons
 std::vector<PoseVertex> joinedByLoops(const JointMap& joint, std::size_t a, std::size_t b,
                                       const std::vector<Loop>& loops,
                                       const std::vector<Loop>& refined) {
-  JointSolution solution(joint);
+  JointSolution solution(joint, a, b);
   solution.join(0, a, b, loops, refined);
   solution.solve();
   return solution.graph().vertices;
@@ -49,6 +49,16 @@ Loop givenLoop(const JointMap& joint, std::size_t a, std::size_t b, const Pose2&
 JointSolution::JointSolution(const JointMap& joint)
     : joint_(joint), graph_(joint.graph()), groups_(joint.parts().size()) {
   std::iota(groups_.begin(), groups_.end(), 0U);
+}
+
+JointSolution::JointSolution(const JointMap& joint, std::size_t a, std::size_t b)
+    : JointSolution(joint) {
+  const JointMap::Part &first = joint.parts()[a], &second = joint.parts()[b];
+  const auto is_other = [&](const PoseEdge& edge) {
+    return !first.contains(edge.from) && !second.contains(edge.from);
+  };
+  graph_.edges.erase(std::remove_if(graph_.edges.begin(), graph_.edges.end(), is_other),
+                     graph_.edges.end());
 }
 
 void JointSolution::join(std::size_t pair, std::size_t a, std::size_t b,
