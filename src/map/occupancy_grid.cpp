@@ -116,7 +116,7 @@ void OccupancyGrid::markHits(const PlanarScan& scan, const Pose2& map_T_base) {
     Tile* tile = touch(cell);
     if (tile == nullptr) continue;
     tile->hit[rowOf(cell)] |= bitOf(cell);
-    changes_.hits.push_back({cell, point});
+    changes_.hits.push_back({cell, point, tile->log_odds[offsetInTile(cell)] < 0});
   }
 }
 

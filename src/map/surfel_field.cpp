@@ -161,6 +161,7 @@ std::uint32_t SurfelField::create(const OccupancyGrid::Changes::Hit& hit) {
   }
   Surfel surfel{hit.point, hit.point, 1.0F, 0.0F, 1.0F, hit.cell};
   surfel.birth = number_;
+  surfel.appeared = hit.in_free && !isAtWall(*tile, offsetInTile(hit.cell));
   std::uint32_t id = static_cast<std::uint32_t>(surfels_.size());
   if (free_.empty()) {
     surfels_.push_back(surfel);
@@ -173,6 +174,14 @@ std::uint32_t SurfelField::create(const OccupancyGrid::Changes::Hit& hit) {
   tile->distance2[offsetInTile(hit.cell)] = 0;
   setOwn(hit.cell, true);
   return id;
+}
+
+/// Whether a wall is known close to a cell. The noise of its hits reaches the next cells.
+bool SurfelField::isAtWall(const Tile& tile, std::size_t offset) const {
+  constexpr float kReach = 3.0F;  // cells
+  const std::uint32_t nearest = tile.nearest[offset];
+  return nearest != kNone && !surfels_[nearest].appeared &&
+         static_cast<float>(tile.distance2[offset]) <= kReach * kReach * kDistanceSteps;
 }
 
 /// Makes room for one more surfel. Returns false at the memory limit.

@@ -118,6 +118,7 @@ std::vector<Beam> fittingBeams(const SurfelField& surface, const Points& points,
       const auto lane = static_cast<Eigen::Index>(k);
       if (trace[lane] <= 0.0F || distance2[lane] > reach2) continue;
       const Surfel& surfel = *p.surfels[k];
+      if (surfel.appeared) continue;
       Beam beam;
       beam.arm = {p.rx[lane], p.ry[lane]};
       beam.wall = surfel.mean.cast<double>();

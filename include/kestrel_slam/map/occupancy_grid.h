@@ -34,6 +34,7 @@ class OccupancyGrid {
     struct Hit {
       Cell cell;
       Eigen::Vector2f point;  ///< end point in the map frame, m
+      bool in_free = false;   ///< the cell was known to be free
     };
     std::vector<Hit> hits;          ///< all inserted hits, in the order of the scan
     std::vector<Cell> became_free;  ///< cells that were occupied before the insertion

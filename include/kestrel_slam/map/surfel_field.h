@@ -42,6 +42,9 @@ struct Surfel {
   Eigen::Vector2f new_sum = Eigen::Vector2f::Zero();
   /// Number of the scan that created the surfel.
   std::uint32_t birth = 0;
+  /// It appeared where free space and no wall was known: a person, a moved object, or the floor
+  /// that a tilted laser sees. It says nothing about the motion along a corridor.
+  bool appeared = false;
 };
 
 /// Whether the wall direction is unknown. Such a surfel constrains the pose in all directions.
@@ -155,6 +158,7 @@ class SurfelField {
   };
 
   std::uint32_t idAt(const Cell& cell) const;
+  bool isAtWall(const Tile& tile, std::size_t offset) const;
   bool hasRoom();
   void setOwn(const Cell& cell, bool own);
   void addHit(const OccupancyGrid::Changes::Hit& hit, const Eigen::Vector2f& tangent2, bool sparse);
