@@ -202,23 +202,17 @@ void MapMerger::explain(const JointMap& joint, const Pair& pair, Decision& decis
   }
 }
 
-/// Number of places, far apart from each other, where the loops were found. It begins at one end of
-/// the common part: from its middle, both ends may be too near.
+/// Number of places, far apart from each other, where the loops were found.
 std::size_t MapMerger::placesOf(const JointMap& joint, const std::vector<Loop>& loops) const {
-  std::vector<Eigen::Vector2d> points;
-  // In the map of the first vehicle of the pair.
-  for (const Loop& loop : loops)
-    points.push_back(joint.poseOf(std::min(loop.query, loop.anchor)).translation());
   std::vector<Eigen::Vector2d> places;
-  for (const Eigen::Vector2d& first : points) {
-    std::vector<Eigen::Vector2d> chosen = {first};
-    for (const Eigen::Vector2d& at : points) {
-      const bool is_far = std::all_of(chosen.begin(), chosen.end(), [&](const Eigen::Vector2d& p) {
-        return (p - at).norm() >= config_.place_m;
-      });
-      if (is_far) chosen.push_back(at);
-    }
-    if (chosen.size() > places.size()) places = std::move(chosen);
+  for (const Loop& loop : loops) {
+    // In the map of the first vehicle of the pair.
+    const std::size_t keyframe = std::min(loop.query, loop.anchor);
+    const Eigen::Vector2d at = joint.poseOf(keyframe).translation();
+    const bool is_far = std::all_of(places.begin(), places.end(), [&](const Eigen::Vector2d& p) {
+      return (p - at).norm() >= config_.place_m;
+    });
+    if (is_far) places.push_back(at);
   }
   return places.size();
 }

@@ -90,15 +90,6 @@ TEST(MapMerger, AnotherBuildingIsNotMerged) {
   EXPECT_FALSE(result.pairs.front().isJoined()) << describe(result.pairs.front());
 }
 
-TEST(MapMerger, ACommonPartThatWasEnteredInItsMiddleIsJoined) {
-  // Its ends are less than 5 m from the first match, but more than 5 m from each other.
-  const std::vector<Pose2> middle_first =
-      building::along({{12, 0}, {9, 0}, {15.5, 0}, {15.5, 0.3}});
-  const VehicleMap a = mapOf("a", {}, middle_first);
-  const MergeResult result = merged({a, second()});
-  EXPECT_GE(result.pairs.front().places, 2U) << describe(result.pairs.front());
-}
-
 TEST(MapMerger, AMirroredMapIsNotMerged) {
   Variant mirrored;
   mirrored.mirrored = true;
