@@ -2,6 +2,7 @@
 #include "kestrel_slam/experiments/walker_measurement.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "kestrel_slam/recording/simulated_recording.h"
@@ -10,6 +11,8 @@ namespace kestrel {
 namespace {
 
 constexpr double kVisibleRadius = 0.4;  // m; returns this near to the middle are of the person
+// The matched scan has no returns of what moves: such a beam ends this much before the return, m.
+constexpr double kFreeBefore = 0.3;
 constexpr std::ptrdiff_t kVisibleReturns = 3;  // of a person who can be tracked
 
 /// What a run shows, in the form of the files of track_recording.
@@ -26,7 +29,7 @@ class Observer {
     for (const Track& track : sweep.moving->result().tracks) {
       rows_.push_back({stamp, track.id, track.isShown(), track.position, track.velocity});
     }
-    addPeople(sweep.scan);
+    addPeople(sweep.scan, sweep.moving->result().motion);
   }
 
   TrackEvaluation evaluate() const {
@@ -34,7 +37,7 @@ class Observer {
   }
 
  private:
-  void addPeople(const PlanarScan& scan) {
+  void addPeople(const PlanarScan& scan, const std::vector<CellMotion>& motion) {
     const auto true_pose =
         std::lower_bound(truth_.begin(), truth_.end(), scan.stamp,
                          [](const StampedPose& pose, double stamp) { return pose.stamp < stamp; });
@@ -42,16 +45,28 @@ class Observer {
     for (std::size_t i = 0; i < walkers_.size(); ++i) {
       const Eigen::Vector2d position =
           true_pose->pose.inverse() * walkers_[i].at(scan.stamp - kFlightStart);
-      if (isVisible(scan, position)) {
+      if (isVisible(scan, motion, position)) {
         people_.push_back({scan.stamp, static_cast<long>(i), position});
       }
     }
   }
 
-  static bool isVisible(const PlanarScan& scan, const Eigen::Vector2d& position) {
-    return std::count_if(scan.rays.begin(), scan.rays.end(), [&](const PlanarRay& ray) {
-             return ray.hit && (ray.end.cast<double>() - position).norm() < kVisibleRadius;
-           }) >= kVisibleReturns;
+  static bool isVisible(const PlanarScan& scan, const std::vector<CellMotion>& motion,
+                        const Eigen::Vector2d& position) {
+    std::ptrdiff_t returns = 0;
+    for (std::size_t i = 0; i < scan.rays.size(); ++i) {
+      if (motion[i] != CellMotion::kNone && endsAt(scan.rays[i], position)) ++returns;
+    }
+    return returns >= kVisibleReturns;
+  }
+
+  static bool endsAt(const PlanarRay& ray, const Eigen::Vector2d& position) {
+    const Eigen::Vector2d offset = position - ray.origin.cast<double>();
+    const Eigen::Vector2d beam = (ray.end - ray.origin).cast<double>(), along = beam.normalized();
+    const double across = std::abs(along.x() * offset.y() - along.y() * offset.x());
+    const double behind = along.dot(offset) - beam.norm();
+    return across < kVisibleRadius && behind > -kVisibleRadius &&
+           behind < kVisibleRadius + (ray.hit ? 0.0 : kFreeBefore);
   }
 
   std::vector<Walker> walkers_;

@@ -71,6 +71,23 @@ TEST(Tracker, WalkerIsShownWithinASecond) {
   EXPECT_LE(first, 30);
 }
 
+// A dark wall beside the way gives a return now and then. Its visible parts change.
+TEST(Tracker, PartsOfADarkWallDoNotMove) {
+  Room room;
+  Random random(5);
+  Tracker tracker;
+  for (int i = 0; i < 120; ++i) {
+    const Pose2 pose(-4.0 + 0.06 * i, 4.9, 0.0);
+    PlanarScan scan = room.scan(i, pose, {}), seen = scan;
+    seen.rays.clear();
+    for (const PlanarRay& ray : scan.rays) {
+      const bool is_dark = (pose * ray.end.cast<double>()).y() > 5.9;
+      if (!is_dark || random.uniform() < 0.3) seen.rays.push_back(ray);
+    }
+    EXPECT_TRUE(shownOf(tracker.process(seen, pose)).empty()) << i;
+  }
+}
+
 // A track that changes between things that stand has no path.
 TEST(Tracker, ThingsThatAreSeenByTurnsDoNotMove) {
   Room room;
