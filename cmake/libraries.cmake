@@ -38,7 +38,7 @@ protobuf_generate_cpp(session_format_sources session_format_headers src/session/
 target_sources(kestrel_session PRIVATE ${session_format_sources})
 target_include_directories(kestrel_session SYSTEM PRIVATE ${PROJECT_BINARY_DIR})
 set_source_files_properties(${session_format_sources} PROPERTIES COMPILE_OPTIONS -w)
-kestrel_library(merging LINKS kestrel_session)
+kestrel_library(merging LINKS kestrel_session PRIVATE PkgConfig::XXHASH)
 kestrel_library(link LINKS kestrel_session PRIVATE PkgConfig::XXHASH PkgConfig::ZMQ)
 kestrel_library(filter LINKS kestrel_sensor)
 kestrel_library(tracking LINKS kestrel_map)

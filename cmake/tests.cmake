@@ -88,6 +88,7 @@ if(KESTREL_WITH_ROS AND CATKIN_ENABLE_TESTING)
   target_link_libraries(tracker_node_test PRIVATE kestrel_ros_panel)
   target_link_libraries(replay_freiburg_test PRIVATE kestrel_evaluation)
   target_link_libraries(several_vehicles_test PRIVATE kestrel_evaluation kestrel_merging)
+  target_link_libraries(follow_merged_test PRIVATE kestrel_merging)
   file(GLOB ROS_TESTS CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} test/ros/*.test
     test/ros/*/*.test)
   if(TARGET kestrel_rviz)

@@ -10,9 +10,11 @@
 #include "kestrel_slam/commands/run_tool.h"
 #include "kestrel_slam/evaluation/evaluation.h"
 #include "kestrel_slam/experiments/merging_measurement.h"
+#include "kestrel_slam/graph/optimizer.h"
 #include "kestrel_slam/map/map_io.h"
 #include "kestrel_slam/merging/merged_session.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
+#include "kestrel_slam/session/session_file.h"
 
 namespace kestrel {
 namespace {
@@ -21,7 +23,7 @@ struct Options {
   std::vector<std::string> recordings;
   std::string relations, reference, output, odometry = "none";
   std::vector<std::string> settings;
-  std::size_t parts = 1, offices = 0;
+  std::size_t parts = 1, offices = 0, steps = 0, rooms = 0;
 };
 
 double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -169,7 +171,59 @@ void measureParts(const Options& options, const std::vector<MappedVehicle>& vehi
   writeMap(options.output + "/map", mapOf(merger.vehicles(), result, 0, config.mapper.grid));
 }
 
+/// Writes the sessions of four vehicles in one large office.
+void writeSessions(const Options& options) {
+  constexpr std::uint64_t kVehicles = 4;
+  std::filesystem::create_directories(options.output);
+  for (std::uint64_t vehicle = 1; vehicle <= kVehicles; ++vehicle) {
+    const Session session = officeSession(1, vehicle, options.rooms, configOf(options));
+    const std::string file = options.output + "/uav" + std::to_string(vehicle) + ".session";
+    saveSession(file, session);
+    std::printf("%s: %zu keyframes\n", file.c_str(), session.keyframes.size());
+    std::fflush(stdout);
+  }
+}
+
+double lengthOf(const VehicleMap& map) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < map.poses.size(); ++i)
+    length += map.poses[i - 1].between(map.poses[i]).distance();
+  return length;
+}
+
+/// Merges the sessions while they grow.
+void measureSteps(const Options& options) {
+  const SlamConfig config = configOf(options);
+  std::vector<VehicleMap> maps;
+  for (const std::string& path : options.recordings)
+    maps.push_back(vehicleMapOf(std::filesystem::path(path).stem().string(), loadSession(path)));
+  MapMerger merger(config.mapper, config.loops);
+  std::printf("%8s %10s %8s %9s %8s %8s\n", "m", "keyframes", "joined", "searches", "s", "s joint");
+  for (std::size_t step = 1; step <= options.steps; ++step) {
+    double length = 0.0;
+    std::size_t keyframes = 0;
+    for (const VehicleMap& map : maps) {
+      VehicleMap grown =
+          grownTo(map, static_cast<double>(step) / static_cast<double>(options.steps));
+      length += lengthOf(grown);
+      keyframes += grown.keyframes.size();
+      merger.update(std::move(grown));
+    }
+    const std::size_t searches = merger.memory().searches();
+    const double begin = processorSeconds();
+    MergeResult result = merger.merge();
+    const double seconds = processorSeconds() - begin;
+    const double joint_begin = processorSeconds();
+    optimize(result.graph);
+    std::printf("%8.0f %10zu %8zu %9zu %8.2f %8.2f\n", length, keyframes, result.largestGroup(),
+                merger.memory().searches() - searches, seconds, processorSeconds() - joint_begin);
+    std::fflush(stdout);
+  }
+}
+
 void run(const Options& options) {
+  if (options.rooms > 0) return writeSessions(options);
+  if (options.steps > 0) return measureSteps(options);
   if (options.offices > 0) return measureOffices(options);
   const std::vector<MappedVehicle> vehicles = mapAll(options);
   if (options.parts > 1) {
@@ -192,7 +246,17 @@ int main(int argc, char** argv) {
       "Exit code 0: done; 1: bad input; 2: wrong usage.");
   Options options;
   app.add_option("RECORDING", options.recordings, "recordings");
+  CLI::Option* output = app.add_option("--output", options.output,
+                                       "folder for the merged map, with --parts; see --rooms");
   app.add_option("--offices", options.offices, "N: number of simulated offices");
+  app.add_option("--rooms", options.rooms,
+                 "N: writes the sessions of four simulated vehicles in an office of N rooms to "
+                 "--output; 90 rooms are 1 km")
+      ->needs(output);
+  app.add_option(
+      "--steps", options.steps,
+      "N: RECORDING are sessions of vehicles; their maps grow in N steps, and are merged "
+      "after each");
   app.add_option("--parts", options.parts, "N: number of vehicles that a recording is cut into")
       ->check(CLI::Range(1, 100));
   app.add_option("--relations", options.relations, "relations of the recording, with --parts");
@@ -204,11 +268,10 @@ int main(int argc, char** argv) {
       ->expected(1)
       ->take_all()
       ->allow_extra_args(false);
-  app.add_option("--output", options.output, "folder for the merged map, with --parts");
   return runTool(
       "measure_merging", app, argc, argv, [&] { run(options); },
       [&] {
-        if (options.recordings.empty() == (options.offices == 0))
-          throw CLI::RequiredError("RECORDING or --offices");
+        if (options.recordings.empty() == (options.offices + options.rooms == 0))
+          throw CLI::RequiredError("RECORDING, --offices or --rooms");
       });
 }

@@ -23,6 +23,7 @@ struct Options {
   std::string trials;
   bool search = true, localize = true;
   std::size_t kidnappings = 100;
+  std::size_t strangers = 0;
 };
 
 struct Log {
@@ -71,15 +72,19 @@ struct Row {
 
 std::string textOf(const PlaceHypothesis& place) {
   char text[200];
-  std::snprintf(text, sizeof text, "%.3f,%.3f,%.3f,%.4f,%.3f", place.match.score, place.match.known,
-                place.crossing, place.match.constraint, place.score);
+  const WallAgreement& walls = place.walls;
+  std::snprintf(text, sizeof text, "%.3f,%.3f,%.4f,%zu,%zu,%zu,%zu,%.3f,%.3f", place.match.score,
+                place.match.known, place.match.constraint, walls.hits, walls.known, walls.matched,
+                walls.crossed, walls.contradiction(), place.score());
   return text;
 }
 
 constexpr char kColumns[] =
     "map,scans,stamp,state,reason,in_map,right,true_known,true_fit,error_m,error_deg,fit,known,"
-    "crossing,constraint,score,margin,agreement,places,travel_m,work,second_m,second_deg,"
-    "second_fit,second_known,second_crossing,second_constraint,second_score\n";
+    "constraint,squares,known_squares,matched,crossed,contradiction,score,"
+    "margin,agreement,places,travel_m,work,second_m,second_deg,second_fit,second_known,second_"
+    "constraint,second_squares,second_known_squares,second_matched,second_crossed,second_"
+    "contradiction,second_score\n";
 
 void list(std::FILE* file, const std::string& map, const std::string& from,
           const RelocalizationTrial& t, bool same_building) {
@@ -122,11 +127,30 @@ void measure(const Options& options, const Log& own, const std::vector<Log>& log
   }
 }
 
-void printLocalization(const Log& log, const LocalizationTrial& trial, const std::string& file) {
+/// Searches for scans of all other recordings in the map of one whole recording.
+void measureStrangers(const Options& options, const Log& own, const std::vector<Log>& logs,
+                      std::FILE* trials) {
+  const RelocalizationMap map(own.scans, 0, own.scans.size());
+  Row row;
+  for (const Log& log : logs) {
+    if (log.name == own.name) continue;
+    const std::size_t count = std::min(options.strangers, log.scans.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      const PlacedScan& scan = log.scans[(2 * i + 1) * log.scans.size() / (2 * count)];
+      const RelocalizationTrial trial = map.locate(scan);
+      row.add(trial, false);
+      list(trials, own.name, log.name, trial, false);
+    }
+  }
+  row.print(own.name, "all others", "single scan");
+}
+
+void printLocalization(const Log& log, const LocalizationTrial& trial, const std::string& file,
+                       const char* kind) {
   std::printf(
-      "%s: second half in the map of the first: %zu scans, %zu lost, %zu wrong; distance "
+      "%s: second half in the %s of the first: %zu scans, %zu lost, %zu wrong; distance "
       "from the trajectory with loops %.4f m, at most %.3f m; %.2f s, mapping %.2f s",
-      log.name.c_str(), trial.scans, trial.lost, trial.wrong, trial.mean_m, trial.max_m,
+      log.name.c_str(), kind, trial.scans, trial.lost, trial.wrong, trial.mean_m, trial.max_m,
       trial.seconds, trial.mapping_seconds);
   std::error_code error;
   if (!file.empty() && std::filesystem::exists(file, error)) {
@@ -175,8 +199,9 @@ void printKidnapping(const Log& log, const RelocalizationMap& map, std::size_t c
 void measureLocalization(const Options& options, const Log& log, const std::string& path) {
   const RelocalizationMap map(log.scans, 0, log.scans.size() / 2);
   std::string relations = path.substr(0, path.rfind(".clf")) + ".relations";
-  printLocalization(log, map.localize(log.scans, log.scans.size() / 2, log.scans.size()),
-                    relations);
+  const std::size_t half = log.scans.size() / 2, end = log.scans.size();
+  printLocalization(log, map.localize(log.scans, half, end, false), relations, "map");
+  printLocalization(log, map.localize(log.scans, half, end, true), relations, "pgm file");
   if (options.kidnappings > 0) printKidnapping(log, map, options.kidnappings);
 }
 
@@ -195,6 +220,8 @@ void run(const Options& options) {
   const std::size_t maps = logs.size();
   for (const std::string& path : options.others) logs.push_back({nameOf(path), placeScans(path)});
   for (std::size_t m = 0; m < maps && options.search; ++m) measure(options, logs[m], logs, trials);
+  for (std::size_t m = 0; m < maps && options.strangers > 0; ++m)
+    measureStrangers(options, logs[m], logs, trials);
   for (std::size_t m = 0; m < maps && options.localize; ++m)
     measureLocalization(options, logs[m], options.recordings[m]);
   if (trials != nullptr) std::fclose(trials);
@@ -226,6 +253,10 @@ int main(int argc, char** argv) {
   app.add_option("--travel", options.travel_m,
                  "search also while the vehicle moves on by this distance, m; 0: not")
       ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--strangers", options.strangers,
+                 "search in the map of each whole recording for so many scans of every other "
+                 "recording, which must be refused")
       ->capture_default_str();
   app.add_option("--trials", options.trials, "write a table of all searches to this file");
   app.add_option("--search", options.search, "1: measure the search")->capture_default_str();

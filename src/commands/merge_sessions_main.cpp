@@ -12,8 +12,10 @@
 
 #include "kestrel_slam/commands/mapping_command.h"
 #include "kestrel_slam/commands/run_tool.h"
+#include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/map/map_folder.h"
 #include "kestrel_slam/merging/merged_session.h"
+#include "kestrel_slam/offline/provenance.h"
 #include "kestrel_slam/offline/stats.h"
 #include "kestrel_slam/parameters/parameters_yaml.h"
 #include "kestrel_slam/recording/trajectory.h"
@@ -30,7 +32,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::vector<std::string> sessions, starts, separated, settings;
-  std::string output;
+  std::string output, cache;
 };
 
 /// "uav0=file" or "file": then the name is that of the file, without its ending.
@@ -195,7 +197,10 @@ void run(const Options& options) {
   for (VehicleMap& vehicle : readVehicles(options)) merger.update(std::move(vehicle));
   for (const std::string& pair : options.separated) separate(pair, merger);
   prepareOutput(options.output);
+  const std::string made_by = std::string(kVersion) + " " + builtCommit() + parametersYaml(config);
+  if (fs::exists(options.cache)) merger.memory().decode(readFile(options.cache), made_by);
   const MergeResult merged = merger.merge();
+  if (!options.cache.empty()) writeFileAtomically(options.cache, merger.memory().encode(made_by));
   const std::vector<VehicleMap>& vehicles = merger.vehicles();
   const MapSnapshot map = mapOf(vehicles, merged, 0, config.mapper.grid);
   Session session = mergedSession(vehicles, merged, 0);
@@ -241,6 +246,9 @@ int main(int argc, char** argv) {
       ->expected(1)
       ->take_all()
       ->allow_extra_args(false);
+  app.add_option("--cache", options.cache,
+                 "FILE: results of searches, for the next time that these sessions are merged when "
+                 "they have grown; the result is the same without it");
   app.add_option("--set", options.settings, "name=value: sets a parameter")
       ->expected(1)
       ->take_all()

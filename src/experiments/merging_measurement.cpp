@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/experiments/merging_measurement.h"
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
+#include "kestrel_slam/graph/optimizer.h"
 #include "kestrel_slam/offline/offline_run.h"
 #include "kestrel_slam/recording/recording.h"
 #include "kestrel_slam/recording/simulated_recording.h"
@@ -17,6 +21,13 @@ namespace {
 std::string nameOfFile(const std::string& path) {
   const std::string name = std::filesystem::path(path).filename().string();
   return name.substr(0, name.find('.'));
+}
+
+VehicleModel slowLaser() {
+  constexpr double kRate = 10.0;  // Hz: enough for a slow flight
+  VehicleModel model = quadrotorWith("utm30lx");
+  model.laser->rate_hz = kRate;
+  return model;
 }
 
 }  // namespace
@@ -63,20 +74,50 @@ MappedVehicle mapVehicle(const VehicleRecording& vehicle, const SlamConfig& conf
 
 MappedVehicle mapOffice(std::uint64_t seed, OfficeChange change, std::uint64_t vehicle,
                         const SlamConfig& config) {
-  constexpr double kRate = 10.0;  // Hz: enough for a slow flight
-  VehicleModel model = quadrotorWith("utm30lx");
-  model.laser->rate_hz = kRate;
-  SimulatedRecording recording(randomOffice(seed, change, vehicle), model, 10 * seed + vehicle);
+  SimulatedRecording recording(randomOffice(seed, change, vehicle), slowLaser(),
+                               10 * seed + vehicle);
   const std::string name = "office_" + std::to_string(seed) + "_" + std::to_string(vehicle);
   return mapVehicle(name, recording, config, RunOptions());
+}
+
+Session officeSession(std::uint64_t seed, std::uint64_t vehicle, std::size_t rooms,
+                      const SlamConfig& config) {
+  SimulatedRecording recording(randomOffice(seed, OfficeChange::kNone, vehicle, rooms), slowLaser(),
+                               10 * seed + vehicle);
+  SlamConfig with_graph = config;
+  with_graph.mapper.window.enabled = true;
+  OfflineRun run = runOffline(recording, with_graph, RunOptions());
+  if (!run.session) throw std::runtime_error("nothing was mapped");
+  return std::move(*run.session);
+}
+
+VehicleMap grownTo(const VehicleMap& map, double share) {
+  VehicleMap grown;
+  grown.name = map.name;
+  const auto count =
+      static_cast<std::size_t>(std::lround(share * static_cast<double>(map.keyframes.size())));
+  grown.keyframes.assign(map.keyframes.begin(),
+                         map.keyframes.begin() + static_cast<std::ptrdiff_t>(count));
+  for (KnownPlace place : map.places) {
+    place.last = std::min(place.last, count);
+    if (place.first < place.last) grown.places.push_back(place);
+  }
+  for (const PoseEdge& edge : map.edges)
+    if (edge.from < count && edge.to < count) grown.edges.push_back(edge);
+  PoseGraph graph;
+  for (std::size_t i = 0; i < count; ++i) graph.vertices.push_back({map.poses[i]});
+  graph.edges = grown.edges;
+  optimize(graph);
+  for (const PoseVertex& vertex : graph.vertices) grown.poses.push_back(vertex.pose);
+  return grown;
 }
 
 Trajectory inWorld(const MappedVehicle& mapped, const MergeResult& merged, std::size_t vehicle) {
   Trajectory result = mapped.trajectory;
   for (std::size_t i = 0; i < result.size() && !mapped.map.keyframes.empty(); ++i) {
     const std::size_t keyframe = mapped.keyframe_before[i];
-    result[i].pose = merged.poses[vehicle][keyframe] *
-                     mapped.map.keyframes[keyframe].local_T_base.between(result[i].pose);
+    result[i].pose =
+        merged.poses[vehicle][keyframe] * mapped.map.poses[keyframe].between(result[i].pose);
   }
   return result;
 }

@@ -3,12 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <ctime>
+#include <filesystem>
 #include <memory>
+#include <stdexcept>
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/graph/localizer.h"
 #include "kestrel_slam/graph/place_finder.h"
+#include "kestrel_slam/map/map_io.h"
+#include "kestrel_slam/map/picture_map.h"
 #include "kestrel_slam/matching/fit.h"
 #include "kestrel_slam/offline/offline_run.h"
 #include "kestrel_slam/recording/recording.h"
@@ -129,11 +134,22 @@ RelocalizationTrial RelocalizationMap::follow(const std::vector<PlacedScan>& sca
   return trial;
 }
 
+Submap RelocalizationMap::mapToLocalizeIn(bool picture) const {
+  if (!picture) return mapOfScans(scans_, first_, last_, config_.grid);
+  std::string folder = (std::filesystem::temp_directory_path() / "kestrel_map_XXXXXX").string();
+  if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("cannot create " + folder);
+  writeMap(folder + "/map", map_.grid().snapshot());
+  Submap result = submapOf(readMap(folder + "/map.yaml"), config_.grid);
+  std::filesystem::remove_all(folder);
+  return result;
+}
+
 LocalizationTrial RelocalizationMap::localize(const std::vector<PlacedScan>& scans,
-                                              std::size_t first, std::size_t last) const {
+                                              std::size_t first, std::size_t last,
+                                              bool picture) const {
   LocalizationTrial trial;
   trial.scans = last - first;
-  Localizer localizer(config_, mapOfScans(scans_, first_, last_, config_.grid));
+  Localizer localizer(config_, mapToLocalizeIn(picture));
   bool found = false;
   double sum = 0.0;
   const double start = processorSeconds();

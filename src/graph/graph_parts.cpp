@@ -55,6 +55,7 @@ SubmapGraph::SubmapGraph(const MapperConfig& mapper, const LoopConfig& config, G
     odometry_.vertices.emplace_back();
   }
   chain_.grow(odometry_);
+  track_ = OdometryTrack(std::move(record.odometry));
   restore(record.loops);
 }
 

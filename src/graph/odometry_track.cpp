@@ -30,8 +30,8 @@ Eigen::Matrix3d informationOf(const Eigen::Vector3d& variances) {
 
 void OdometryTrack::add(const std::optional<Pose2>& odom_T_base) {
   if (!odom_T_base) return recent_.clear();
-  for (std::size_t i = keyframes_.size() - std::min(keyframes_.size(), kAround);
-       i < keyframes_.size(); ++i) {
+  const std::size_t open = keyframes_.size() - closed_;
+  for (std::size_t i = keyframes_.size() - std::min(open, kAround); i < keyframes_.size(); ++i) {
     TrackedKeyframe& keyframe = keyframes_[i];
     if (keyframe.odometry.size() <= keyframe.own + kAround)
       keyframe.odometry.push_back(*odom_T_base);

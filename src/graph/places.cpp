@@ -5,12 +5,6 @@
 #include <utility>
 
 namespace kestrel {
-namespace {
-
-/// Memory of the grids. A vehicle searches the same few places for a while.
-constexpr std::size_t kCachedBytes = 32'000'000;
-
-}  // namespace
 
 void Places::add(std::uint32_t submap, std::size_t first, std::size_t last) {
   places_.push_back({submap, first, last});
@@ -30,7 +24,7 @@ const Submap& Places::mapOf(std::size_t place, const std::vector<LocalKeyframe>&
   }
   cache_.push_front({place, std::move(map)});
   cached_bytes_ += cache_.front().map->memoryBytes();
-  while (cached_bytes_ > kCachedBytes && cache_.size() > 1) {
+  while (cached_bytes_ > max_cached_bytes_ && cache_.size() > 1) {
     cached_bytes_ -= cache_.back().map->memoryBytes();
     cache_.pop_back();
   }

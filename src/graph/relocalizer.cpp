@@ -8,20 +8,14 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/matching/place_match.h"
 #include "kestrel_slam/matching/thinned.h"
-#include "kestrel_slam/matching/unknown_score.h"
 
 namespace kestrel {
 namespace {
 
-/// Number of points of the final matches, and of beams that are followed through the map.
-constexpr std::size_t kMatchPoints = 720, kFollowedBeams = 240, kScanPoints = 360;
+/// Number of points of the final matches, and of beams that are compared with the map.
+constexpr std::size_t kMatchPoints = 720, kComparedBeams = 720, kScanPoints = 360;
 /// Fewer hits fit in too many places.
 constexpr std::size_t kLeastHits = 30;
-/// A beam passes through a wall if it goes on for so long behind it, m.
-constexpr double kBehindM = 0.5;
-/// A wall has so many hits in a cell. A beam passes through it if the square of the sine of the
-/// angle between them is larger than this.
-constexpr float kWallHits = 3.0F, kAcross = 0.15F;
 /// Poses that differ by less than this are one place.
 constexpr double kSameM = 0.6, kSameRad = 0.35;
 /// A single scan agrees if it fits at the same place up to this.
@@ -31,7 +25,7 @@ constexpr double kPlaceM = 0.015, kPlaceRad = 0.004, kMatchFactor = 4.0;
 /// Hypotheses with a lower score than the best by this are not refined.
 constexpr double kSearchMargin = 0.12;
 /// The likelihood of a good scan whose known part is as small as allowed.
-constexpr double kSearchScore = 0.45;
+constexpr double kSearchScore = 0.55;
 
 Points pointsOf(const RelocalizationQuery& query) {
   Points result;
@@ -103,55 +97,25 @@ const RelocalizationAnswer& Relocalizer::locate(RelocalizationQuery query) {
   return advance(config_.most_work);
 }
 
-/// Whether a beam passes through a wall. Beams along a wall and through single objects do not
-/// count: a small error of the pose or a moved chair explains them.
-bool Relocalizer::crosses(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const {
-  const SurfelField& surface = map_.map().surface();
-  const auto step = static_cast<double>(surface.resolution());
-  const double length = (to - from).norm();
-  const Eigen::Vector2f along = ((to - from) / std::max(length, step)).cast<float>();
-  const float near2 = surface.resolution() * surface.resolution();
-  for (double at = 0.0; at < length - kBehindM; at += step) {
-    const Eigen::Vector2f point = from.cast<float>() + along * static_cast<float>(at);
-    const Surfel* wall = surface.nearest(point);
-    if (wall == nullptr || isPoint(*wall) || wall->count < kWallHits) continue;
-    if ((point - wall->mean).squaredNorm() > near2) continue;
-    const float across = along.x() * (wall->a11 * along.x() + 2.0F * wall->a12 * along.y()) +
-                         along.y() * wall->a22 * along.y();
-    if (across > kAcross) return true;
-  }
-  return false;
-}
-
-/// The share of the beams that would pass through walls.
-double Relocalizer::crossingAt(const Pose2& pose) const {
-  std::size_t beams = 0, crossing = 0, number = 0;
-  const std::size_t each = std::max<std::size_t>(1, points_.size() / kFollowedBeams);
-  for (const RelocalizationQuery::Part& part : query_.parts) {
-    const Pose2 map_T_scan = pose * part.base_T_scan;
-    for (const PlanarRay& ray : part.scan.rays) {
-      if (!ray.hit || number++ % each != 0) continue;
-      ++beams;
-      if (crosses(map_T_scan * ray.origin.cast<double>(), map_T_scan * ray.end.cast<double>()))
-        ++crossing;
-    }
-  }
-  return beams == 0 ? 0.0 : static_cast<double>(crossing) / static_cast<double>(beams);
+WallAgreement Relocalizer::wallsAt(const Pose2& map_T_base) const {
+  std::vector<ScanInMap> scans;
+  for (const RelocalizationQuery::Part& part : query_.parts)
+    scans.push_back({map_T_base * part.base_T_scan, &part.scan});
+  return compareWalls(map_.map(), scans, kComparedBeams);
 }
 
 PlaceHypothesis Relocalizer::hypothesisAt(const Pose2& guess) const {
   PlaceHypothesis result;
   result.match = matchNear(map_.map(), sampled(points_, kMatchPoints), guess, matcher_);
-  result.crossing = crossingAt(result.match.pose);
-  const double known = result.match.known;
-  result.score = result.match.score * known + kUnknownScore * (1.0 - known) - result.crossing;
+  result.walls = wallsAt(result.match.pose);
   return result;
 }
 
 const char* Relocalizer::problemOf(const PlaceHypothesis& best) const {
   if (best.match.score < config_.min_fit) return "the scan does not fit";
   if (best.match.known < config_.min_known) return "too little of the scan is in the map";
-  if (best.contradiction() > config_.max_contradiction) return "the scan contradicts the map";
+  if (best.walls.possibleContradiction() > config_.max_contradiction)
+    return "the scan contradicts the map";
   if (best.match.constraint < config_.min_constraint) return "a direction is unobservable";
   return "";
 }
@@ -168,7 +132,7 @@ void Relocalizer::conclude(bool complete) {
 void Relocalizer::rank() {
   std::vector<PlaceHypothesis> places, all = std::move(answer_.hypotheses);
   std::stable_sort(all.begin(), all.end(),
-                   [](const auto& a, const auto& b) { return a.score > b.score; });
+                   [](const auto& a, const auto& b) { return a.score() > b.score(); });
   for (const PlaceHypothesis& hypothesis : all) {
     const bool known = std::any_of(places.begin(), places.end(), [&](const auto& other) {
       return isNear({other.match.pose, kSameM, kSameRad}, hypothesis.match.pose);
@@ -183,11 +147,11 @@ void Relocalizer::judge(bool complete) {
   answer_.state = RelocalizationState::kUnknown;
   answer_.reason = complete ? "the scan does not fit" : "it fits in too many places to try all";
   if (all.empty()) return;
-  answer_.margin = all.size() > 1 ? all[0].score - all[1].score : all[0].score;
+  answer_.margin = all.size() > 1 ? all[0].score() - all[1].score() : all[0].score();
   const char* problem = problemOf(all.front());
   if (*problem != '\0') {
     answer_.reason = problem;
-  } else if (!complete || answer_.margin < config_.min_margin) {
+  } else if (!complete || answer_.margin < neededMargin()) {
     answer_.state = RelocalizationState::kAmbiguous;
     if (complete) answer_.reason = "the scan fits in several places";
   } else if ((answer_.agreement = agreementAt(all.front().match)) < config_.min_agreement) {
@@ -196,6 +160,14 @@ void Relocalizer::judge(bool complete) {
     answer_.state = RelocalizationState::kFound;
     answer_.reason = "";
   }
+}
+
+/// A scan that shows little wall fits elsewhere by chance. The difference must be larger than its
+/// standard deviation.
+double Relocalizer::neededMargin() const {
+  double variance = answer_.hypotheses[0].walls.variance();
+  if (answer_.hypotheses.size() > 1) variance += answer_.hypotheses[1].walls.variance();
+  return std::max(config_.min_margin, std::sqrt(variance));
 }
 
 /// The share of the single scans that fit where all together fit.

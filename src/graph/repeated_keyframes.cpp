@@ -154,6 +154,11 @@ class Thinning {
         result_.graph.edges.push_back(moved(edge));
     }
     addLoops();
+    for (TrackedKeyframe& keyframe : old_.odometry) {
+      if (!kept_[keyframe.number]) continue;
+      result_.odometry.push_back(std::move(keyframe));
+      result_.odometry.back().number = new_index_[result_.odometry.back().number];
+    }
     return std::move(result_);
   }
 

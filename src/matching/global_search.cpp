@@ -18,7 +18,7 @@ namespace {
 
 /// Number of points. Those in the same square of this side are one: a wall that is near has more
 /// beams than one that is far away, but it does not say more.
-constexpr std::size_t kPoints = 200;
+constexpr std::size_t kPoints = 160;
 constexpr double kSquareM = 0.1;
 constexpr float kFarthestM = 60.0F;
 /// Half of a yaw step moves the median point by this, and the farthest one at most by this, cells.

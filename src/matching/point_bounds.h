@@ -28,6 +28,7 @@ class PointBounds {
       sum_ += bounds_.back();
     }
     lookups_ += static_cast<std::int64_t>(points.size());
+    sort();
   }
 
   /// The bound of a part of the block, or 0 if it is below `limit`. Most parts are far below or
@@ -37,12 +38,12 @@ class PointBounds {
              int limit) {
     constexpr std::size_t kChunk = 8;
     int sum = sum_;
-    for (std::size_t i = 0; i < points.size() && sum >= limit;) {
-      const std::size_t end = std::min(i + kChunk, points.size());
+    for (std::size_t i = 0; i < order_.size() && sum >= limit;) {
+      const std::size_t end = std::min(i + kChunk, order_.size());
       lookups_ += static_cast<std::int64_t>(end - i);
       for (; i < end; ++i) {
-        const RotatedPoint& p = points[i];
-        sum -= std::max(0, bounds_[i] - images.valueAt(p.image, x + p.x, y + p.y));
+        const RotatedPoint& p = points[order_[i]];
+        sum -= std::max(0, bounds_[order_[i]] - images.valueAt(p.image, x + p.x, y + p.y));
       }
     }
     return sum >= limit ? sum : 0;
@@ -52,7 +53,17 @@ class PointBounds {
   std::int64_t takeLookups() { return std::exchange(lookups_, 0); }
 
  private:
+  /// The points with much to lose first, and those with nothing to lose not at all.
+  void sort() {
+    order_.clear();
+    for (const auto& [from, to] : {std::pair(33, 64), std::pair(1, 33)}) {
+      for (std::uint32_t i = 0; i < bounds_.size(); ++i)
+        if (bounds_[i] >= from && bounds_[i] < to) order_.push_back(i);
+    }
+  }
+
   std::vector<int> bounds_;
+  std::vector<std::uint32_t> order_;
   int sum_ = 0;
   std::int64_t lookups_ = 0;
 };

@@ -7,6 +7,7 @@
 
 #include "kestrel_slam/matching/place_match.h"
 #include "kestrel_slam/matching/thinned.h"
+#include "remembered_loop.h"
 
 namespace kestrel {
 namespace {
@@ -38,6 +39,18 @@ bool isSame(const Pose2& a, const Pose2& b) {
   return difference.distance() < kSameM && std::abs(difference.yaw) < kSameRad;
 }
 
+/// What is searched for in a place.
+constexpr std::uint64_t kWholePlace = 1, kVerified = 2;
+
+SearchMemory::Key keyOf(const JointMap& joint, std::size_t place, const LoopQuery& query,
+                        std::uint64_t what) {
+  KeyMaker key;
+  key.add(what);
+  key.add(joint.keyOf(place));
+  key.add(joint.keyOf(query.first, query.last));
+  return key.key();
+}
+
 Loop refused(const LoopQuery& query, const char* reason) {
   Loop loop;
   loop.query = query.middle();
@@ -47,64 +60,95 @@ Loop refused(const LoopQuery& query, const char* reason) {
 
 }  // namespace
 
-CommonPlaces::Found CommonPlaces::searchPlace(JointMap& joint, std::size_t number,
-                                              const Points& points) const {
+SearchMemory::Numbers CommonPlaces::searchPlace(JointMap& joint, std::size_t number,
+                                                const LoopQuery& query) const {
   const KnownPlace& place = joint.place(number);
   Eigen::AlignedBox2d box;
   for (std::size_t i = place.first; i < place.last; ++i)
     box.extend(joint.keyframes()[i].local_T_base.translation());
   const Eigen::Vector2d center = box.center();
   const SearchWindow window{0.5 * box.sizes().maxCoeff() + kAroundM, kPi};
-  const PlaceMatch match = matchPlace(joint.mapOf(number), points, {center.x(), center.y(), 0.0},
-                                      window, mapper_.matcher, kWork);
-  return {number, match.match.pose, match.score, match.second_score, match.complete};
+  const PlaceMatch match =
+      matchPlace(joint.mapOf(number), pointsOf(joint.keyframes(), query),
+                 {center.x(), center.y(), 0.0}, window, mapper_.matcher, kWork);
+  const Pose2& pose = match.match.pose;
+  return {pose.x, pose.y, pose.yaw, match.score, match.second_score, match.complete ? 1.0 : 0.0};
 }
 
 /// The score of the best pose that is another explanation than `best`.
 double CommonPlaces::secondScore(const std::vector<Found>& found, const Found& best) {
   double second = 0.0;
   for (const Found& other : found)
-    second = std::max(second, isSame(other.pose, best.pose) ? other.second : other.score);
+    second = std::max(second, isSame(other.map, best.map) ? other.second : other.score);
   return second;
 }
 
-Loop CommonPlaces::search(JointMap& joint, std::size_t part, const LoopQuery& query) const {
-  const Points points = pointsOf(joint.keyframes(), query);
-  std::vector<Found> found;
+/// All queries in one place, then in the next one: its grid is made only once.
+std::vector<Loop> CommonPlaces::search(JointMap& joint, std::size_t part,
+                                       const std::vector<LoopQuery>& queries,
+                                       SearchMemory& memory) const {
+  std::vector<std::vector<Found>> found(queries.size());
+  for (std::size_t p = joint.parts()[part].first_place; p < joint.parts()[part].last_place; ++p) {
+    const Pose2 map_T_local = joint.mapTLocal(p);
+    for (std::size_t q = 0; q < queries.size(); ++q) {
+      const SearchMemory::Numbers& n = memory.result(keyOf(joint, p, queries[q], kWholePlace), [&] {
+        return searchPlace(joint, p, queries[q]);
+      });
+      const Pose2 local(n[0], n[1], n[2]);
+      found[q].push_back({p, local, map_T_local * local, n[3], n[4], n[5] != 0.0});
+    }
+  }
+  std::vector<Loop> loops;
+  for (std::size_t q = 0; q < queries.size(); ++q)
+    loops.push_back(judged(joint, queries[q], found[q], memory));
+  return loops;
+}
+
+Loop CommonPlaces::judged(JointMap& joint, const LoopQuery& query, const std::vector<Found>& found,
+                          SearchMemory& memory) const {
   Found best;
   bool complete = true;
-  for (std::size_t p = joint.parts()[part].first_place; p < joint.parts()[part].last_place; ++p) {
-    found.push_back(searchPlace(joint, p, points));
-    complete = complete && found.back().complete;
-    if (found.back().score > best.score) best = found.back();
+  for (const Found& one : found) {
+    complete = complete && one.complete;
+    if (one.score > best.score) best = one;
   }
   if (best.score < config_.min_fit * config_.min_known) return refused(query, "it does not fit");
   if (!complete) return refused(query, "the map is too large for the search");
   if (best.score - secondScore(found, best) < config_.min_margin)
     return refused(query, "it fits in several places");
-  return verified(joint, query, best);
+  return verified(joint, query, best, memory);
 }
 
-Loop CommonPlaces::verified(JointMap& joint, const LoopQuery& query, const Found& best) const {
-  return matcher_.search(joint.mapOf(best.place), joint.place(best.place), joint.keyframes(), query,
-                         best.pose, config_.least_radius_m, kVerifyRad);
+Loop CommonPlaces::verified(JointMap& joint, const LoopQuery& query, const Found& best,
+                            SearchMemory& memory) const {
+  const KnownPlace& place = joint.place(best.place);
+  return loopOf(
+      memory.result(keyOf(joint, best.place, query, kVerified),
+                    [&] {
+                      return numbersOf(
+                          matcher_.search(joint.mapOf(best.place), place, joint.keyframes(), query,
+                                          best.local, config_.least_radius_m, kVerifyRad),
+                          place);
+                    }),
+      place, query.middle());
 }
 
 Loop CommonPlaces::searchNear(JointMap& joint, std::size_t part, const LoopQuery& query,
                               const ExpectedPlace& expected) const {
-  const Pose2 pose = expected.map_T_map * joint.keyframes()[query.middle()].local_T_base;
+  const Pose2 pose = expected.map_T_map * joint.poseOf(query.middle());
   const JointMap::Part& range = joint.parts()[part];
-  std::size_t nearest = range.first_place;
+  std::size_t nearest = range.first_place, anchor = 0;
   double least = expected.radius_m + kAroundM;
   for (std::size_t p = range.first_place; p < range.last_place; ++p) {
     for (std::size_t i = joint.place(p).first; i < joint.place(p).last; ++i) {
-      const double distance = joint.keyframes()[i].local_T_base.between(pose).distance();
-      if (distance < least) least = distance, nearest = p;
+      const double distance = joint.poseOf(i).between(pose).distance();
+      if (distance < least) least = distance, nearest = p, anchor = i;
     }
   }
   if (least >= expected.radius_m + kAroundM) return refused(query, "it is too far away");
-  return matcher_.search(joint.mapOf(nearest), joint.place(nearest), joint.keyframes(), query, pose,
-                         expected.radius_m, expected.yaw_rad);
+  const Pose2 local = joint.keyframes()[anchor].local_T_base * joint.poseOf(anchor).between(pose);
+  return matcher_.search(joint.mapOf(nearest), joint.place(nearest), joint.keyframes(), query,
+                         local, expected.radius_m, expected.yaw_rad);
 }
 
 }  // namespace kestrel

@@ -6,8 +6,24 @@
 
 namespace kestrel {
 
+namespace {
+
+/// Memory of the grids: every vehicle is searched for in all places of all others.
+constexpr std::size_t kGridBytes = 300'000'000;
+
+SearchMemory::Key keyOfKeyframe(const LocalKeyframe& entry) {
+  KeyMaker key;
+  key.add(entry.keyframe->scan.bytes());
+  for (const double value : {entry.local_T_base.x, entry.local_T_base.y, entry.local_T_base.yaw})
+    key.add(value);
+  key.add(static_cast<std::uint64_t>(entry.keyframe->new_view));
+  return key.key();
+}
+
+}  // namespace
+
 JointMap::JointMap(const MapperConfig& config, const std::vector<const VehicleMap*>& vehicles)
-    : places_(config) {
+    : places_(config, kGridBytes) {
   for (const VehicleMap* vehicle : vehicles) add(*vehicle);
   addChain();
 }
@@ -18,10 +34,13 @@ void JointMap::add(const VehicleMap& vehicle) {
   part.first_place = places_.all().size();
   for (const LocalKeyframe& keyframe : vehicle.keyframes) {
     keyframes_.push_back(keyframe);
-    graph_.vertices.push_back({keyframe.local_T_base});
+    keyframe_keys_.push_back(keyOfKeyframe(keyframe));
   }
-  for (const KnownPlace& place : vehicle.places)
+  for (const Pose2& pose : vehicle.poses) graph_.vertices.push_back({pose});
+  for (const KnownPlace& place : vehicle.places) {
     places_.add(place.submap, part.first + place.first, part.first + place.last);
+    place_keys_.push_back(keyOf(part.first + place.first, part.first + place.last));
+  }
   for (PoseEdge edge : vehicle.edges) {
     edge.from += part.first;
     edge.to += part.first;
@@ -38,18 +57,28 @@ void JointMap::addChain() {
   corrected.vertices = graph_.vertices;
   for (PoseEdge edge : graph_.edges) {
     if (edge.kind != EdgeKind::kOdometry || edge.to != edge.from + 1) continue;
-    edge.measured = keyframes_[edge.from].local_T_base.between(keyframes_[edge.to].local_T_base);
+    edge.measured = poseOf(edge.from).between(poseOf(edge.to));
     corrected.edges.push_back(edge);
   }
   chain_.grow(corrected);
 }
 
+SearchMemory::Key JointMap::keyOf(std::size_t first, std::size_t last) const {
+  KeyMaker key;
+  for (std::size_t i = first; i < last; ++i) key.add(keyframe_keys_[i]);
+  return key.key();
+}
+
+Pose2 JointMap::mapTLocal(std::size_t place) const {
+  const KnownPlace& known = places_.all()[place];
+  const std::size_t middle = (known.first + known.last) / 2;
+  return poseOf(middle) * keyframes_[middle].local_T_base.inverse();
+}
+
 double JointMap::extentOf(std::size_t part) const {
   double extent = 0.0;
   for (std::size_t i = parts_[part].first; i < parts_[part].last; ++i) {
-    const Pose2 away =
-        keyframes_[parts_[part].first].local_T_base.between(keyframes_[i].local_T_base);
-    extent = std::max(extent, away.distance());
+    extent = std::max(extent, poseOf(parts_[part].first).between(poseOf(i)).distance());
   }
   return extent;
 }

@@ -29,7 +29,7 @@ Pose2 mapPose(const JointMap& joint, const PoseGraph& graph, std::size_t a, cons
 std::vector<PoseVertex> joinedByLoops(const JointMap& joint, std::size_t a, std::size_t b,
                                       const std::vector<Loop>& loops,
                                       const std::vector<Loop>& refined) {
-  JointSolution solution(joint);
+  JointSolution solution(joint, a, b);
   solution.join(0, a, b, loops, refined);
   solution.solve();
   return solution.graph().vertices;
@@ -39,8 +39,7 @@ Loop givenLoop(const JointMap& joint, std::size_t a, std::size_t b, const Pose2&
   Loop loop;
   loop.anchor = joint.parts()[a].first;
   loop.query = joint.parts()[b].first;
-  loop.anchor_T_query.mean = joint.keyframes()[loop.anchor].local_T_base.between(
-      a_T_b * joint.keyframes()[loop.query].local_T_base);
+  loop.anchor_T_query.mean = joint.poseOf(loop.anchor).between(a_T_b * joint.poseOf(loop.query));
   loop.anchor_T_query.covariance.diagonal() =
       Eigen::Vector3d(kGivenM, kGivenM, kGivenRad).cwiseAbs2();
   loop.state = LoopState::kAccepted;
@@ -50,6 +49,16 @@ Loop givenLoop(const JointMap& joint, std::size_t a, std::size_t b, const Pose2&
 JointSolution::JointSolution(const JointMap& joint)
     : joint_(joint), graph_(joint.graph()), groups_(joint.parts().size()) {
   std::iota(groups_.begin(), groups_.end(), 0U);
+}
+
+JointSolution::JointSolution(const JointMap& joint, std::size_t a, std::size_t b)
+    : JointSolution(joint) {
+  const JointMap::Part &first = joint.parts()[a], &second = joint.parts()[b];
+  const auto is_other = [&](const PoseEdge& edge) {
+    return !first.contains(edge.from) && !second.contains(edge.from);
+  };
+  graph_.edges.erase(std::remove_if(graph_.edges.begin(), graph_.edges.end(), is_other),
+                     graph_.edges.end());
 }
 
 void JointSolution::join(std::size_t pair, std::size_t a, std::size_t b,

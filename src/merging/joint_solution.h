@@ -19,6 +19,8 @@ Loop givenLoop(const JointMap& joint, std::size_t a, std::size_t b, const Pose2&
 class JointSolution {
  public:
   explicit JointSolution(const JointMap& joint);
+  /// The graph of two vehicles. All others stay.
+  JointSolution(const JointMap& joint, std::size_t a, std::size_t b);
 
   /// Joins two vehicles. `pair`: its number. `refined`: loops that may be left out one by one.
   void join(std::size_t pair, std::size_t a, std::size_t b, const std::vector<Loop>& loops,

@@ -14,16 +14,6 @@ namespace {
 /// The second explanation is similar if it has more than this share of the loops of the first.
 constexpr double kSimilar = 0.5;
 
-/// Whether `newer` begins with the keyframes of `older`.
-bool continues(const VehicleMap& newer, const VehicleMap& older) {
-  if (newer.keyframes.size() < older.keyframes.size()) return false;
-  for (std::size_t i = 0; i < older.keyframes.size(); ++i) {
-    const Keyframe &a = *older.keyframes[i].keyframe, &b = *newer.keyframes[i].keyframe;
-    if (&a != &b && (a.id != b.id || a.stamp != b.stamp || !(a.scan == b.scan))) return false;
-  }
-  return true;
-}
-
 std::string text(std::size_t count, const char* what) { return std::to_string(count) + what; }
 
 std::string meters(double value) {
@@ -79,7 +69,6 @@ MapMerger::MapMerger(const MapperConfig& mapper, const LoopConfig& loops,
 std::size_t MapMerger::update(VehicleMap map) {
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     if (vehicles_[i].name != map.name) continue;
-    if (!continues(map, vehicles_[i])) forget(i);
     vehicles_[i] = std::move(map);
     return i;
   }
@@ -90,14 +79,6 @@ std::size_t MapMerger::update(VehicleMap map) {
     pairs_.back().b = vehicles_.size() - 1;
   }
   return vehicles_.size() - 1;
-}
-
-void MapMerger::forget(std::size_t vehicle) {
-  for (Pair& pair : pairs_) {
-    if (pair.a != vehicle && pair.b != vehicle) continue;
-    pair.loops.clear();
-    pair.searched_a = pair.searched_b = pair.searched = 0;
-  }
 }
 
 MapMerger::Pair& MapMerger::pairOf(std::size_t a, std::size_t b) {
@@ -128,51 +109,51 @@ MergeResult MapMerger::merge() {
   optimizeAll(joint, decisions, result);
   for (Decision& decision : decisions) result.pairs.push_back(std::move(decision.result));
   place(joint, result);
+  memory_.forgetUnused();
   return result;
 }
 
 void MapMerger::search(JointMap& joint, Pair& pair) {
+  pair.searched = 0;
+  pair.loops.clear();
   if (!problemOf(vehicles_[pair.a]).empty() || !problemOf(vehicles_[pair.b]).empty()) return;
   searchQueries(joint, pair, false);
   searchQueries(joint, pair, true);
 }
 
-/// Searches for the new queries of one vehicle in the map of the other.
+/// Searches for the queries of one vehicle in the map of the other.
 void MapMerger::searchQueries(JointMap& joint, Pair& pair, bool query_in_a) {
   const std::size_t from = query_in_a ? pair.a : pair.b, in = query_in_a ? pair.b : pair.a;
-  std::size_t& searched = query_in_a ? pair.searched_a : pair.searched_b;
-  const std::vector<LoopQuery> queries = queriesOf(vehicles_[from], loop_config_);
-  const std::size_t count = queries.size() - std::min(searched, queries.size());
-  const std::size_t step = (count + config_.max_queries - 1) / config_.max_queries;
+  const std::size_t offset = joint.parts()[from].first;
   const std::optional<Pose2> guess = guessOf(pair);
-  const std::size_t offset = joint.parts()[from].first, place_offset = joint.parts()[in].first;
-  for (std::size_t i = searched + step / 2; i < queries.size(); i += step) {
-    const LoopQuery query{queries[i].first + offset, queries[i].last + offset};
+  std::vector<LoopQuery> unknown;
+  for (const LoopQuery& query : chosen(queriesOf(vehicles_[from], loop_config_))) {
+    const LoopQuery moved{query.first + offset, query.last + offset};
+    ++pair.searched;
     Loop loop;
     if (guess)
-      loop = places_.searchNear(joint, in, query, {query_in_a ? guess->inverse() : *guess});
-    if (loop.state != LoopState::kPending) loop = places_.search(joint, in, query);
-    ++pair.searched;
-    if (loop.state != LoopState::kPending) continue;
-    loop.query -= offset;
-    loop.anchor -= place_offset;
-    pair.loops.push_back({loop, query_in_a});
+      loop = places_.searchNear(joint, in, moved, {query_in_a ? guess->inverse() : *guess});
+    if (loop.state == LoopState::kPending) {
+      pair.loops.push_back(loop);
+    } else {
+      unknown.push_back(moved);
+    }
   }
-  searched = queries.size();
+  for (const Loop& loop : places_.search(joint, in, unknown, memory_))
+    if (loop.state == LoopState::kPending) pair.loops.push_back(loop);
 }
 
-std::vector<Loop> MapMerger::jointLoops(const JointMap& joint, const Pair& pair) const {
-  std::vector<Loop> loops;
-  for (const PairLoop& entry : pair.loops) {
-    Loop loop = entry.loop;
-    loop.query += joint.parts()[entry.query_in_a ? pair.a : pair.b].first;
-    loop.anchor += joint.parts()[entry.query_in_a ? pair.b : pair.a].first;
-    loops.push_back(loop);
-  }
-  return loops;
+/// Every n-th query. n is a power of two, so that those of a larger map were already chosen when it
+/// was smaller.
+std::vector<LoopQuery> MapMerger::chosen(const std::vector<LoopQuery>& queries) const {
+  std::size_t step = 1;
+  while (queries.size() > step * config_.max_queries) step *= 2;
+  std::vector<LoopQuery> result;
+  for (std::size_t i = step - 1; i < queries.size(); i += step) result.push_back(queries[i]);
+  return result;
 }
 
-MapMerger::Decision MapMerger::decide(JointMap& joint, const Pair& pair) const {
+MapMerger::Decision MapMerger::decide(JointMap& joint, const Pair& pair) {
   Decision decision;
   PairResult& result = decision.result;
   result.a = pair.a;
@@ -198,7 +179,7 @@ MapMerger::Decision MapMerger::decide(JointMap& joint, const Pair& pair) const {
 
 /// Whether the common places have one explanation.
 void MapMerger::explain(const JointMap& joint, const Pair& pair, Decision& decision) const {
-  const std::vector<Loop> loops = jointLoops(joint, pair);
+  const std::vector<Loop>& loops = pair.loops;
   ConsistentLoops consistency;
   for (const Loop& loop : loops) consistency.add(graphEdgeOf(loop), joint.chain());
   const Explanations found = consistency.explain();
@@ -227,7 +208,7 @@ std::size_t MapMerger::placesOf(const JointMap& joint, const std::vector<Loop>& 
   for (const Loop& loop : loops) {
     // In the map of the first vehicle of the pair.
     const std::size_t keyframe = std::min(loop.query, loop.anchor);
-    const Eigen::Vector2d at = joint.keyframes()[keyframe].local_T_base.translation();
+    const Eigen::Vector2d at = joint.poseOf(keyframe).translation();
     const bool is_far = std::all_of(places.begin(), places.end(), [&](const Eigen::Vector2d& p) {
       return (p - at).norm() >= config_.place_m;
     });
@@ -237,11 +218,11 @@ std::size_t MapMerger::placesOf(const JointMap& joint, const std::vector<Loop>& 
 }
 
 /// Joins the two maps for a trial and compares all that both vehicles have seen.
-void MapMerger::compare(JointMap& joint, const Pair& pair, Decision& decision) const {
+void MapMerger::compare(JointMap& joint, const Pair& pair, Decision& decision) {
   PairResult& result = decision.result;
   decision.poses = joinedByLoops(joint, pair.a, pair.b, decision.loops);
-  Overlap overlap = compareOverlap(joint, matcher_, decision.poses, pair.a, pair.b);
-  const Overlap other = compareOverlap(joint, matcher_, decision.poses, pair.b, pair.a);
+  Overlap overlap = compareOverlap(joint, matcher_, decision.poses, pair.a, pair.b, memory_);
+  const Overlap other = compareOverlap(joint, matcher_, decision.poses, pair.b, pair.a, memory_);
   decision.whole =
       (overlap.fittingShare() >= config_.min_whole &&
        joint.extentOf(pair.b) >= config_.min_whole_m) ||
@@ -277,7 +258,7 @@ void MapMerger::compare(JointMap& joint, const Pair& pair, Decision& decision) c
 }
 
 /// Nothing was found in common: the maps are joined as was said, unless they contradict it.
-void MapMerger::joinAsGiven(JointMap& joint, const Pair& pair, Decision& decision) const {
+void MapMerger::joinAsGiven(JointMap& joint, const Pair& pair, Decision& decision) {
   PairResult& result = decision.result;
   const Loop given = givenLoop(joint, pair.a, pair.b, *guessOf(pair));
   decision.loops = {given};
@@ -333,8 +314,7 @@ void MapMerger::place(const JointMap& joint, MergeResult& result) const {
     }
     const bool empty = poses.empty();
     result.world_T_map.push_back(empty ? given.value_or(Pose2())
-                                       : poses.back() *
-                                             vehicles_[v].keyframes.back().local_T_base.inverse());
+                                       : poses.back() * vehicles_[v].poses.back().inverse());
     result.poses.push_back(std::move(poses));
   }
   for (PairResult& pair : result.pairs) {

@@ -6,18 +6,32 @@
 namespace kestrel {
 namespace {
 
+/// The same when maps have grown: session_link recognizes a keyframe by its id.
+std::uint64_t idOf(const std::string& vehicle, const Keyframe& keyframe) {
+  KeyMaker key;
+  key.add(vehicle);
+  key.add(keyframe.id);
+  key.add(keyframe.stamp);
+  key.add(keyframe.scan.bytes());
+  return key.key().front();
+}
+
 /// Adds the keyframes, submaps and vertices of one vehicle.
 void addVehicle(const VehicleMap& vehicle, const std::vector<Pose2>& poses, Session& session) {
   const std::uint64_t first = session.keyframes.size();
   for (std::size_t i = 0; i < poses.size(); ++i) {
     auto keyframe = std::make_shared<Keyframe>(*vehicle.keyframes[i].keyframe);
-    keyframe->id = first + i;
+    keyframe->id = idOf(vehicle.name, *keyframe);
+    keyframe->submap_T_base = vehicle.keyframes[i].local_T_base;
     session.vertices.push_back({VertexKind::kKeyframe, keyframe->id, {poses[i], i + first == 0}});
     session.keyframes.push_back(std::move(keyframe));
   }
   for (const KnownPlace& place : vehicle.places) {
-    SubmapRecord submap{session.submaps.size(), poses[place.first], true, {}};
-    for (std::size_t i = place.first; i < place.last; ++i) submap.keyframes.push_back(first + i);
+    const Pose2 local_T_base = vehicle.keyframes[place.first].local_T_base;
+    SubmapRecord submap{
+        session.submaps.size(), poses[place.first] * local_T_base.inverse(), true, {}};
+    for (std::size_t i = place.first; i < place.last; ++i)
+      submap.keyframes.push_back(session.keyframes[first + i]->id);
     session.submaps.push_back(std::move(submap));
   }
 }

@@ -2,8 +2,10 @@
 #include "kestrel_slam/merging/overlap.h"
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
 #include <utility>
+
+#include "remembered_loop.h"
 
 namespace kestrel {
 namespace {
@@ -15,6 +17,9 @@ constexpr double kEveryM = 0.7;
 constexpr double kNearM = 3.0, kRadiusM = 0.4;
 /// A keyframe contradicts if this share of it is known in the other map, and it fits worse.
 constexpr double kKnown = 0.7, kContradictingFit = 0.6;
+
+constexpr double kRoundM = 0.1, kRoundRad = 0.05;
+constexpr std::uint64_t kExpectedMatch = 3;  ///< for the key
 
 struct Nearest {
   double distance_m;
@@ -54,6 +59,29 @@ std::vector<std::pair<std::size_t, double>> samplesOf(const std::vector<PoseVert
   return samples;
 }
 
+/// Matches a keyframe where it is expected, up to a rounding: so that the search is the same one
+/// when the graph has moved the maps a little.
+Loop matchRounded(JointMap& joint, const LoopMatcher& matcher, std::size_t number,
+                  std::size_t keyframe, const Pose2& expected, SearchMemory& memory) {
+  const Pose2 begin(kRoundM * std::round(expected.x / kRoundM),
+                    kRoundM * std::round(expected.y / kRoundM),
+                    kRoundRad * std::round(expected.yaw / kRoundRad));
+  KeyMaker key;
+  key.add(kExpectedMatch);
+  key.add(joint.keyOf(number));
+  key.add(joint.keyOf(keyframe, keyframe + 1));
+  for (const double value : {begin.x, begin.y, begin.yaw}) key.add(value);
+  const KnownPlace& place = joint.place(number);
+  return loopOf(memory.result(key.key(),
+                              [&] {
+                                return numbersOf(matcher.matchExpected(joint.mapOf(number), place,
+                                                                       joint.keyframes(), keyframe,
+                                                                       begin, kRadiusM),
+                                                 place);
+                              }),
+                place, keyframe);
+}
+
 enum class Verdict { kSaysNothing, kAgrees, kContradicts };
 
 }  // namespace
@@ -67,7 +95,8 @@ void Overlap::add(const Overlap& other) {
 }
 
 Overlap compareOverlap(JointMap& joint, const LoopMatcher& matcher,
-                       const std::vector<PoseVertex>& poses, std::size_t map, std::size_t query) {
+                       const std::vector<PoseVertex>& poses, std::size_t map, std::size_t query,
+                       SearchMemory& memory) {
   Overlap overlap;
   double begin = -1.0;  // of the part that contradicts
   for (const auto& [i, way] : samplesOf(poses, joint.parts()[query])) {
@@ -75,8 +104,7 @@ Overlap compareOverlap(JointMap& joint, const LoopMatcher& matcher,
     for (const Nearest& near : nearestPlaces(joint, poses, joint.parts()[map], i)) {
       const Pose2 expected = joint.keyframes()[near.anchor].local_T_base *
                              poses[near.anchor].pose.between(poses[i].pose);
-      const Loop loop = matcher.matchExpected(joint.mapOf(near.place), joint.place(near.place),
-                                              joint.keyframes(), i, expected, kRadiusM);
+      const Loop loop = matchRounded(joint, matcher, near.place, i, expected, memory);
       if (loop.state == LoopState::kAccepted) {
         overlap.agreeing.push_back(loop);
         verdict = Verdict::kAgrees;

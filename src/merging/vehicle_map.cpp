@@ -19,8 +19,24 @@ constexpr std::size_t kLeastHits = 1000;
 /// Errors of the motion between two keyframes of a session without a graph.
 constexpr double kMotionM = 0.01, kMotionRad = 0.005;
 
+/// For every keyframe, whether the mapper has lost its way before it: a new local frame begins.
+std::vector<bool> breaksOf(const VehicleMap& map) {
+  std::vector<bool> breaks(map.keyframes.size(), true);
+  for (const PoseEdge& edge : map.edges) {
+    if (edge.kind == EdgeKind::kOdometry && edge.to == edge.from + 1) breaks[edge.to] = false;
+  }
+  return breaks;
+}
+
+bool hasBreak(const std::vector<bool>& breaks, std::size_t first, std::size_t last) {
+  for (std::size_t i = first + 1; i < last; ++i)
+    if (breaks[i]) return true;
+  return false;
+}
+
 void addPlace(VehicleMap& map, std::size_t first, std::size_t last) {
-  if (last < first + kLeastKeyframes && !map.places.empty()) {
+  const bool is_small = last < first + kLeastKeyframes && !map.places.empty();
+  if (is_small && !hasBreak(breaksOf(map), map.places.back().first, last)) {
     map.places.back().last = last;
   } else {
     map.places.push_back({static_cast<std::uint32_t>(map.places.size()), first, last});
@@ -29,10 +45,14 @@ void addPlace(VehicleMap& map, std::size_t first, std::size_t last) {
 
 /// Places for the keyframes from `first` on.
 void cutIntoPlaces(VehicleMap& map, std::size_t first) {
-  const std::size_t end = map.keyframes.size();
-  for (std::size_t begin = first; begin < end; begin += kPlaceKeyframes) {
-    const std::size_t overlap = std::min(begin - first, kOverlap);
-    addPlace(map, begin - overlap, std::min(begin + kPlaceKeyframes, end));
+  const std::vector<bool> breaks = breaksOf(map);
+  std::size_t part = first;  // its first keyframe
+  for (std::size_t begin = first; begin < map.keyframes.size();) {
+    std::size_t end = begin + 1;
+    while (end < map.keyframes.size() && end < begin + kPlaceKeyframes && !breaks[end]) ++end;
+    if (breaks[begin]) part = begin;
+    addPlace(map, begin - std::min(begin - part, kOverlap), end);
+    begin = end;
   }
 }
 
@@ -60,7 +80,7 @@ void addSubmaps(const Session& session, VehicleMap& map) {
 
 void addEdges(const Session& session, VehicleMap& map) {
   const auto numbers = numbersOf(session);
-  const std::size_t none = map.keyframes.size();
+  const std::size_t none = session.keyframes.size();
   std::vector<std::size_t> keyframe_of;
   for (const VertexRecord& vertex : session.vertices)
     keyframe_of.push_back(vertex.kind == VertexKind::kKeyframe ? numbers.at(vertex.id) : none);
@@ -75,7 +95,7 @@ void addMotions(VehicleMap& map) {
   for (std::size_t i = 1; i < map.keyframes.size(); ++i) {
     Eigen::Matrix3d covariance = map.keyframes[i].keyframe->motion_covariance;
     covariance.diagonal() += Eigen::Vector3d(kMotionM, kMotionM, kMotionRad).cwiseAbs2();
-    const Pose2 motion = map.keyframes[i - 1].local_T_base.between(map.keyframes[i].local_T_base);
+    const Pose2 motion = map.poses[i - 1].between(map.poses[i]);
     map.edges.push_back({i - 1, i, motion, covariance.inverse(), EdgeKind::kOdometry});
   }
 }
@@ -86,8 +106,7 @@ VehicleMap vehicleMapOf(const std::string& name, const SubmapGraph& graph) {
   VehicleMap map;
   map.name = name;
   map.keyframes = graph.keyframes();
-  for (std::size_t i = 0; i < map.keyframes.size(); ++i)
-    map.keyframes[i].local_T_base = graph.poseOf(i);
+  for (std::size_t i = 0; i < map.keyframes.size(); ++i) map.poses.push_back(graph.poseOf(i));
   map.edges = graph.graph().edges;
   map.places = graph.places().all();
   const std::size_t finished = map.places.empty() ? 0 : map.places.back().last;
@@ -100,15 +119,19 @@ VehicleMap vehicleMapOf(const std::string& name, const SubmapGraph& graph) {
 VehicleMap vehicleMapOf(const std::string& name, const Session& session) {
   VehicleMap map;
   map.name = name;
-  const std::vector<Pose2> poses = keyframePoses(session);
-  for (std::size_t i = 0; i < poses.size(); ++i)
-    map.keyframes.push_back({session.keyframes[i], 0, poses[i]});
+  map.poses = keyframePoses(session);
+  addEdges(session, map);
+  // Without submaps nobody knows what the keyframe's own pose refers to.
+  const bool has_local = !session.submaps.empty() && !map.edges.empty();
+  for (std::size_t i = 0; i < map.poses.size(); ++i) {
+    const KeyframePtr& keyframe = session.keyframes[i];
+    map.keyframes.push_back({keyframe, 0, has_local ? keyframe->submap_T_base : map.poses[i]});
+  }
+  if (map.edges.empty()) addMotions(map);
   addSubmaps(session, map);
   std::size_t covered = 0;
   for (const KnownPlace& place : map.places) covered = std::max(covered, place.last);
   cutIntoPlaces(map, covered);
-  addEdges(session, map);
-  if (map.edges.empty()) addMotions(map);
   return map;
 }
 
@@ -125,10 +148,12 @@ std::string problemOf(const VehicleMap& map) {
 
 std::vector<LoopQuery> queriesOf(const VehicleMap& map, const LoopConfig& config) {
   const auto most = static_cast<std::size_t>(config.query_keyframes);
+  const std::vector<bool> breaks = breaksOf(map);
   std::vector<LoopQuery> queries;
   LoopQuery query;
   double path = 0.0;
   for (std::size_t i = 0; i < map.keyframes.size(); ++i) {
+    if (breaks[i]) query.first = i, path = 0.0;
     if (i > query.first)
       path += map.keyframes[i - 1].local_T_base.between(map.keyframes[i].local_T_base).distance();
     query.last = i + 1;

@@ -25,20 +25,19 @@ constexpr std::size_t kMostPoints = 20'000;
 constexpr double kWayM = 5.0;
 constexpr float kReachM = 10.0F;
 
-double stepOf(const std::vector<LocalKeyframe>& keyframes, std::size_t i) {
-  return keyframes[i - 1].local_T_base.between(keyframes[i].local_T_base).distance();
+double stepOf(const JointMap& joint, std::size_t i) {
+  return joint.poseOf(i - 1).between(joint.poseOf(i)).distance();
 }
 
 /// For each keyframe, whether an agreeing one is near on the way of the vehicle.
 std::vector<bool> nearAgreeing(const JointMap& joint, const std::vector<Loop>& agreeing) {
-  const std::vector<LocalKeyframe>& keyframes = joint.keyframes();
-  std::vector<double> away(keyframes.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> away(joint.keyframes().size(), std::numeric_limits<double>::infinity());
   for (const Loop& loop : agreeing) away[loop.query] = away[loop.anchor] = 0.0;
   for (const JointMap::Part& part : joint.parts()) {
     for (std::size_t i = part.first + 1; i < part.last; ++i)
-      away[i] = std::min(away[i], away[i - 1] + stepOf(keyframes, i));
+      away[i] = std::min(away[i], away[i - 1] + stepOf(joint, i));
     for (std::size_t i = part.last; i-- > part.first + 1;)
-      away[i - 1] = std::min(away[i - 1], away[i] + stepOf(keyframes, i));
+      away[i - 1] = std::min(away[i - 1], away[i] + stepOf(joint, i));
   }
   std::vector<bool> near;
   for (const double distance : away) near.push_back(distance <= kWayM);

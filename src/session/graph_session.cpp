@@ -98,6 +98,7 @@ class Restoration {
     }
     record_.graph = graphOf(session_);
     for (const LoopRecord& loop : session_.loops) record_.loops.push_back(loopOf(loop));
+    for (const OdometryRecord& odometry : session_.odometry) addOdometry(odometry);
     return std::move(record_);
   }
 
@@ -125,6 +126,14 @@ class Restoration {
       if (keyframe.submap == kNone) keyframe.submap = place.submap;
     }
     if (submap.finished) record_.places.push_back(place);
+  }
+
+  void addOdometry(const OdometryRecord& odometry) {
+    const std::size_t number = index_.at(odometry.keyframe);
+    if (!record_.odometry.empty() && record_.odometry.back().number >= number)
+      refuse("its odometry is not in the order of the keyframes");
+    record_.odometry.push_back(
+        {number, record_.keyframes[number].local_T_base, odometry.odom_T_base, odometry.own});
   }
 
   const Session& session_;
@@ -157,6 +166,9 @@ Session sessionOf(const GraphRecord& record, double resolution_m) {
     if (open.last > open.first) session.submaps.push_back(submapOf(open, false, record));
   }
   for (const Loop& loop : record.loops) session.loops.push_back(recordOf(loop));
+  for (const TrackedKeyframe& tracked : record.odometry)
+    session.odometry.push_back(
+        {record.keyframes[tracked.number].keyframe->id, tracked.odometry, tracked.own});
   return session;
 }
 

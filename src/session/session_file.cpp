@@ -100,6 +100,8 @@ void addGraph(const Session& session, ChunkWriter& writer) {
   };
   filler.add(session.edges, [&](auto& message) { return afterVertices(message).add_edges(); });
   filler.add(session.loops, [&](auto& message) { return afterVertices(message).add_loops(); });
+  filler.add(session.odometry,
+             [&](auto& message) { return afterVertices(message).add_odometry(); });
   filler.flush();
 }
 
@@ -160,6 +162,7 @@ class SessionReader {
     append(graph.vertices(), session_.vertices);
     append(graph.edges(), session_.edges);
     append(graph.loops(), session_.loops);
+    append(graph.odometry(), session_.odometry);
   }
 
   static void reportLost(const char* what, std::uint64_t found, std::uint64_t saved,

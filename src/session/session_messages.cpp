@@ -153,6 +153,18 @@ LoopRecord fromMessage(const session_format::Loop& message) {
   return loop;
 }
 
+void setMessage(const OdometryRecord& odometry, session_format::Odometry& message) {
+  message.set_keyframe(odometry.keyframe);
+  for (const Pose2& pose : odometry.odom_T_base) setPose(pose, *message.add_odom_t_base());
+  message.set_own(odometry.own);
+}
+
+OdometryRecord fromMessage(const session_format::Odometry& message) {
+  OdometryRecord odometry{message.keyframe(), {}, message.own()};
+  for (const auto& pose : message.odom_t_base()) odometry.odom_T_base.push_back(poseOf(pose));
+  return odometry;
+}
+
 session_format::Info infoMessage(const Session& session) {
   session_format::Info message;
   message.set_resolution_m(session.resolution_m);

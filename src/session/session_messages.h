@@ -15,6 +15,7 @@ void setMessage(const SubmapRecord& submap, session_format::Submap& message);
 void setMessage(const VertexRecord& vertex, session_format::Vertex& message);
 void setMessage(const PoseEdge& edge, session_format::Edge& message);
 void setMessage(const LoopRecord& loop, session_format::Loop& message);
+void setMessage(const OdometryRecord& odometry, session_format::Odometry& message);
 /// What is not in lists of its own.
 session_format::Info infoMessage(const Session& session);
 
@@ -23,6 +24,7 @@ SubmapRecord fromMessage(const session_format::Submap& message);
 VertexRecord fromMessage(const session_format::Vertex& message);
 PoseEdge fromMessage(const session_format::Edge& message);
 LoopRecord fromMessage(const session_format::Loop& message);
+OdometryRecord fromMessage(const session_format::Odometry& message);
 void takeInfo(const session_format::Info& message, Session& session);
 
 }  // namespace kestrel

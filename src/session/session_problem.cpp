@@ -60,6 +60,16 @@ std::string problemOfLoop(const LoopRecord& loop, std::size_t vertices) {
       {problemOfPose(loop.measured.mean), problemOfCovariance(loop.measured.covariance)});
 }
 
+/// The coordinates of an odometry may have any size.
+std::string problemOfOdometry(const OdometryRecord& odometry, bool has_keyframe) {
+  if (!has_keyframe) return "its keyframe does not exist";
+  if (odometry.own >= odometry.odom_T_base.size()) return "it has no pose of its keyframe";
+  const auto isFinite = [](const Pose2& pose) { return pose.isFinite(); };
+  return std::all_of(odometry.odom_T_base.begin(), odometry.odom_T_base.end(), isFinite)
+             ? ""
+             : "a pose is not finite";
+}
+
 /// What may be referred to.
 struct Known {
   Ids keyframes, submaps, placed;
@@ -173,7 +183,10 @@ std::string problemOf(const Session& session) {
        firstProblem("edge", session.edges,
                     [&](const PoseEdge& edge) { return problemOf(edge, vertices); }),
        firstProblem("loop", session.loops,
-                    [&](const LoopRecord& loop) { return problemOfLoop(loop, vertices); })});
+                    [&](const LoopRecord& loop) { return problemOfLoop(loop, vertices); }),
+       firstProblem("odometry", session.odometry, [&](const OdometryRecord& odometry) {
+         return problemOfOdometry(odometry, known.keyframes.count(odometry.keyframe) > 0);
+       })});
 }
 
 void removeDangling(Session& session) {
@@ -184,6 +197,10 @@ void removeDangling(Session& session) {
   removeVertices(session, known);
   removeIf(session.keyframes,
            [&](const KeyframePtr& keyframe) { return known.placed.count(keyframe->id) == 0; });
+  const Known left(session);
+  removeIf(session.odometry, [&](const OdometryRecord& odometry) {
+    return left.keyframes.count(odometry.keyframe) == 0;
+  });
 }
 
 }  // namespace kestrel

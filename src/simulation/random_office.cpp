@@ -14,7 +14,6 @@
 namespace kestrel {
 namespace {
 
-constexpr int kRooms = 6;           // the first three are north of the corridor
 constexpr double kHalfWidth = 1.2;  // of the corridor, m
 constexpr double kThickness = 0.15, kDoorWidth = 1.2;
 constexpr double kFlightHeight = 1.0;
@@ -78,16 +77,17 @@ void addRoom(World::Parts& parts, Room room, OfficeChange change) {
   addFurniture(parts, room);
 }
 
-std::vector<Room> roomsOf(std::uint64_t seed) {
+/// The first half of the rooms is north of the corridor.
+std::vector<Room> roomsOf(std::uint64_t seed, std::size_t count) {
   Random random(seed);
   std::vector<Room> rooms;
   double x = 0.0;
-  for (int i = 0; i < kRooms; ++i) {
-    if (i == kRooms / 2) x = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i == count / 2) x = 0.0;
     const double width = random.uniform(4.5, 7.0), depth = random.uniform(4.2, 6.0);
     const double door = x + random.uniform(1.6, width - 1.6);
-    rooms.push_back({x, x + width, depth, door, i < kRooms / 2 ? 1.0 : -1.0,
-                     Random(1000 * seed + static_cast<std::uint64_t>(i))});
+    rooms.push_back(
+        {x, x + width, depth, door, i < count / 2 ? 1.0 : -1.0, Random(1000 * seed + i)});
     x += width;
   }
   return rooms;
@@ -95,11 +95,12 @@ std::vector<Room> roomsOf(std::uint64_t seed) {
 
 /// The ends of the corridor, its wall beside the last room of the shorter side, and cabinets.
 void addCorridor(World::Parts& parts, const std::vector<Room>& rooms, std::uint64_t seed) {
-  const double north = rooms[kRooms / 2 - 1].east, south = rooms.back().east;
+  const Room& last_north = rooms[rooms.size() / 2 - 1];
+  const double north = last_north.east, south = rooms.back().east;
   const double length = std::max(north, south), height = parts.ceiling_m;
   for (const double x : {0.0, length})
     addBlock(parts, {x, 0.0}, {kThickness, 2.0 * kHalfWidth, height});
-  const Room& shorter = north < south ? rooms[kRooms / 2 - 1] : rooms.back();
+  const Room& shorter = north < south ? last_north : rooms.back();
   const double rest = length - shorter.east;
   addBox(parts, shorter, shorter.east + 0.5 * rest, 0.0, rest, kThickness, height);
   Random random(2000 + seed);
@@ -117,6 +118,8 @@ FlightPlan planOf(const std::vector<Room>& rooms, std::uint64_t route) {
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return rooms[a].door < rooms[b].door; });
   if (route % 2 == 1) std::reverse(order.begin(), order.end());
+  const auto half = static_cast<std::ptrdiff_t>(order.size() / 2);
+  if (route > 2) std::rotate(order.begin(), order.begin() + half, order.end());
   std::vector<Eigen::Vector3d> corners;
   for (const std::size_t i : order) {
     const Room& room = rooms[i];
@@ -150,13 +153,14 @@ const char* toString(OfficeChange change) {
   }
 }
 
-Place randomOffice(std::uint64_t seed, OfficeChange change, std::uint64_t route) {
+Place randomOffice(std::uint64_t seed, OfficeChange change, std::uint64_t route,
+                   std::size_t count) {
   Place office;
   office.name = "office " + std::to_string(seed);
-  office.description = "a corridor with three random rooms on each side";
-  const std::vector<Room> rooms = roomsOf(seed);
+  office.description = "a corridor with random rooms on both sides";
+  const std::vector<Room> rooms = roomsOf(seed, std::max<std::size_t>(count, 2));
   for (std::size_t i = 0; i < rooms.size(); ++i) {
-    const bool changed = i == static_cast<std::size_t>(seed % kRooms);
+    const bool changed = i == seed % rooms.size();
     addRoom(office.parts, rooms[i], changed ? change : OfficeChange::kNone);
   }
   addCorridor(office.parts, rooms, seed);

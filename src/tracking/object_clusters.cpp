@@ -2,6 +2,7 @@
 #include "object_clusters.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "kestrel_slam/tracking/mean_shift.h"
@@ -37,33 +38,46 @@ double hiddenDepth(const std::vector<Eigen::Vector2d>& points, const Eigen::Vect
 /// apart.
 constexpr double kGrazing = 6.0;
 
-/// What the beam beside the end of an object shows.
-enum class Beside { kFarther, kNearer, kSame };
+/// Beams are neighbors if the angle between them is at most this many beam steps. Between others,
+/// beams are missing that gave no return.
+constexpr double kNeighborSteps = 2.5;
 
+/// What the beam beside the end of an object shows.
+enum class Beside { kFarther, kNearer, kSame, kNothing };
+
+bool areNeighbors(const GridRay<2>& a, const GridRay<2>& b, double beam_step) {
+  const Eigen::Vector2f u = a.end - a.origin, v = b.end - b.origin;
+  const double cross = static_cast<double>(u.x() * v.y() - u.y() * v.x());
+  const double angle = std::atan2(std::abs(cross), static_cast<double>(u.dot(v)));
+  return angle <= kNeighborSteps * beam_step;
+}
+
+/// `beside`: the next return, or a beam without return.
 Beside besideOf(const GridRay<2>& end, const GridRay<2>& beside, const Visibility& visibility,
                 const TrackerConfig& config) {
-  if (!beside.hit) return Beside::kFarther;
   const double range = visibility.rangeOf(end.end.cast<double>());
   const double gap = std::max(config.join_gap_m, kGrazing * visibility.beamStep() * range);
   const double farther = visibility.rangeOf(beside.end.cast<double>()) - range;
-  if (std::abs(farther) <= gap) return Beside::kSame;
-  return farther > 0.0 ? Beside::kFarther : Beside::kNearer;
+  if (!beside.hit || farther > gap) return Beside::kFarther;
+  if (!areNeighbors(end, beside, visibility.beamStep())) return Beside::kNothing;
+  return farther < -gap ? Beside::kNearer : Beside::kSame;
 }
 
-/// It does not go on at its ends, and at least one of them is not hidden.
-bool hasOwnEnds(const PointCluster<2>& cluster, const std::vector<MovingPoint>& moving,
-                const std::vector<GridRay<2>>& rays, const Visibility& visibility,
-                const TrackerConfig& config) {
+ObjectEnds endsOf(const PointCluster<2>& cluster, const std::vector<MovingPoint>& moving,
+                  const std::vector<GridRay<2>>& rays, const Visibility& visibility,
+                  const TrackerConfig& config) {
   std::size_t first = rays.size(), last = 0;
   for (const std::size_t i : cluster.points) {
     first = std::min(first, moving[i].ray);
     last = std::max(last, moving[i].ray);
   }
-  if (first == 0 || last + 1 >= rays.size()) return false;
+  if (first == 0 || last + 1 >= rays.size()) return ObjectEnds::kHidden;
   const Beside left = besideOf(rays[first], rays[first - 1], visibility, config);
   const Beside right = besideOf(rays[last], rays[last + 1], visibility, config);
-  return left != Beside::kSame && right != Beside::kSame &&
-         (left == Beside::kFarther || right == Beside::kFarther);
+  if (left == Beside::kSame || right == Beside::kSame) return ObjectEnds::kHidden;
+  if (left == Beside::kFarther || right == Beside::kFarther) return ObjectEnds::kSeen;
+  return left == Beside::kNearer && right == Beside::kNearer ? ObjectEnds::kHidden
+                                                             : ObjectEnds::kUnknown;
 }
 
 ObjectCluster objectOf(std::vector<Eigen::Vector2d> points, const Visibility& visibility,
@@ -99,7 +113,7 @@ std::vector<ObjectCluster> findObjects(const std::vector<MovingPoint>& moving,
       if (moving[i].was_free) free += 1.0;
     }
     objects.push_back(objectOf(std::move(own), visibility, config));
-    objects.back().has_own_ends = hasOwnEnds(cluster, moving, rays, visibility, config);
+    objects.back().ends = endsOf(cluster, moving, rays, visibility, config);
     objects.back().free_share = free / static_cast<double>(cluster.points.size());
   }
   return objects;

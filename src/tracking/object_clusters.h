@@ -18,6 +18,14 @@ struct MovingPoint {
   std::size_t ray = 0;    ///< its number in the scan
 };
 
+/// Whether the visible part is the whole width of the object.
+enum class ObjectEnds {
+  kHidden,   ///< it goes on, or something hides both ends: it may be a part of a wall, and its
+             ///< middle may move while it stands
+  kUnknown,  ///< the beams beside it gave no return, as those on dark parts of a wall may do
+  kSeen      ///< at one end at least, the laser sees something farther beside it
+};
+
 /// A cluster of moving points: an observation of the PHD filter.
 struct ObjectCluster {
   Observation<2> observation;  ///< of the middle
@@ -25,9 +33,7 @@ struct ObjectCluster {
   std::vector<Eigen::Vector2d> points;
   /// Share of the points in space that was free before: something has come here.
   double free_share = 0.0;
-  /// It does not go on at its ends: what is beside it is farther or hides a part of it. Otherwise
-  /// it may be a part of something larger, as a wall, and its middle may move while it stands.
-  bool has_own_ends = false;
+  ObjectEnds ends = ObjectEnds::kHidden;
 };
 
 /// Clusters of the points, without those that have too few points for their range.

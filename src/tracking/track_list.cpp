@@ -23,6 +23,8 @@ constexpr std::size_t kPathPoints = 3;
 constexpr double kPathGap = 0.5;
 /// What stood at a place for longer than this before an object came there is something else, s.
 constexpr double kEarlier = 1.0;
+/// Of a foot between two scans, m, and the error of the velocity of a new track, m/s.
+constexpr double kStep = 0.6, kFast = 1.5;
 constexpr double kPathStep = 0.1;  ///< m, between the noted places of an object
 constexpr std::size_t kPathPlaces = 50;
 constexpr double kMissed = 1.5;  ///< periods between two observations, from which on one is missing
@@ -126,7 +128,7 @@ void TrackList::update(PhdFilter<5, 2>& filter, const std::vector<ObjectCluster>
 void TrackList::see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster& object,
                     const Visibility& visibility, const MotionGrid<2>& grid) {
   Track& track = entry.track;
-  if (!track.moved && object.has_own_ends) noteMove(entry, object, visibility, grid);
+  if (!track.moved && object.ends != ObjectEnds::kHidden) noteMove(entry, object, visibility, grid);
   setState(target.mean, target.covariance, track);
   track.standing = target.modes.size() > 1 ? target.modes[1] : 0.0;
   track.unseen_s = entry.hidden_s = 0.0;
@@ -165,18 +167,36 @@ bool TrackList::mayBe(TargetLabel label, const ObjectCluster& object,
   return cameAfter(arrivalAt(*entry, object.observation.value) - kEarlier, object, grid);
 }
 
+/// It is farther from the predicted place than a step of a person: the track has changed to
+/// something else.
+bool TrackList::hasJumped(const Entry& entry, const ObjectCluster& object) const {
+  const double jump = (object.observation.value - entry.track.position).norm();
+  const double unseen = entry.track.unseen_s + seconds_;
+  return jump > kStep + kFast * unseen + 0.5 * std::max(entry.length, object.box.size.x());
+}
+
 /// Does it move? A straight path is fitted to its last positions: the velocity must be significant,
 /// measured by how well the path fits. A track that jumps between things that stand has none.
 void TrackList::noteMove(Entry& entry, const ObjectCluster& object, const Visibility& visibility,
                          const MotionGrid<2>& grid) const {
   Sample sample{grid.time(), object.observation.value, object.observation.noise(0, 0),
                 cellsOf(object, grid)};
+  if (object.ends == ObjectEnds::kUnknown) sample.variance += config_.cut_sigma * config_.cut_sigma;
   std::deque<Sample>& samples = entry.samples;
-  if (!samples.empty() && sample.time - samples.back().time > kPathGap) samples.clear();
+  const bool has_gap = !samples.empty() && sample.time - samples.back().time > kPathGap;
+  if (has_gap || hasJumped(entry, object)) samples.clear();
   samples.push_back(std::move(sample));
   while (grid.time() - samples.front().time > kPathTime) samples.pop_front();
   if (speedSignificance(samples) < config_.motion_significance) return;
   entry.track.moved = hasLeft(entry, object, visibility, grid);
+}
+
+/// Between beams without return, the visible part of a wall may move along the wall: only the
+/// motion across the longer side of the object counts.
+double TrackList::distanceMoved(const Eigen::Vector2d& way, const ObjectCluster& object) {
+  if (object.ends == ObjectEnds::kSeen) return way.norm();
+  const double yaw = object.box.yaw;
+  return std::abs(way.dot(Eigen::Vector2d(-std::sin(yaw), std::cos(yaw))));
 }
 
 /// It is elsewhere; a place where it was seen is empty now, or the object hides it and came through
@@ -186,7 +206,7 @@ bool TrackList::hasLeft(const Entry& entry, const ObjectCluster& object,
                         const Visibility& visibility, const MotionGrid<2>& grid) const {
   const double needed = std::max(config_.moved_m, 0.5 * entry.length);
   return std::any_of(entry.samples.begin(), entry.samples.end(), [&](const Sample& sample) {
-    return (object.observation.value - sample.position).norm() >= needed &&
+    return distanceMoved(object.observation.value - sample.position, object) >= needed &&
            isEmptyNow(sample, object, visibility, grid) && cameAfter(sample.time, object, grid);
   });
 }
@@ -198,9 +218,11 @@ bool TrackList::isEmptyNow(const Sample& place, const ObjectCluster& object,
   std::size_t passed = 0, hidden = 0;
   for (const GridIndex<2>& cell : place.cells) {
     if (grid.lastReturn(cell) >= left_before) continue;
-    if (grid.wasPassed(cell)) {
+    const Eigen::Vector2d center = grid.centerOf(cell).cast<double>();
+    const bool was_passed = grid.wasPassed(cell);
+    if (was_passed && visibility.isSeenThrough(center, grid.resolution())) {
       ++passed;
-    } else if (visibility.isHidden(grid.centerOf(cell).cast<double>())) {
+    } else if (was_passed || visibility.isHidden(center)) {
       ++hidden;
     }
   }

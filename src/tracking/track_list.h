@@ -76,6 +76,8 @@ class TrackList {
   static void notePath(Entry& entry, double time);
   void noteMove(Entry& entry, const ObjectCluster& object, const Visibility& visibility,
                 const MotionGrid<2>& grid) const;
+  bool hasJumped(const Entry& entry, const ObjectCluster& object) const;
+  static double distanceMoved(const Eigen::Vector2d& way, const ObjectCluster& object);
   bool hasLeft(const Entry& entry, const ObjectCluster& object, const Visibility& visibility,
                const MotionGrid<2>& grid) const;
   static bool isEmptyNow(const Sample& place, const ObjectCluster& object,

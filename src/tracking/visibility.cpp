@@ -10,6 +10,7 @@ namespace kestrel {
 namespace {
 
 constexpr double kOccluderGap = 0.2;   // m; an occluder is at least this much nearer
+constexpr double kBesideBeams = 1.5;   // to the beam beside, from anywhere between two beams
 constexpr double kNearestRange = 0.1;  // m; nearer objects surround the sensor
 
 double medianOf(std::vector<double> values) {
@@ -50,6 +51,20 @@ double Visibility::bearingOf(const Eigen::Vector2d& point) const {
 bool Visibility::isHiddenAt(double bearing, double range) const {
   const float reach = reach_[static_cast<std::size_t>(binOf(bearing))];
   return reach >= 0.0F && static_cast<double>(reach) < range - kOccluderGap;
+}
+
+bool Visibility::isSeenThrough(const Eigen::Vector2d& point, double width) const {
+  const double range = std::max(rangeOf(point), kNearestRange), middle = bearingOf(point);
+  const double half = 0.5 * width / range + kBesideBeams * beam_step_;
+  const int first = static_cast<int>(std::floor(-half / (2.0 * kPi) * kBins));
+  bool measured = false;
+  for (int i = first; i <= -first; ++i) {
+    const float reach = reach_[static_cast<std::size_t>(binOf(middle + i * 2.0 * kPi / kBins))];
+    if (reach < 0.0F) continue;
+    if (static_cast<double>(reach) < range + 0.5 * width) return false;
+    measured = true;
+  }
+  return measured;
 }
 
 bool Visibility::isCut(const std::vector<Eigen::Vector2d>& points) const {

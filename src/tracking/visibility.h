@@ -23,6 +23,9 @@ class Visibility {
   bool isHidden(const Eigen::Vector2d& point) const {
     return isHiddenAt(bearingOf(point), rangeOf(point));
   }
+  /// True if the beams toward the point and those beside it went farther: nothing is there. On a
+  /// wall at a grazing angle, a beam passes closely before each part, and ends on the next part.
+  bool isSeenThrough(const Eigen::Vector2d& point, double width) const;
   /// Angle between two neighboring beams, rad; 0 without beams.
   double beamStep() const { return beam_step_; }
   Eigen::Vector2d directionTo(const Eigen::Vector2d& point) const {

@@ -52,6 +52,22 @@ TEST_F(MergeSessions, WritesOneMapAndTheSameBytesTwice) {
             loadSession(a_).keyframes.size() + loadSession(b_).keyframes.size());
 }
 
+TEST_F(MergeSessions, TheCacheChangesNothing) {
+  const std::string plain = folder_.file("plain"), cached = folder_.file("cached");
+  ASSERT_EQ(merge(a_ + " " + b_ + " --output " + plain).code, 0);
+  const std::string cache = folder_.file("cache");
+  const std::string arguments = a_ + " " + b_ + " --cache " + cache + " --output " + cached;
+  ASSERT_EQ(merge(arguments).code, 0);
+  const std::string first = readFile(cache);
+  for (const bool damaged : {false, true}) {
+    if (damaged) folder_.write("cache", first.substr(0, first.size() / 2));
+    ASSERT_EQ(merge(arguments).code, 0);
+    EXPECT_EQ(readFile(cache), first);
+    for (const char* file : {"merged.session", "map.pgm", "merge_status.json", "trajectory_b.tum"})
+      EXPECT_EQ(readFile(plain + "/" + file), readFile(cached + "/" + file)) << file;
+  }
+}
+
 TEST_F(MergeSessions, BadInputIsSaid) {
   const std::string output = " --output " + folder_.file("out");
   Outcome result = merge(a_ + " a=" + b_ + output);

@@ -62,6 +62,7 @@ class Drive {
     PlanarScan scan = room::scanFrom(truth, walls_, 180);
     scan.stamp = scan.time = 0.1 * static_cast<double>(truths_.size());
     MapperResult result;
+    if (with_odometry) result.odom_T_base = truth;
     result.inserted = true;
     result.pose = local_;
     result.submap = static_cast<std::uint32_t>(truths_.size() / 60);
@@ -70,6 +71,9 @@ class Drive {
         kSigmaRad * kSigmaRad;
     graph.add(scan, result);
   }
+
+  /// Whether the wheels measure the true motion.
+  bool with_odometry = false;
 
   /// Error of the last corrected pose relative to the first, m.
   double lastError(const SubmapGraph& graph) const {

@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <string>
+#include <vector>
 
 #include "graph/graph_samples.h"
 #include "kestrel_slam/graph/g2o_file.h"
+#include "kestrel_slam/map/atomic_file.h"
 #include "temporary_folder.h"
 
 namespace kestrel {
@@ -104,6 +107,29 @@ TEST(RobustOptimizer, CsailAsTwoRobotsKeepsAll128TrueLoopsAndRefusesAll250FalseO
   const RobustResult result = optimizeRobustly(graph);
   EXPECT_EQ(countOf(graph, result, begin, begin + 128).accepted, 128U);  // the true ones are first
   EXPECT_EQ(countOf(graph, result, begin + 128, graph.edges.size()).accepted, 0U);
+}
+
+/// Two robots in one building, whose starts are unknown: 128 true loops, and 250 false ones.
+TEST(RobustOptimizer, KeepsAllTrueLoopsOfTwoRobotsAndNoFalseOne) {
+  const std::string data = dataFolder();
+  SKIP_WITHOUT_DATA(data);
+  const std::string folder = data + "/graph/CSAIL";
+  const auto parsed = [&](const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += readFile(folder + name) + "\n";
+    return parseG2o(text, folder).graph;
+  };
+  const std::size_t begin = parsed({"_robot1.g2o", "_robot2.g2o"}).edges.size();
+  PoseGraph graph =
+      parsed({"_robot1.g2o", "_robot2.g2o", "_interrobot_loop_closures_outliers.g2o"});
+  for (std::size_t i = 0; i < graph.edges.size(); ++i)
+    graph.edges[i].kind = i < begin ? EdgeKind::kOdometry : EdgeKind::kLoop;
+  const RobustResult result = optimizeRobustly(graph);
+  const Count good = countOf(graph, result, begin, begin + 128);
+  const Count bad = countOf(graph, result, begin + 128, graph.edges.size());
+  EXPECT_EQ(good.accepted, 128U);
+  EXPECT_EQ(bad.all, 250U);
+  EXPECT_EQ(bad.accepted, 0U);
 }
 
 }  // namespace

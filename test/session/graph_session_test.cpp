@@ -43,6 +43,38 @@ TEST(GraphSession, ComesBackBitByBit) {
   EXPECT_EQ(graph.loops().front().fit, flown.loops.front().fit);
 }
 
+/// Another flight; returns how the last keyframe of the first flight then lies to its first one.
+Pose2 fliesOn(SubmapGraph& graph) {
+  const std::size_t last = graph.keyframes().size() - 1;
+  graph.beginPart(givenStart(Pose2()));
+  loop_world::Drive drive(loop_world::ring(), 0.0);
+  for (const Pose2& pose : loop_world::laps(0.3)) drive.add(pose, graph);
+  EXPECT_TRUE(graph.isJoined(0));
+  return graph.poseOf(0).between(graph.poseOf(last));
+}
+
+/// The old part moves as it would if the program had not ended meanwhile.
+TEST(GraphSession, TheOdometryOfAnEarlierFlightStillHoldsItsPart) {
+  SubmapGraph unbroken{MapperConfig(), LoopConfig()};
+  loop_world::Drive drive(loop_world::ring(), 0.0003);
+  drive.with_odometry = true;
+  for (const Pose2& pose : loop_world::laps(0.9)) drive.add(pose, unbroken);
+  const GraphRecord flown = unbroken.record();
+  ASSERT_GT(flown.odometry.size(), 30U);
+  const std::string bytes = bytesOf(flown);
+  const Pose2 expected = fliesOn(unbroken);
+  const auto differenceAfterLoading = [&](bool keep) {
+    GraphRecord record = graphRecordOf(decodeSession(bytes), kCell);
+    EXPECT_EQ(record.odometry.size(), flown.odometry.size());
+    if (!keep) record.odometry.clear();
+    SubmapGraph graph{MapperConfig(), LoopConfig(), std::move(record)};
+    EXPECT_EQ(bytesOf(graph.record()) == bytes, keep);
+    return expected.between(fliesOn(graph)).distance();
+  };
+  EXPECT_LT(differenceAfterLoading(true), 1e-3);
+  EXPECT_GT(differenceAfterLoading(false), 0.02);
+}
+
 TEST(GraphSession, AnEmptyGraphIsASession) {
   const SubmapGraph empty{MapperConfig(), LoopConfig()};
   const Session session = decodeSession(bytesOf(empty.record()));

@@ -47,6 +47,8 @@ inline Session sampleSession(std::size_t submaps = 2, int beams = 90) {
       const Pose2 map_T_base(shift + 0.1 * static_cast<double>(k), 0.2, 0.1);
       session.keyframes.push_back(sampleKeyframe(id, map_T_base, map_T_submap, beams));
       submap.keyframes.push_back(id);
+      if (k > 0)
+        session.odometry.push_back({id, {Pose2(5.0, 0.1, -1.0), Pose2(5.1, 0.1, -1.0)}, k - 1});
     }
     session.vertices.push_back({VertexKind::kSubmap, submap.id, {map_T_submap, s == 0}});
     if (s > 0) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "session/session_samples.h"
 
 namespace kestrel {
@@ -54,6 +56,20 @@ TEST(Session, RemovesWhatRefersToNothing) {
   EXPECT_EQ(session.vertices[session.edges[0].from].id, 12U);
   EXPECT_EQ(session.vertices[session.edges[0].to].id, 13U);
   EXPECT_EQ(session.loops.size(), 2U);
+  EXPECT_EQ(session.odometry.size(), 6U);
+}
+
+TEST(Session, OdometryWithoutItsKeyframeOrPoseIsAProblem) {
+  Session session = sampleSession();
+  session.odometry[1].own = 2;
+  EXPECT_EQ(problemOf(session), "odometry 1: it has no pose of its keyframe");
+  session.odometry[1].keyframe = 7;
+  EXPECT_EQ(problemOf(session), "odometry 1: its keyframe does not exist");
+  session = sampleSession();
+  session.odometry[0].odom_T_base[0].x = 5e5;  // as from a GPS
+  EXPECT_EQ(problemOf(session), "");
+  session.odometry[0].odom_T_base[0].x = std::nan("");
+  EXPECT_EQ(problemOf(session), "odometry 0: a pose is not finite");
 }
 
 }  // namespace

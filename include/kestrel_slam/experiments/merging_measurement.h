@@ -45,6 +45,13 @@ MappedVehicle mapVehicle(const std::string& name, Recording& recording, SlamConf
 MappedVehicle mapOffice(std::uint64_t seed, OfficeChange change, std::uint64_t vehicle,
                         const SlamConfig& config);
 
+/// The session of such a vehicle, in an office with so many rooms.
+Session officeSession(std::uint64_t seed, std::uint64_t vehicle, std::size_t rooms,
+                      const SlamConfig& config);
+
+/// The map as it was when the vehicle had only this share of its keyframes.
+VehicleMap grownTo(const VehicleMap& map, double share);
+
 /// The poses of all scans of vehicle number `vehicle` in `world`: each scan moves with the keyframe
 /// before it.
 Trajectory inWorld(const MappedVehicle& mapped, const MergeResult& merged, std::size_t vehicle);

@@ -78,9 +78,10 @@ class RelocalizationMap {
   /// `travel_m`. A new mapper measures the motion with the laser.
   RelocalizationTrial follow(const std::vector<PlacedScan>& scans, std::size_t first,
                              double travel_m) const;
-  /// Localizes the scans [first, last), which begin with an unknown pose.
+  /// Localizes the scans [first, last), which begin with an unknown pose. `picture`: in the pgm
+  /// file of the map, as any other program writes it.
   LocalizationTrial localize(const std::vector<PlacedScan>& scans, std::size_t first,
-                             std::size_t last) const;
+                             std::size_t last, bool picture) const;
   /// Follows the vehicle for a second from the scan `from`, covers the laser for `covered_s`, and
   /// goes on from the scan `to` for `travel_m`.
   KidnapTrial kidnap(const std::vector<PlacedScan>& scans, std::size_t from, std::size_t to,
@@ -88,6 +89,7 @@ class RelocalizationMap {
 
  private:
   void compare(const PlacedScan& scan, RelocalizationTrial& trial) const;
+  Submap mapToLocalizeIn(bool picture) const;
 
   MapperConfig config_;
   const std::vector<PlacedScan>& scans_;

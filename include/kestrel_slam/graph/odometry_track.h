@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "kestrel_slam/graph/odometry_worth.h"
@@ -11,18 +12,32 @@
 
 namespace kestrel {
 
+/// The wheel odometry around a keyframe.
+struct TrackedKeyframe {
+  std::size_t number = 0;
+  Pose2 local_T_base;
+  std::vector<Pose2> odometry;  ///< at some scans before and after it
+  std::size_t own = 0;          ///< which of them is that of its own scan
+};
+
 /// The wheel odometry along the keyframes of a graph. Matches are more accurate over some meters;
 /// a good odometry is more accurate over a long way. So both are in the graph: the odometry is a
 /// second chain of vertices, and an edge joins each keyframe with its vertex of that chain. The
 /// weights follow from what the odometry proved to be worth.
 class OdometryTrack {
  public:
+  OdometryTrack() = default;
+  /// Goes on from a record.
+  explicit OdometryTrack(std::vector<TrackedKeyframe> keyframes)
+      : keyframes_(std::move(keyframes)), closed_(keyframes_.size()) {}
+
   /// The odometry at a scan, in the order of time.
   void add(const std::optional<Pose2>& odom_T_base);
   /// The scan that was added last is this keyframe. `local_T_base`: as matched.
   void addKeyframe(std::size_t keyframe, const Pose2& local_T_base);
 
   bool empty() const { return keyframes_.empty(); }
+  const std::vector<TrackedKeyframe>& keyframes() const { return keyframes_; }
 
   /// Compares the odometry with the matches again. `chain`: the matches, a vertex per keyframe.
   void learn(const OdometryChain& chain);
@@ -38,13 +53,6 @@ class OdometryTrack {
   std::size_t memoryBytes() const;
 
  private:
-  struct TrackedKeyframe {
-    std::size_t number = 0;
-    Pose2 local_T_base;
-    std::vector<Pose2> odometry;  ///< at some scans before and after it
-    std::size_t own = 0;          ///< which of them is that of its own scan
-  };
-
   std::vector<OdometryPoint> pointsAt(int delay_scans) const;
   std::vector<OdometryPoint> usable(const OdometryChain& chain) const;
   std::size_t nextUsable(const std::vector<OdometryPoint>& points, const OdometryPoint& last,
@@ -55,6 +63,7 @@ class OdometryTrack {
   PoseEdge edgeBetween(const OdometryPoint& a, const OdometryPoint& b, std::size_t to) const;
 
   std::vector<TrackedKeyframe> keyframes_;
+  std::size_t closed_ = 0;  ///< those before this one are of earlier flights
   std::vector<Pose2> recent_;
   int delay_scans_ = 0;
   OdometryWorth worth_;

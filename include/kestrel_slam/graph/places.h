@@ -29,7 +29,11 @@ struct KnownPlace {
 /// the others are built again from the keyframes when they are needed.
 class Places {
  public:
-  explicit Places(const MapperConfig& config) : config_(config) {}
+  /// Memory of the grids. A vehicle searches the same few places for a while.
+  static constexpr std::size_t kCachedBytes = 32'000'000;
+
+  explicit Places(const MapperConfig& config, std::size_t cached_bytes = kCachedBytes)
+      : config_(config), max_cached_bytes_(cached_bytes) {}
 
   /// Adds the submap of the keyframes [first, last).
   void add(std::uint32_t submap, std::size_t first, std::size_t last);
@@ -48,6 +52,7 @@ class Places {
   };
 
   MapperConfig config_;
+  std::size_t max_cached_bytes_;
   std::vector<KnownPlace> places_;
   std::list<Cached> cache_;  ///< last used first
   std::size_t cached_bytes_ = 0;

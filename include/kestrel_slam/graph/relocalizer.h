@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kestrel_slam/geometry/pose_covariance.h"
+#include "kestrel_slam/graph/wall_agreement.h"
 #include "kestrel_slam/matching/global_search.h"
 #include "kestrel_slam/matching/matcher.h"
 #include "kestrel_slam/sensor/planar_scan.h"
@@ -18,9 +19,8 @@ struct RelocalizationConfig {
   double min_fit = 0.65;         ///< fit of the scan where the map is known, 0 to 1
   double min_known = 0.6;        ///< share of the scan in the known part of the map
   double min_constraint = 0.02;  ///< share of the scan that constrains the weakest direction
-  double min_margin = 0.1;       ///< by which the fit is better than at any other place
-  /// Share of the beams that end in free space or would pass through walls.
-  double max_contradiction = 0.25;
+  double min_margin = 0.1;       ///< by which the score is at least better than at any other place
+  double max_contradiction = 0.27;         ///< share of the walls with its standard deviation
   double min_agreement = 0.7;              ///< share of the single scans that fit at the same place
   std::int64_t most_work = 1'500'000'000;  ///< of one search, see WorkBudget
 };
@@ -37,9 +37,8 @@ struct RelocalizationQuery {
 /// A pose where the vehicle may be.
 struct PlaceHypothesis {
   MatchResult match;
-  double crossing = 0.0;  ///< share of the beams that would pass through walls
-  double score = 0.0;     ///< places are compared by it, 0 to 1
-  double contradiction() const { return match.known * (1.0 - match.score) + crossing; }
+  WallAgreement walls;
+  double score() const { return walls.score(); }
 };
 
 enum class RelocalizationState {
@@ -89,10 +88,10 @@ class Relocalizer {
   void conclude(bool complete);
   void rank();
   void judge(bool complete);
+  double neededMargin() const;
   double agreementAt(const MatchResult& found) const;
   PlaceHypothesis hypothesisAt(const Pose2& guess) const;
-  bool crosses(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
-  double crossingAt(const Pose2& pose) const;
+  WallAgreement wallsAt(const Pose2& map_T_base) const;
   const char* problemOf(const PlaceHypothesis& hypothesis) const;
 
   const GlobalMap& map_;

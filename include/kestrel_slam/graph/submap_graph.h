@@ -25,8 +25,9 @@ namespace kestrel {
 struct GraphRecord {
   std::vector<LocalKeyframe> keyframes;
   std::vector<KnownPlace> places;
-  PoseGraph graph;          ///< its vertices are the keyframes
-  std::vector<Loop> loops;  ///< of the accepted ones, `graph` has edges
+  PoseGraph graph;                        ///< its vertices are the keyframes
+  std::vector<Loop> loops;                ///< of the accepted ones, `graph` has edges
+  std::vector<TrackedKeyframe> odometry;  ///< of the wheels, if there was any
 };
 
 /// Keyframes, finished submaps and the pose graph between the keyframes. Finds loops, verifies them
@@ -82,7 +83,9 @@ class SubmapGraph {
   const PoseGraph& graph() const { return graph_; }
   std::size_t submapCount() const { return places_.all().size(); }
   const Places& places() const { return places_; }
-  GraphRecord record() const { return {keyframes_, places_.all(), graph_, loops_}; }
+  GraphRecord record() const {
+    return {keyframes_, places_.all(), graph_, loops_, track_.keyframes()};
+  }
   /// Keyframes before this one were in the record.
   std::size_t loadedCount() const { return loaded_; }
   /// Whether edges join the keyframe with the newest one; after finish(), with the largest part of

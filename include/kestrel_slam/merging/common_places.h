@@ -22,9 +22,11 @@ class CommonPlaces {
   CommonPlaces(const MapperConfig& mapper, const LoopConfig& config)
       : mapper_(mapper), config_(config), matcher_(mapper.matcher, config) {}
 
-  /// Searches for a query in the whole map of a part of `joint`, with all yaws. The loop is pending
-  /// if it fits well in exactly one place of this map; otherwise it is refused and has a reason.
-  Loop search(JointMap& joint, std::size_t part, const LoopQuery& query) const;
+  /// Searches for each query in the whole map of a part of `joint`, with all yaws. A loop is
+  /// pending if it fits well in exactly one place of this map; otherwise it is refused. What is in
+  /// `memory` is not searched for again.
+  std::vector<Loop> search(JointMap& joint, std::size_t part, const std::vector<LoopQuery>& queries,
+                           SearchMemory& memory) const;
 
   /// The same around a guess.
   Loop searchNear(JointMap& joint, std::size_t part, const LoopQuery& query,
@@ -34,14 +36,18 @@ class CommonPlaces {
   /// The best pose of the query in one place.
   struct Found {
     std::size_t place = 0;
-    Pose2 pose;
+    Pose2 local, map;  ///< the pose in the frame of the place, and in the map of its vehicle
     double score = -1.0, second = 0.0;
     bool complete = true;
   };
 
-  Found searchPlace(JointMap& joint, std::size_t place, const Points& points) const;
+  SearchMemory::Numbers searchPlace(JointMap& joint, std::size_t place,
+                                    const LoopQuery& query) const;
   static double secondScore(const std::vector<Found>& found, const Found& best);
-  Loop verified(JointMap& joint, const LoopQuery& query, const Found& best) const;
+  Loop judged(JointMap& joint, const LoopQuery& query, const std::vector<Found>& found,
+              SearchMemory& memory) const;
+  Loop verified(JointMap& joint, const LoopQuery& query, const Found& best,
+                SearchMemory& memory) const;
 
   MapperConfig mapper_;
   LoopConfig config_;

@@ -12,13 +12,14 @@
 #include "kestrel_slam/mapping/mapper_config.h"
 #include "kestrel_slam/merging/common_places.h"
 #include "kestrel_slam/merging/overlap.h"
+#include "kestrel_slam/merging/search_memory.h"
 #include "kestrel_slam/merging/vehicle_map.h"
 
 namespace kestrel {
 
 /// Parameters of merging. All defaults are defined here.
 struct MergingConfig {
-  std::size_t max_queries = 40;  ///< new queries of one map that are searched for in another one
+  std::size_t max_queries = 64;  ///< queries of one map that are searched for in another one
   std::size_t min_loops = 3;     ///< that agree about how two maps lie,
   std::size_t min_places = 2;    ///< at so many places
   double place_m = 5.0;          ///< that are this far apart.
@@ -81,8 +82,9 @@ struct MergeResult {
   std::size_t largestGroup() const;
 };
 
-/// Merges the maps of any number of vehicles. Deterministic: no clock, no thread. Maps may grow:
-/// only what is new is searched for.
+/// Merges the maps of any number of vehicles. Deterministic: no clock, no thread. The result
+/// depends only on the maps, not on what they were before. Maps may grow: what was searched for
+/// before is in memory().
 ///
 /// Two maps are joined if enough places were found in both (each verified as a loop is), if these
 /// agree about how the maps lie [Mangelson 2018], if no second set of places says something else,
@@ -91,9 +93,7 @@ class MapMerger {
  public:
   MapMerger(const MapperConfig& mapper, const LoopConfig& loops, const MergingConfig& config = {});
 
-  /// Adds a vehicle, or replaces its map by a newer one. If the map does not continue the older one
-  /// (the vehicle was restarted), everything that was found for it is forgotten. Returns its
-  /// number.
+  /// Adds a vehicle, or replaces its map by a newer one. Returns its number.
   std::size_t update(VehicleMap map);
 
   /// Never joins two vehicles by themselves; they may still be joined through a third one.
@@ -102,19 +102,14 @@ class MapMerger {
   MergeResult merge();
 
   const std::vector<VehicleMap>& vehicles() const { return vehicles_; }
+  SearchMemory& memory() { return memory_; }
 
  private:
-  /// A loop between two vehicles, with the indices of their keyframes.
-  struct PairLoop {
-    Loop loop;
-    bool query_in_a;
-  };
   struct Pair {
     std::size_t a = 0, b = 0;
-    std::size_t searched_a = 0, searched_b = 0;  ///< queries of a and b that were searched for
-    std::size_t searched = 0;
     bool separated = false;
-    std::vector<PairLoop> loops;  ///< verified ones
+    std::size_t searched = 0;  ///< queries
+    std::vector<Loop> loops;   ///< verified ones, indices of the joint map
   };
   struct Decision {
     PairResult result;
@@ -124,17 +119,16 @@ class MapMerger {
     bool whole = false;             ///< one of the maps fits as a whole into the other one
   };
 
-  void forget(std::size_t vehicle);
   Pair& pairOf(std::size_t a, std::size_t b);
   std::optional<Pose2> guessOf(const Pair& pair) const;
   void search(JointMap& joint, Pair& pair);
   void searchQueries(JointMap& joint, Pair& pair, bool query_in_a);
-  std::vector<Loop> jointLoops(const JointMap& joint, const Pair& pair) const;
-  Decision decide(JointMap& joint, const Pair& pair) const;
+  std::vector<LoopQuery> chosen(const std::vector<LoopQuery>& queries) const;
+  Decision decide(JointMap& joint, const Pair& pair);
   void explain(const JointMap& joint, const Pair& pair, Decision& decision) const;
   std::size_t placesOf(const JointMap& joint, const std::vector<Loop>& loops) const;
-  void compare(JointMap& joint, const Pair& pair, Decision& decision) const;
-  void joinAsGiven(JointMap& joint, const Pair& pair, Decision& decision) const;
+  void compare(JointMap& joint, const Pair& pair, Decision& decision);
+  void joinAsGiven(JointMap& joint, const Pair& pair, Decision& decision);
   void optimizeAll(const JointMap& joint, std::vector<Decision>& decisions,
                    MergeResult& result) const;
   void place(const JointMap& joint, MergeResult& result) const;
@@ -144,6 +138,7 @@ class MapMerger {
   MergingConfig config_;
   CommonPlaces places_;
   LoopMatcher matcher_;
+  SearchMemory memory_;
   std::vector<VehicleMap> vehicles_;
   std::vector<Pair> pairs_;  ///< (0, 1), (0, 2), (1, 2), (0, 3), ...
 };

@@ -11,8 +11,8 @@
 
 namespace kestrel {
 
-/// The session of all vehicles in the group of `vehicle`, with poses in `world`. Keyframes and
-/// submaps are numbered anew, one vehicle after the other.
+/// The session of all vehicles in the group of `vehicle`, with poses in `world`. Keyframes come
+/// one vehicle after the other, with new ids, which stay the same when maps grow.
 Session mergedSession(const std::vector<VehicleMap>& vehicles, const MergeResult& merged,
                       std::size_t vehicle);
 

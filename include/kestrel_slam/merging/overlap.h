@@ -30,6 +30,7 @@ struct Overlap {
 /// Compares the keyframes of the part `query` with the places of the part `map`. `poses`: of all
 /// keyframes, in one frame.
 Overlap compareOverlap(JointMap& joint, const LoopMatcher& matcher,
-                       const std::vector<PoseVertex>& poses, std::size_t map, std::size_t query);
+                       const std::vector<PoseVertex>& poses, std::size_t map, std::size_t query,
+                       SearchMemory& memory);
 
 }  // namespace kestrel

@@ -46,6 +46,13 @@ struct LoopRecord {
   std::vector<NamedNumber> measures;  ///< fit, margin and so on
 };
 
+/// The wheel odometry at a keyframe and at some scans before and after it.
+struct OdometryRecord {
+  std::uint64_t keyframe = 0;      ///< its id
+  std::vector<Pose2> odom_T_base;  ///< in the order of time
+  std::size_t own = 0;             ///< which of them is that of the scan of the keyframe
+};
+
 /// All that is kept of a flight. Grids are not: they are made from the keyframes again.
 struct Session {
   std::string written_by;  ///< name and version of the program
@@ -58,6 +65,7 @@ struct Session {
   std::vector<VertexRecord> vertices;
   std::vector<PoseEdge> edges;
   std::vector<LoopRecord> loops;
+  std::vector<OdometryRecord> odometry;  ///< in the order of the keyframes; may be empty
 };
 
 /// The first thing in a session that must not be, such as a pose that is not finite, an id that is

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "kestrel_slam/simulation/flight_plan.h"
@@ -18,9 +19,10 @@ enum class OfficeChange {
 
 const char* toString(OfficeChange change);
 
-/// A corridor with three furnished rooms on each side; everything is random. The flight visits all
+/// A corridor with furnished rooms on both sides; everything is random. The flight visits all
 /// rooms. `route`: another number begins elsewhere, and takes another order and another heading.
+/// `rooms`: on both sides together; 90 make a flight of 1 km.
 Place randomOffice(std::uint64_t seed, OfficeChange change = OfficeChange::kNone,
-                   std::uint64_t route = 0);
+                   std::uint64_t route = 0, std::size_t rooms = 6);
 
 }  // namespace kestrel

@@ -3,6 +3,8 @@
 
 #include <ros/console.h>
 
+#include <stdexcept>
+
 #include "kestrel_slam/messages/sensor_messages.h"
 #include "kestrel_slam/parameters/parameter_table.h"
 #include "kestrel_slam/ros/common/private_parameters.h"
@@ -100,6 +102,8 @@ void validate(const MapperNodeConfig& config) {
   requireName("sys_msg_topic", config.sys_msg_topic);
   requireName("pose_update_topic", config.pose_update_topic);
   requireDistinct("map_frame", config.map_frame, config.base_frame);
+  if (config.follow_session && (!config.localizes() || config.session.empty()))
+    throw std::invalid_argument("follow_session needs mode localization and session");
   validate(config.slam);
 }
 
@@ -176,6 +180,9 @@ std::vector<Parameter> sessionParametersOf(MapperNodeConfig& config) {
       choice("session_start", &config.session_start, {"last", "unknown"},
              "last: the vehicle is where the session ended, up to some decimeters; unknown: old "
              "and new map stay apart until the vehicle was found in the old one."),
+      flag("follow_session", &config.follow_session,
+           "With mode localization: wait for the file of session, and load it again when it has "
+           "changed, as the merged session of several vehicles does."),
       text("session_folder", &config.session_folder,
            "Folder that save_session, load_session and autosave cannot leave; empty: as with "
            "save_folder."),

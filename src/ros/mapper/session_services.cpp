@@ -23,7 +23,7 @@ constexpr char kExtension[] = ".session";
 constexpr char kAutosave[] = "autosave.session", kOldAutosave[] = "autosave.old.session";
 constexpr double kMaxDistanceM = 10000.0;
 constexpr int kNice = 10;
-constexpr double kSecondsPerMinute = 60.0;
+constexpr double kSecondsPerMinute = 60.0, kFollowPeriod = 1.0;
 
 Session sessionOf(const GraphSnapshot& graph, const SlamConfig& config) {
   const OccupancyGridConfig& grid = config.mapper.grid;
@@ -52,7 +52,10 @@ SessionServices::SessionServices(const ros::NodeHandle& nh, const MapperNodeConf
       on_loaded_(std::move(on_loaded)),
       nh_(nh) {
   nh_.setCallbackQueue(&queue_);
-  if (!config_.session.empty() && !config_.localizesInPicture()) {
+  if (config_.follow_session) {
+    mapper_.localizeIn(Submap(config_.slam.mapper.grid));  // until the file is there
+    follow();
+  } else if (!config_.session.empty() && !config_.localizesInPicture()) {
     const std::string start = config_.localizes() ? "unknown" : config_.session_start;
     try {
       ROS_INFO("%s", loadFrom(config_.session, start, Pose2(), config_.localizes()).c_str());
@@ -71,6 +74,10 @@ void SessionServices::advertise() {
   save_server_ = nh_.advertiseService("save_session", &SessionServices::save, this);
   mode_server_ = nh_.advertiseService("set_mode", &SessionServices::setMode, this);
   load_server_ = nh_.advertiseService("load_session", &SessionServices::load, this);
+  if (config_.follow_session) {
+    follow_timer_ = nh_.createWallTimer(ros::WallDuration(kFollowPeriod),
+                                        [this](const ros::WallTimerEvent&) { follow(); });
+  }
   if (config_.autosave_minutes <= 0.0) return;
   if (mapper_.graph() == nullptr) {
     ROS_WARN("autosave_minutes has no effect: sessions need the parameter graph.");
@@ -180,6 +187,23 @@ std::string SessionServices::changeTo(const std::string& mode) {
   }
   mapper_.mapAgain();
   return "the map grows";
+}
+
+/// Loads the session when its file is another one than the last time. The pose goes on: the file
+/// is the same map, which has grown.
+void SessionServices::follow() {
+  std::error_code missing;
+  const auto time = std::filesystem::last_write_time(config_.session, missing);
+  if (missing || time == followed_) return;
+  followed_ = time;
+  try {
+    Session session = loadSession(config_.session);
+    const std::size_t count = session.keyframes.size();
+    mapper_.localizeInGrown(graphRecordOf(session, config_.slam.mapper.grid.resolution_m));
+    ROS_INFO("Localizing in %zu keyframes of %s", count, config_.session.c_str());
+  } catch (const std::exception& error) {
+    ROS_WARN("follow_session: %s is not used: %s", config_.session.c_str(), error.what());
+  }
 }
 
 /// After a crash, somebody may have started a new map before the old one was loaded.

@@ -118,6 +118,24 @@ GraphSnapshot SharedMapper::graphSnapshot() {
   return graph_->snapshot();
 }
 
+void SharedMapper::localizeInGrown(GraphRecord record) {
+  requireGraph();
+  const auto [config, loops] = parameters();
+  auto localizer = std::make_unique<Localizer>(config, mapOf(record, config.grid));
+  auto graph = std::make_unique<SubmapGraph>(config, loops, std::move(record));
+  auto map = std::make_unique<ComposedMap>(config.grid);
+  map->add(*graph);
+  const Lock lock(mutex_);
+  const bool is_known = mapping_.localizer() != nullptr && !mapping_.localizer()->isLost();
+  const Pose2 pose = mapping_.mapper().pose();
+  mapping_.localizeWith(std::move(localizer));
+  if (is_known) mapping_.setPose(pose);
+  localizing_ = true;
+  graph_->replace(std::move(graph), std::move(map));
+  ++map_number_;
+  ++version_;
+}
+
 void SharedMapper::localizeIn(Submap map) {
   localizeWith(std::make_unique<Localizer>(parameters().first, std::move(map)));
 }

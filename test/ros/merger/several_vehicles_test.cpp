@@ -122,10 +122,13 @@ class SeveralVehicles : public testing::Test {
   }
 
   bool connect() {
-    return waitFor([this] {
+    const bool hears = waitFor([this] {
       return std::all_of(vehicles_.begin(), vehicles_.end(),
                          [](Vehicle& vehicle) { return vehicle.client->hearsPoses(); });
     });
+    // A mapper subscribes to the scans after it has announced its poses.
+    return hears && std::all_of(vehicles_.begin(), vehicles_.end(),
+                                [](Vehicle& vehicle) { return vehicle.client->connect(); });
   }
 
   /// Saves as autosave does, so that nothing is lost when the mapper is killed.

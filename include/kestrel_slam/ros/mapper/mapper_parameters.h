@@ -33,6 +33,7 @@ struct MapperNodeConfig {
   std::string map_file;          ///< YAML file of a map
   std::string session;           ///< file that is continued from the start on; empty: none
   std::string session_start = "last";
+  bool follow_session = false;    ///< with localization: load `session` again when it has changed
   std::string session_folder;     ///< empty: the working, home and temporary folder
   double autosave_minutes = 0.0;  ///< 0: never
   SlamConfig slam;

@@ -6,6 +6,7 @@
 #include <ros/spinner.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -44,6 +45,7 @@ class SessionServices {
   bool setMode(kestrel_slam::SetMode::Request& request, kestrel_slam::SetMode::Response& response);
   std::string changeTo(const std::string& mode);
   void autosave();
+  void follow();
   void keepOldAutosave();
   std::string saveTo(const std::string& path);
   std::string loadFrom(const std::string& path, const std::string& start, const Pose2& pose,
@@ -54,13 +56,14 @@ class SessionServices {
   SaveFolder folder_;
   SharedMapper& mapper_;
   std::function<void()> on_loaded_;
-  std::vector<NamedNumber> statistics_;  ///< of the session that was loaded
-  std::uint64_t saved_version_ = 0;      ///< of the map, by autosave
+  std::vector<NamedNumber> statistics_;         ///< of the session that was loaded
+  std::uint64_t saved_version_ = 0;             ///< of the map, by autosave
+  std::filesystem::file_time_type followed_{};  ///< time of the file that was loaded last
 
   ros::NodeHandle nh_;
   ros::CallbackQueue queue_;
   ros::ServiceServer save_server_, load_server_, mode_server_;
-  ros::WallTimer timer_;
+  ros::WallTimer timer_, follow_timer_;
   std::unique_ptr<ros::AsyncSpinner> spinner_;
 };
 

@@ -52,6 +52,10 @@ class SharedMapper {
   void continueWith(GraphRecord record, const std::optional<GaussianPose2>& map_T_base,
                     bool localize = false);
 
+  /// Localizes in the map of a session that is a newer one of the present map: the vehicle stays
+  /// where it is, if its pose is known.
+  void localizeInGrown(GraphRecord record);
+
   /// A copy of the graph. Throws std::runtime_error if there is none.
   GraphSnapshot graphSnapshot();
 

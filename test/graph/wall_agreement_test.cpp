@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/graph/wall_agreement.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "loop_world.h"
+
+namespace kestrel {
+namespace {
+
+constexpr std::size_t kAllBeams = 100000;
+
+WallAgreement compare(const Submap& map, const PlanarScan& scan, const Pose2& pose) {
+  return compareWalls(map, {{pose, &scan}}, kAllBeams);
+}
+
+/// A wall of 3 m in front of the right wall of the room, with a door in the middle or without.
+Submap mapWithWall(bool open) {
+  std::vector<room::Segment> walls = room::walls();
+  const double half = open ? 0.5 : 0.0;
+  walls.push_back({2.0, -1.5, 2.0, -half});
+  walls.push_back({2.0, half, 2.0, 1.5});
+  Submap map{OccupancyGridConfig()};
+  for (const Pose2& pose : {Pose2(1.5, 0.2, 0), Pose2(0.5, 0.8, 1), Pose2(-0.6, -0.4, 2)})
+    map.insert(room::scanFrom(pose, walls), pose);
+  for (const Pose2& pose : {Pose2(3.2, 0.2, 0), Pose2(3.0, -1.0, 1)})
+    map.insert(room::scanFrom(pose, walls), pose);
+  return map;
+}
+
+TEST(WallAgreement, TheOwnPlaceAgrees) {
+  const Pose2 pose(1, -1, 2.1);
+  const WallAgreement walls = compare(room::map(), room::scanFrom(pose), pose);
+  EXPECT_GT(walls.hits, 150U);
+  EXPECT_LT(walls.contradiction(), 0.02);
+  EXPECT_GT(walls.score(), 0.97);
+}
+
+TEST(WallAgreement, WallsOfOnlyTheScanOrOnlyTheMapContradict) {
+  const Pose2 pose(1, -1, 2.1);
+  const PlanarScan scan = room::scanFrom(pose);
+  const WallAgreement turned = compare(room::map(), scan, pose * Pose2(0, 0, 1.5));
+  EXPECT_GT(turned.contradiction(), 0.4);
+  EXPECT_GT(turned.crossed, 30U);
+  EXPECT_LT(turned.matched, turned.known / 2);
+}
+
+/// The door was closed in the map. Most beams pass through it, but it is short.
+TEST(WallAgreement, AnOpenDoorIsAMeterOfWall) {
+  std::vector<room::Segment> open = room::walls();
+  open.push_back({2.0, -1.5, 2.0, -0.5});
+  open.push_back({2.0, 0.5, 2.0, 1.5});
+  const Pose2 pose(1.7, 0, 0);
+  const WallAgreement walls = compare(mapWithWall(false), room::scanFrom(pose, open), pose);
+  EXPECT_NEAR(0.1 * static_cast<double>(walls.crossed), 1.0, 0.3);
+  EXPECT_LT(walls.contradiction(), 0.1);
+}
+
+TEST(WallAgreement, UnknownSpaceIsNoContradiction) {
+  Submap map{OccupancyGridConfig()};
+  PlanarScan half = room::scanFrom(Pose2(-1, 0.5, 0));
+  half.rays.resize(half.rays.size() / 2);
+  map.insert(half, Pose2(-1, 0.5, 0));
+  const WallAgreement walls = compare(map, room::scanFrom(Pose2(-1, 0.5, 0)), Pose2(-1, 0.5, 0));
+  EXPECT_LT(walls.known, walls.hits * 7 / 10);
+  EXPECT_LT(walls.contradiction(), 0.05);
+  EXPECT_LT(walls.score(), 0.8);
+}
+
+TEST(WallAgreement, FewWallsAreLessCertain) {
+  WallAgreement few{40, 40, 36, 0}, many{160, 160, 144, 0};
+  EXPECT_DOUBLE_EQ(few.score(), many.score());
+  EXPECT_NEAR(few.variance(), 4.0 * many.variance(), 1e-12);
+  EXPECT_GT(few.possibleContradiction(), many.possibleContradiction());
+  EXPECT_GT(many.possibleContradiction(), many.contradiction());
+  EXPECT_EQ(WallAgreement().score(), 0.0);
+  EXPECT_EQ(WallAgreement().contradiction(), 0.0);
+}
+
+}  // namespace
+}  // namespace kestrel
