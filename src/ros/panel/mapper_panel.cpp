@@ -102,6 +102,7 @@ MapperPanel::MapperPanel(QWidget* parent)
   vehicle_->setObjectName("vehicle");
   state_->setTextFormat(Qt::RichText);
   answer_->setObjectName("answer");
+  answer_->hide();  // until there is one
   state_->setObjectName("state");
   for (QLabel* label : {state_, numbers_, answer_}) label->setWordWrap(true);
   addWidgets();
@@ -154,11 +155,11 @@ void MapperPanel::addWidgets() {
 /// The texts, below the buttons and in an area that scrolls, so that no button moves away from the
 /// pointer when a text gets longer.
 QWidget* MapperPanel::textArea() const {
-  constexpr int kLines = 8;
+  constexpr int kLines = 9;
   auto* texts = new QWidget;
   auto* layout = new QVBoxLayout(texts);
   layout->setContentsMargins(0, 0, 0, 0);
-  for (QLabel* label : {state_, numbers_, answer_}) layout->addWidget(label);
+  for (QLabel* label : {answer_, state_, numbers_}) layout->addWidget(label);
   layout->addStretch();
   auto* area = new QScrollArea;
   area->setWidget(texts);
@@ -250,6 +251,7 @@ std::string MapperPanel::serviceName(const std::string& name) const {
 }
 
 void MapperPanel::call(const std::string& service, const Call& call) {
+  answer_->show();
   if (!isReady(call_)) return answer_->setText("The last call has not ended yet.");
   answer_->setText("...");
   call_ = std::async(std::launch::async, [this, service, call] {
