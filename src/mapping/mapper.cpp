@@ -29,6 +29,8 @@ constexpr std::size_t kFewHits = 2;
 /// The match shows the errors of the odometry if this share of the points constrains the weakest
 /// direction.
 constexpr double kWellConstrained = 0.1;
+/// The poses of so many inserted scans are remembered: a room, or some laps in a small one.
+constexpr std::size_t kRememberedPoses = 300;
 
 }  // namespace
 
@@ -176,7 +178,7 @@ void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResu
                         result.evaluation < config.evaluation.threshold;
   const bool known_pose =
       result.state != MatchState::kLost && (!result.carried || has_odometry || result.followed);
-  if (!known_pose || !accepted || !(first || movedEnough())) return;
+  if (!known_pose || !accepted || !(first || movedEnough()) || isRepeated(result)) return;
   // Without an IMU the laser is level and always sees the same slice: a new object is moving or was
   // moved, and is not a new view.
   const bool new_view =
@@ -185,9 +187,27 @@ void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResu
   result.inserted = true;
   result.new_view = new_view;
   result.submap = map.submap();
+  inserted_poses.push_back(motion.pose());
+  if (inserted_poses.size() > kRememberedPoses) inserted_poses.pop_front();
   if (!first) result.keyframe_covariance = relativeCovariance(inserted_pose, uncertainty.last());
   uncertainty.insert();
   inserted_pose = uncertainty.last();
+}
+
+/// Whether enough of the last inserted scans are from here, and this one shows nothing new. A
+/// vehicle that hovers for an hour does not make the graph larger.
+bool Mapper::State::isRepeated(const MapperResult& result) const {
+  constexpr std::ptrdiff_t kEnoughScans = 3;
+  constexpr double kAllKnown = 0.95;
+  if (!config.usesGraph() || result.state != MatchState::kOk || result.match.known < kAllKnown ||
+      result.match.score < config.matcher.good_score)
+    return false;
+  const auto is_here = [&](const Pose2& pose) {
+    const Pose2 moved = pose.between(motion.pose());
+    return moved.distance() < config.insert_distance_m &&
+           std::abs(moved.yaw) < config.insert_angle_rad;
+  };
+  return std::count_if(inserted_poses.begin(), inserted_poses.end(), is_here) >= kEnoughScans;
 }
 
 /// Along an unobservable direction the vehicle may have moved although its pose did not. What it

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -40,8 +41,9 @@ struct Mapper::State {
   MotionModel motion;
   LaserOdometry laser_odometry;
   JumpCheck jumps;
-  bool few_hits = false;        ///< the scan has hits in a small part of its beams
-  UncertainPose inserted_pose;  ///< pose of the last inserted scan
+  bool few_hits = false;             ///< the scan has hits in a small part of its beams
+  UncertainPose inserted_pose;       ///< pose of the last inserted scan
+  std::deque<Pose2> inserted_poses;  ///< of the last inserted scans
   PoseUncertainty uncertainty;
   int unsettled_scans = 0;  ///< scans that have to fit before the state is ok again
 
@@ -69,6 +71,7 @@ struct Mapper::State {
   void settle(MapperResult& result);
   void insert(const PlanarScan& scan, bool has_odometry, MapperResult& result);
   bool movedEnough() const;
+  bool isRepeated(const MapperResult& result) const;
 };
 
 }  // namespace kestrel

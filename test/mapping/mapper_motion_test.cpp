@@ -93,5 +93,26 @@ TEST(MapperMotion, TheAccelerometerPredictsTheMotionAlongAnUnobservableDirection
   EXPECT_NEAR(with_accelerometer.pose.y, 0.0, 0.02);
 }
 
+// A vehicle that hovers in gusts moves far enough for an insertion again and again.
+TEST(MapperMotion, HoveringForALongTimeAddsNoScansToTheGraph) {
+  MapperConfig config;
+  config.window.enabled = true;
+  Mapper mapper(config);
+  int early = 0, late = 0;
+  constexpr int kScans = 6000;
+  for (int i = 0; i < kScans; ++i) {
+    const double t = 0.1 * i;
+    const Pose2 pose(0.3 * std::sin(1.1 * t) + 0.1 * std::sin(3.7 * t), 0.3 * std::sin(0.83 * t),
+                     0.2 * std::sin(0.31 * t));
+    PlanarScan scan = room::scanFrom(pose);
+    scan.stamp = scan.time = t;
+    const bool inserted = mapper.process(scan).inserted;
+    (i < kScans / 2 ? early : late) += inserted ? 1 : 0;
+  }
+  EXPECT_GT(early, 10);
+  EXPECT_LT(early, 60);
+  EXPECT_LT(late, 5);
+}
+
 }  // namespace
 }  // namespace kestrel
