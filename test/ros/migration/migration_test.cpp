@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <nav_msgs/OccupancyGrid.h>
 #include <ros/ros.h>
+#include <ros/topic.h>
 #include <rosgraph_msgs/Log.h>
 #include <signal.h>
 #include <spawn.h>
@@ -106,7 +108,10 @@ TEST_F(MigrationBase, LocalizationLaunchTakesAMap) {
   writeMap(folder.file("office"), room::map().grid().snapshot());
   const Launch launch(KESTREL_SOURCE_DIR "/launch/localization.launch",
                       "map:=" + folder.file("office.yaml"));
-  EXPECT_TRUE(waitFor("Localizing with scans on /scan")) << log_;
+  const auto map = ros::topic::waitForMessage<nav_msgs::OccupancyGrid>("map", ros::Duration(20.0));
+  ASSERT_NE(map, nullptr) << log_;
+  EXPECT_EQ(map->info.width, static_cast<unsigned>(room::map().grid().snapshot().width));
+  EXPECT_TRUE(waitFor("There is no scan on /scan")) << log_;
 }
 
 std::vector<std::string> launchFiles() {
