@@ -84,7 +84,8 @@ void Mapper::State::followAlong(const Points& points, const PlanarScan& scan,
   const bool unobservable = isUnobservable(match, source);
   const double matched_m = keepPredictionAlong(motion_prediction, match);
   AlongFit fit = fitAlong(map.current(), points, match.pose, weakMotionOf(match),
-                          kSigmas * std::sqrt(variance));
+                          kSigmas * std::sqrt(variance),
+                          source == PredictionSource::kOdometry ? Beams::kAll : Beams::kCertain);
   if (!unobservable) fit = combined(fit, matched_m);
   correctAlong(fit, variance, seconds, match);
   if (source == PredictionSource::kVelocity)

@@ -151,16 +151,18 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     result.iterations += closer.descent.iterations;
     if (closer.penalized_score > best.penalized_score) best = closer;
   }
-  fill(map, request.points, best, result);
+  fill(map, request, best, result);
   return result;
 }
 
-void HybridMatcher::fill(const Submap& map, const Points& points, const Candidate& best,
+void HybridMatcher::fill(const Submap& map, const MatchRequest& request, const Candidate& best,
                          MatchResult& result) const {
+  const Points& points = request.points;
+  const Beams shown_by = request.prior ? Beams::kAll : Beams::kCertain;
   result.pose = best.descent.pose;
   result.converged = best.descent.converged;
-  fillUncertainty(map, points, {kStageScales.back(), best.descent.at_pose, best.fit}, config_,
-                  result);
+  fillUncertainty(map, points, {kStageScales.back(), best.descent.at_pose, best.fit, shown_by},
+                  config_, result);
   fillStages(map, points, best.stages, config_.score_scale_m, result);
 }
 
@@ -170,7 +172,7 @@ MatchResult HybridMatcher::refined(const Submap& map, const Points& points,
   const Candidate best = refine(map, request, guess);
   MatchResult result;
   result.iterations = best.descent.iterations;
-  fill(map, points, best, result);
+  fill(map, request, best, result);
   return result;
 }
 
@@ -294,7 +296,8 @@ void fillUncertainty(const Submap& map, const Points& points, const Optimum& opt
   const Fit& fit = optimum.fit;
   result.score = fit.score;
   result.known = fit.known;
-  const WeakMotion weak = weakMotion(map, thinned(points, kWeakPoints), result.pose);
+  const WeakMotion weak =
+      weakMotion(map, thinned(points, kWeakPoints), result.pose, optimum.shown_by);
   const Eigen::Vector2d& weakest = weak.direction;
   const double share = weak.constraint;
   result.constraint = share;

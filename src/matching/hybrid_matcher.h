@@ -3,6 +3,7 @@
 
 #include "kestrel_slam/matching/fit.h"
 #include "kestrel_slam/matching/matcher.h"
+#include "kestrel_slam/matching/weak_motion.h"
 #include "kestrel_slam/matching/work_budget.h"
 
 namespace kestrel {
@@ -30,7 +31,7 @@ class HybridMatcher : public Matcher {
   /// The local optimum near `initial_guess`, with the stages from `first_stage` on.
   Candidate refine(const Submap& map, const MatchRequest& request, const Pose2& initial_guess,
                    std::size_t first_stage = 0) const;
-  void fill(const Submap& map, const Points& points, const Candidate& best,
+  void fill(const Submap& map, const MatchRequest& request, const Candidate& best,
             MatchResult& result) const;
   void search(const Submap& map, const MatchRequest& request, MatchResult& result,
               Candidate& best) const;
@@ -84,6 +85,7 @@ struct Optimum {
   float scale_m;
   NormalEquations at_pose;
   Fit fit;
+  Beams shown_by = Beams::kCertain;  ///< the beams that show the weakest direction
 };
 
 /// Fills score, known, covariance and degeneracy of a result with a given pose [Kohlbrecher 2011,

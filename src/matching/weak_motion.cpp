@@ -106,7 +106,7 @@ bool isAlone(const Points& points, std::size_t i) {
 
 /// The beams within `reach_m` of a wall at `map_T_base`, in their order.
 std::vector<Beam> fittingBeams(const SurfelField& surface, const Points& points,
-                               const Pose2& map_T_base, double reach_m = kReachM) {
+                               const Pose2& map_T_base, Beams which, double reach_m = kReachM) {
   const auto reach2 = static_cast<float>(reach_m * reach_m);
   const Eigen::Rotation2Df rotation(static_cast<float>(map_T_base.yaw));
   std::vector<Beam> result;
@@ -118,7 +118,7 @@ std::vector<Beam> fittingBeams(const SurfelField& surface, const Points& points,
       const auto lane = static_cast<Eigen::Index>(k);
       if (trace[lane] <= 0.0F || distance2[lane] > reach2) continue;
       const Surfel& surfel = *p.surfels[k];
-      if (surfel.appeared) continue;
+      if (which == Beams::kCertain && surfel.appeared) continue;
       Beam beam;
       beam.arm = {p.rx[lane], p.ry[lane]};
       beam.wall = surfel.mean.cast<double>();
@@ -158,16 +158,17 @@ Eigen::Matrix3d informationOf(const std::vector<Beam>& beams) {
 /// Squared distance of a beam to the surface after the vehicle moved, m². Nothing in unknown space,
 /// and where something appeared.
 std::optional<double> distance2(const Submap& map, const Pose2& pose, const Beam& beam,
-                                const WeakMotion& motion, double moved_m) {
+                                const WeakMotion& motion, double moved_m, Beams which) {
   const Eigen::Vector2d velocity = motion.direction + motion.turn_rad_m * beam.turned();
   const Eigen::Vector2d end = pose.translation() + beam.arm + moved_m * velocity;
   const Eigen::Vector2f at = end.cast<float>();
   const Surfel* wall = map.surface().nearest(at);
   if (wall == nullptr) {
-    if (!map.grid().isKnownOrPresumed(map.grid().cellAt(at))) return std::nullopt;
+    if (which == Beams::kCertain && !map.grid().isKnownOrPresumed(map.grid().cellAt(at)))
+      return std::nullopt;
     return kMostDistanceM * kMostDistanceM;
   }
-  if (wall->appeared) return std::nullopt;
+  if (which == Beams::kCertain && wall->appeared) return std::nullopt;
   const Eigen::Vector2d offset = end - wall->mean.cast<double>();
   double distance = 0.0;
   if (!isPoint(*wall)) {
@@ -187,12 +188,12 @@ struct Parabola {
 };
 
 Parabola parabolaOf(const Submap& map, const Pose2& pose, const std::vector<Beam>& beams,
-                    const WeakMotion& motion, double step_m) {
+                    const WeakMotion& motion, double step_m, Beams which) {
   double bend = 0.0, bend2 = 0.0, slope = 0.0, slope2 = 0.0;
   for (const Beam& beam : beams) {
-    const auto before = distance2(map, pose, beam, motion, -step_m);
-    const auto middle = distance2(map, pose, beam, motion, 0.0);
-    const auto after = distance2(map, pose, beam, motion, step_m);
+    const auto before = distance2(map, pose, beam, motion, -step_m, which);
+    const auto middle = distance2(map, pose, beam, motion, 0.0, which);
+    const auto after = distance2(map, pose, beam, motion, step_m, which);
     if (!before || !middle || !after) continue;
     const double b = (*before + *after - 2.0 * *middle) / (2.0 * step_m * step_m);
     const double t = (*before - *after) / (4.0 * step_m);
@@ -215,28 +216,30 @@ Pose2 WeakMotion::moved(const Pose2& pose, double distance_m) const {
   return {place.x(), place.y(), pose.yaw + distance_m * turn_rad_m};
 }
 
-WeakMotion weakMotion(const Submap& map, const Points& points, const Pose2& map_T_base) {
+WeakMotion weakMotion(const Submap& map, const Points& points, const Pose2& map_T_base,
+                      Beams which) {
   WeakMotion result;
-  const std::vector<Beam> beams = fittingBeams(map.surface(), points, map_T_base);
+  const std::vector<Beam> beams = fittingBeams(map.surface(), points, map_T_base, which);
   if (beams.empty()) return result;
   const Eigen::Matrix3d covariance = informationOf(beams).inverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
       Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
   result.direction = axes.eigenvectors().col(1);
   result.turn_rad_m = covariance.block<1, 2>(2, 0).dot(result.direction) / axes.eigenvalues()(1);
-  const Parabola test = parabolaOf(map, map_T_base, beams, result, kTestM);
+  const Parabola test = parabolaOf(map, map_T_base, beams, result, kTestM, which);
   result.constraint = test.curvature / static_cast<double>(beams.size());
   return result;
 }
 
 AlongFit fitAlong(const Submap& map, const Points& points, const Pose2& start,
-                  const WeakMotion& motion, double limit_m) {
+                  const WeakMotion& motion, double limit_m, Beams which) {
   constexpr std::array<double, 3> kSteps = {kTestM, 0.5 * kTestM, 0.5 * kTestM};
   AlongFit result;
   for (const double step : kSteps) {
     const Pose2 pose = motion.moved(start, result.distance_m);
-    const std::vector<Beam> beams = fittingBeams(map.surface(), points, pose, kMostDistanceM);
-    const Parabola parabola = parabolaOf(map, pose, beams, motion, step);
+    const std::vector<Beam> beams =
+        fittingBeams(map.surface(), points, pose, which, kMostDistanceM);
+    const Parabola parabola = parabolaOf(map, pose, beams, motion, step, which);
     if (parabola.certain < 1.0) return {};
     result.variance_m2 = std::max(
         parabola.variance, kCorrelatedBeams * kLeastNoiseM * kLeastNoiseM / parabola.certain);

@@ -22,10 +22,16 @@ struct WeakMotion {
   Pose2 moved(const Pose2& pose, double distance_m) const;
 };
 
+/// Which beams show the motion. Unknown space, and walls that appeared in free space (the floor
+/// that a tilted laser sees), show nothing for certain. With odometry all beams count: the odometry
+/// limits their error, and sparse logs have few.
+enum class Beams { kCertain, kAll };
+
 /// The weakest motion of a scan that was matched at `map_T_base`, and how well the scan constrains
 /// it. The directions of the walls do not show this well, because they are noisy. So the vehicle is
 /// moved by 0.2 m in both directions: the beams that do not fit there constrain the motion.
-WeakMotion weakMotion(const Submap& map, const Points& points, const Pose2& map_T_base);
+WeakMotion weakMotion(const Submap& map, const Points& points, const Pose2& map_T_base,
+                      Beams which = Beams::kCertain);
 
 /// A distance along a weak motion, as the scan shows it.
 struct AlongFit {
@@ -36,6 +42,6 @@ struct AlongFit {
 /// Finds the distance along `motion` from `start` at which the scan fits best. `limit_m`: largest
 /// distance.
 AlongFit fitAlong(const Submap& map, const Points& points, const Pose2& start,
-                  const WeakMotion& motion, double limit_m);
+                  const WeakMotion& motion, double limit_m, Beams which = Beams::kCertain);
 
 }  // namespace kestrel
