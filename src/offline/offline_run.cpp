@@ -221,7 +221,8 @@ class Runner {
     entry.uncertain = result.uncertain;
     entry.known = result.match.known;
     entry.constraint = result.match.constraint;
-    entry.degenerate_direction = result.match.degenerate_direction;
+    if (result.match.degenerate || result.match.mostly_predicted)
+      entry.degenerate_direction = result.match.degenerate_direction;
     entry.carried = result.carried;
     entry.ambiguous = result.match.ambiguous;
     entry.reason = result.reason;
