@@ -32,6 +32,12 @@ constexpr double kWellConstrained = 0.1;
 /// The poses of so many inserted scans are remembered: a room, or some laps in a small one.
 constexpr std::size_t kRememberedPoses = 300;
 
+MotionCheck::Entry positionOf(const MatchResult& match, const PlanarScan& scan) {
+  MotionCheck::Entry result{scan.time, match.pose.translation()};
+  if (isWeak(match, PredictionSource::kVelocity)) result.weak = match.degenerate_direction;
+  return result;
+}
+
 }  // namespace
 
 /// Whether the scan has too few hits for a match: a few hits fit in many places. If they are most
@@ -102,6 +108,8 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   result.match = matcher->match(map.current(), request);
   if (motion_prediction && isWeak(result.match, prediction_source))
     followAlong(points, scan, *motion_prediction, prediction_source, result.match);
+  result.match.impossible_motion = prediction_source == PredictionSource::kVelocity &&
+                                   motion_check.isImpossible(positionOf(result.match, scan));
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request, error);
   if ((request.lost || request.wide) && result.state != MatchState::kLost &&
@@ -113,6 +121,11 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   }
   settle(result);
   const bool lost = result.state == MatchState::kLost;
+  if (lost) {
+    motion_check.clear();
+  } else {
+    motion_check.add(positionOf(result.match, scan));
+  }
   if (lost && laser_odometry.carry(scan, prediction_source, error, motion, uncertainty, result))
     return fillFit(points, result);
   if (lost && isCarried(scan, odom_T_base, error))

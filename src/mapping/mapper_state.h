@@ -10,6 +10,7 @@
 #include "kestrel_slam/mapping/laser_odometry.h"
 #include "kestrel_slam/mapping/local_map.h"
 #include "kestrel_slam/mapping/mapper.h"
+#include "kestrel_slam/mapping/motion_check.h"
 #include "kestrel_slam/mapping/motion_model.h"
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 #include "kestrel_slam/matching/matcher.h"
@@ -41,6 +42,7 @@ struct Mapper::State {
   MotionModel motion;
   LaserOdometry laser_odometry;
   JumpCheck jumps;
+  MotionCheck motion_check;
   bool few_hits = false;             ///< the scan has hits in a small part of its beams
   UncertainPose inserted_pose;       ///< pose of the last inserted scan
   std::deque<Pose2> inserted_poses;  ///< of the last inserted scans

@@ -22,7 +22,8 @@ constexpr int kSettlingScans = 10;
 
 /// After a pose that may be wrong, the state is degraded until some scans in a row fit.
 void Mapper::State::settle(MapperResult& result) {
-  if (result.state == MatchState::kLost || result.match.ambiguous) {
+  if (result.state == MatchState::kLost || result.match.ambiguous ||
+      result.match.impossible_motion) {
     unsettled_scans = kSettlingScans;
   } else if (unsettled_scans > 0) {
     if (result.state == MatchState::kOk) --unsettled_scans;
@@ -57,7 +58,7 @@ MatchState Mapper::State::judge(const MatchResult& match, const MatchRequest& re
     return MatchState::kLost;
   const bool good =
       match.score >= config.matcher.search_score && !match.degenerate && !match.mostly_predicted;
-  return good ? MatchState::kOk : MatchState::kDegraded;
+  return good && !match.impossible_motion ? MatchState::kOk : MatchState::kDegraded;
 }
 
 }  // namespace kestrel

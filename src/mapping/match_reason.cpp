@@ -20,6 +20,7 @@ const char* reasonOfLost(const MapperResult& result, const MapperConfig& config)
 
 const char* reasonOfDegraded(const MapperResult& result, const MapperConfig& config) {
   if (result.match.ambiguous) return "ambiguous";
+  if (result.match.impossible_motion) return "impossible motion";
   if (result.match.degenerate || result.match.mostly_predicted) return "direction unobservable";
   // A scan that fits is degraded only for some time after a pose that may be wrong.
   return result.match.score < config.matcher.search_score ? "poor fit" : "settling";

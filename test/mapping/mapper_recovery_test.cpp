@@ -53,6 +53,18 @@ TEST(MapperRecovery, ABlockedHalfOfTheViewDoesNotMoveThePose) {
   EXPECT_LT(occupied(mapper.snapshot()), occupied(before) + 60);
 }
 
+TEST(MapperRecovery, AMotionThatIsNotPossibleIsSaid) {
+  double time = 0.0;
+  Mapper mapper = mapperInRoom(time);
+  const Pose2 jumped(-0.9, 0.4, 0.3);  // 0.14 m in one scan
+  MapperResult result = mapper.process(freeScan(jumped, time));
+  EXPECT_NEAR((jumped.inverse() * result.pose).distance(), 0.0, 0.03);
+  EXPECT_EQ(result.state, MatchState::kDegraded);
+  EXPECT_STREQ(result.reason, "impossible motion");
+  for (int i = 0; i < 20; ++i) result = mapper.process(freeScan(jumped, time += kStep));
+  EXPECT_EQ(result.state, MatchState::kOk);
+}
+
 TEST(MapperRecovery, IsLostWithABlockedViewAndRecoversFarAway) {
   double time = 0.0;
   Mapper mapper = mapperInRoom(time);

@@ -31,6 +31,9 @@ TEST(MatchReason, OfScansThatAreMatched) {
   MapperResult two_places = resultOf(MatchState::kDegraded);
   two_places.match.ambiguous = true;
   EXPECT_EQ(reason(two_places), "ambiguous");
+  MapperResult floor = resultOf(MatchState::kDegraded);
+  floor.match.impossible_motion = true;
+  EXPECT_EQ(reason(floor), "impossible motion");
 }
 
 TEST(MatchReason, OfScansThatAreCarried) {

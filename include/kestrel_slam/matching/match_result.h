@@ -37,6 +37,9 @@ struct MatchResult {
   double degenerate_turn = 0.0;   ///< turn of the vehicle for each meter along it, rad/m
   bool predicted_along = false;   ///< the pose along it is the prediction, corrected by the scan
   bool mostly_predicted = false;  ///< and the prediction is more accurate than the scan
+  /// The vehicle cannot have moved to the pose, see MotionCheck: the scan may be matched with
+  /// something that moves.
+  bool impossible_motion = false;
   /// Variance of the position along it, as far as the scan shows the position, m².
   double along_variance = std::numeric_limits<double>::infinity();
   /// Share of the points that constrain the weakest direction, 0 to 0.5.

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <deque>
+
+namespace kestrel {
+
+/// Compares the motion by the matches with what a vehicle can do. Without a motion sensor nothing
+/// else shows that a scan was matched with something that moves, like the floor that a tilted laser
+/// sees.
+class MotionCheck {
+ public:
+  /// The position by a match.
+  struct Entry {
+    double time;                        ///< s
+    Eigen::Vector2d position;           ///< in the map frame, m
+    Eigen::Vector2d weak = {0.0, 0.0};  ///< a direction that the match does not show well, or zero
+  };
+
+  /// Whether the vehicle cannot be there, because the last positions with an acceleration of 1 g
+  /// do not lead there. Weak directions do not count: a position that is corrected along a
+  /// corridor is no motion.
+  bool isImpossible(const Entry& found) const;
+
+  void add(const Entry& found);
+
+  void clear() { last_.clear(); }
+
+ private:
+  std::deque<Entry> last_;
+};
+
+}  // namespace kestrel

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/mapping/motion_check.h"
+
+#include <cmath>
+
+namespace kestrel {
+namespace {
+
+/// The velocity is that of the last positions over this time, s, and at least of two.
+constexpr double kVelocityTime = 0.1;
+/// Largest acceleration of a vehicle, and the noise of a match.
+constexpr double kMostAcceleration = 9.81;  // m/s²
+constexpr double kNoiseM = 0.02;
+
+}  // namespace
+
+bool MotionCheck::isImpossible(const Entry& found) const {
+  if (last_.size() < 2) return false;
+  const Entry &oldest = last_.front(), &newest = last_.back();
+  const double known_s = newest.time - oldest.time, seconds = found.time - newest.time;
+  const Eigen::Vector2d velocity = (newest.position - oldest.position) / known_s;
+  Eigen::Vector2d missed = found.position - newest.position - seconds * velocity;
+  missed -= found.weak.dot(missed) * found.weak;
+  for (const Entry& entry : last_) missed -= entry.weak.dot(missed) * entry.weak;
+  const double accelerated = 0.5 * kMostAcceleration * seconds * (known_s + seconds);
+  // A driver may deliver two scans at once. Then the stamps are wrong by this time.
+  const double interval = known_s / static_cast<double>(last_.size() - 1);
+  const double moved_meanwhile = velocity.norm() * std::abs(seconds - interval);
+  return missed.norm() > accelerated + moved_meanwhile + kNoiseM;
+}
+
+void MotionCheck::add(const Entry& found) {
+  if (!last_.empty() && found.time <= last_.back().time) last_.clear();
+  last_.push_back(found);
+  while (last_.size() > 2 && found.time - last_.front().time > kVelocityTime) last_.pop_front();
+}
+
+}  // namespace kestrel
