@@ -131,7 +131,7 @@ TEST(MapMerger, VehiclesInOneRoomAreJoined) {
 TEST(MapMerger, ARestartedVehicleIsJoinedInTheSameRoom) {
   // It begins in the middle of the room, and never flies farther than 3 m from there.
   const VehicleMap before =
-      mapOf("a", {}, building::along({{4, -3}, {4, 3.5}, {2, 3.2}, {6, 3.2}, {4, 1.8}}));
+      mapOf("a", {}, building::along({{4, 2.4}, {2, 2.4}, {2, 3.6}, {6, 3.6}, {6, 2.4}, {3, 2.4}}));
   const VehicleMap after =
       mapOf("b", {}, building::along({{4, 3}, {2, 3.4}, {6, 3.4}, {5, 2.6}, {2, 2.2}, {4, 3}}));
   const MergeResult result = merged({before, after});
