@@ -33,7 +33,9 @@ foreach(main ${COMMANDS})
 endforeach()
 add_custom_target(map_batch_pages ALL
   COMMAND ${PROJECT_SOURCE_DIR}/scripts/map_batch --man-page > ${PAGES}/man/map_batch.1
-  COMMAND ${PROJECT_SOURCE_DIR}/scripts/map_batch --bash-completion > ${PAGES}/completions/map_batch)
+  COMMAND ${PROJECT_SOURCE_DIR}/scripts/map_batch --bash-completion > ${PAGES}/completions/map_batch
+  COMMAND ${PROJECT_SOURCE_DIR}/scripts/map_merger --man-page > ${PAGES}/man/map_merger.1
+  COMMAND ${PROJECT_SOURCE_DIR}/scripts/map_merger --bash-completion > ${PAGES}/completions/map_merger)
 
 if(KESTREL_WITH_ROS)
   foreach(main mapper/mapper_node projector/scan_projector_node filter/pose_filter_node tracker/tracker_node replay/recorded_tf_node)

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -29,6 +28,13 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+
+constexpr const char* kStyle =
+#include "../report/page/style.css.inc"
+    ;
+constexpr const char* kPage =
+#include "merged_page.html.inc"
+    ;
 
 struct Options {
   std::vector<std::string> sessions, starts, separated, settings;
@@ -159,27 +165,38 @@ void drawMerged(const fs::path& folder, const std::vector<VehicleMap>& vehicles,
   writePlot((folder / "merged.png").string(), {panel});
 }
 
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) result += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
-  return result;
+Json wayOf(const std::vector<Pose2>& poses) {
+  Json x = Json::array(), y = Json::array();
+  double length = 0.0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    x.push_back(rounded(poses[i].x, 3));
+    y.push_back(rounded(poses[i].y, 3));
+    if (i > 0) length += poses[i - 1].between(poses[i]).distance();
+  }
+  return {{"x", x}, {"y", y}, {"length_m", rounded(length, 2)}};
 }
 
-std::string reportOf(const std::vector<VehicleMap>& vehicles, const MergeResult& merged,
-                     const MapSnapshot& map) {
-  std::ostringstream html;
-  html << "<!DOCTYPE html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Merged "
-          "sessions</title><style>body{font-family:sans-serif;margin:2em}td,th{padding:.2em "
-          ".8em;text-align:left}img{max-width:100%}</style></head><body><h1>Merged sessions</h1>"
-          "<table><tr><th>a</th><th>b</th><th>result</th><th>confidence</th><th>reason</th></tr>";
-  for (const PairResult& pair : merged.pairs) {
-    html << "<tr><td>" << escaped(vehicles[pair.a].name) << "</td><td>"
-         << escaped(vehicles[pair.b].name) << "</td><td>" << toString(pair.state) << "</td><td>"
-         << rounded(pair.confidence, 2) << "</td><td>" << escaped(pair.reason) << "</td></tr>";
-  }
-  html << "</table><p>" << kVersion << "</p><img alt=\"map\" src=\"data:image/png;base64,"
-       << base64(renderMap(map).png) << "\"></body></html>\n";
-  return html.str();
+/// A page with the map, the ways of the vehicles, and a table of the pairs.
+std::string reportOf(const Json& status, const MergeResult& merged, const MapSnapshot& map) {
+  const MapImage image = renderMap(map);
+  Json data = {{"status", status}, {"version", kVersion}, {"ways", Json::array()}};
+  for (const std::vector<Pose2>& poses : merged.poses) data["ways"].push_back(wayOf(poses));
+  data["map"] = {{"png", "data:image/png;base64," + base64(image.png)},
+                 {"width", image.width},
+                 {"height", image.height},
+                 {"metersPerPixel", map.resolution_m * image.cells_per_pixel},
+                 {"originX", map.origin_x},
+                 {"originY", map.origin_y}};
+  std::string json;  // "</script>" in a name must not end the element
+  for (const char c : data.dump(-1, ' ', false, Json::error_handler_t::replace))
+    json += c == '<' ? "\\u003c" : std::string(1, c);
+  const std::string page = kPage;
+  const std::size_t script = page.find("<script>");
+  return std::string("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n") +
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n" +
+         "<title>Merged sessions</title>\n<style>" + kStyle + "</style>\n</head>\n" +
+         page.substr(0, script) + "<script type=\"application/json\" id=\"data\">" + json +
+         "</script>\n" + page.substr(script);
 }
 
 void printPairs(const std::vector<VehicleMap>& vehicles, const MergeResult& merged) {
@@ -207,10 +224,10 @@ void run(const Options& options) {
   session.written_by = std::string("kestrel_slam ") + kVersion;
   session.resolution_m = config.mapper.grid.resolution_m;
   session.parameters = parametersYaml(config);
-  std::vector<NamedContent> files = {
-      {"merged.session", encodeSession(session)},
-      {"merge_status.json", statusOf(vehicles, merged).dump(2) + "\n"},
-      {"report.html", reportOf(vehicles, merged, map)}};
+  const Json status = statusOf(vehicles, merged);
+  std::vector<NamedContent> files = {{"merged.session", encodeSession(session)},
+                                     {"merge_status.json", status.dump(2) + "\n"},
+                                     {"report.html", reportOf(status, merged, map)}};
   for (std::size_t v = 0; v < vehicles.size(); ++v)
     files.push_back({"trajectory_" + vehicles[v].name + ".tum",
                      tumText(trajectoryOf(vehicles[v], merged.poses[v]))});

@@ -32,18 +32,15 @@ void setVariance(int block, double sigma, StateMatrix& covariance) {
   covariance.diagonal().segment<Size>(block).setConstant(square(sigma));
 }
 
-/// The rotation to a frame in which `force` points up.
-Eigen::Quaterniond leveled(const Eigen::Vector3d& force) {
-  return Eigen::Quaterniond::FromTwoVectors(force, Eigen::Vector3d::UnitZ());
-}
-
 /// Updates tilt and accelerometer bias together, because gravity alone cannot separate them.
 void applyGravity(const Eigen::Vector3d& force, double sigma, FilterState& state) {
   Measurement gravity;
   gravity.value = force;
   const Linearized<3> z = linearizeGravity(gravity, state);
-  const Eigen::Matrix<double, kStateDim, 3> cross = state.covariance * z.jacobian.transpose();
-  const Eigen::Matrix3d total = z.jacobian * cross + square(sigma) * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix<double, kStateDim, 3> cross =
+      state.covariance.lazyProduct(z.jacobian.transpose());
+  const Eigen::Matrix3d total =
+      z.jacobian.lazyProduct(cross) + square(sigma) * Eigen::Matrix3d::Identity();
   const Eigen::Matrix<double, kStateDim, 3> gain = cross * total.inverse();
   state.covariance -= gain * cross.transpose();
   state.covariance = (0.5 * (state.covariance + state.covariance.transpose())).eval();

@@ -41,75 +41,90 @@ void makeSymmetric(FilterState& state) {
   state.covariance = (0.5 * (state.covariance + state.covariance.transpose())).eval();
 }
 
-template <int Rows>
-using Square = Eigen::Matrix<double, Rows, Rows>;
+/// Any number of rows in one type, and products without blocking: with fixed sizes this file took a
+/// minute to compile.
+constexpr int kMostRows = 6;
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, kStateDim, Eigen::ColMajor, kMostRows>;
+using Columns =
+    Eigen::Matrix<double, kStateDim, Eigen::Dynamic, Eigen::ColMajor, kStateDim, kMostRows>;
+using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostRows>;
+using Square =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostRows, kMostRows>;
 
-template <int Rows>
-double mahalanobis(const Linearized<Rows>& z, const Square<Rows>& covariance) {
-  return z.innovation.dot(covariance.ldlt().solve(z.innovation));
+/// A linearized measurement, and what the gate and the update need of the state.
+struct Innovation {
+  template <int Size>
+  Innovation(const Linearized<Size>& z, const FilterState& state)
+      : value(z.innovation), jacobian(z.jacobian) {
+    cross = state.covariance.lazyProduct(jacobian.transpose());
+    covariance = jacobian.lazyProduct(cross);
+  }
+
+  Vector value;
+  Rows jacobian;
+  Columns cross;      ///< covariance of the state and the prediction
+  Square covariance;  ///< of the prediction
+};
+
+bool passes(const Innovation& z, const Square& noise, double factor,
+            const PoseFilterConfig& config) {
+  const Square covariance = factor * (z.covariance + noise);
+  const Vector weighted = covariance.ldlt().solve(z.value);
+  return z.value.dot(weighted) <=
+         chiSquareQuantile(config.gate.probability, static_cast<int>(z.value.size()));
 }
 
-template <int Rows>
-Square<Rows> predicted(const Linearized<Rows>& z, const FilterState& state) {
-  return z.jacobian * state.covariance * z.jacobian.transpose();
-}
-
-template <int Rows>
-bool passes(const Linearized<Rows>& z, const Square<Rows>& noise, double factor,
-            const PoseFilterConfig& config, const FilterState& state) {
-  const Square<Rows> covariance = factor * (predicted(z, state) + noise);
-  return mahalanobis(z, covariance) <= chiSquareQuantile(config.gate.probability, Rows);
-}
-
-template <int Rows>
-void update(const Linearized<Rows>& z, const Square<Rows>& noise, FilterState& state) {
-  const Eigen::Matrix<double, kStateDim, Rows> cross = state.covariance * z.jacobian.transpose();
-  const Square<Rows> inverse = (z.jacobian * cross + noise).inverse();
-  const Eigen::Matrix<double, kStateDim, Rows> gain = cross * inverse;
-  state.covariance -= gain * cross.transpose();
+void update(const Innovation& z, const Square& noise, FilterState& state) {
+  const Square inverse = (z.covariance + noise).inverse();
+  const Columns gain = z.cross.lazyProduct(inverse);
+  state.covariance -= gain.lazyProduct(z.cross.transpose());
   makeSymmetric(state);
-  inject(gain * z.innovation, state);
+  inject(gain.lazyProduct(z.value), state);
 }
 
-template <int Rows>
-Verdict updateGated(const Linearized<Rows>& z, const Square<Rows>& noise,
-                    const PoseFilterConfig& config, FilterState& state) {
-  if (!passes<Rows>(z, noise, 1.0, config, state)) return {kGated};
-  update<Rows>(z, noise, state);
+Verdict updateGated(const Innovation& z, const Square& noise, const PoseFilterConfig& config,
+                    FilterState& state) {
+  if (!passes(z, noise, 1.0, config)) return {kGated};
+  update(z, noise, state);
   return {};
 }
 
+/// Of a measurement of one value.
+Square squareOf(double variance) { return Square::Constant(1, 1, variance); }
+
 /// In one dimension covariance intersection selects the better of the two. Needed because the
 /// errors of a magnetometer are correlated over time.
-Verdict updateIntersected(const Linearized<1>& z, double variance, const PoseFilterConfig& config,
+Verdict updateIntersected(const Innovation& z, double variance, const PoseFilterConfig& config,
                           FilterState& state) {
-  const double prior = predicted(z, state)(0);
-  if (!passes<1>(z, Square<1>(variance), kAnyCorrelation, config, state)) return {kGated};
-  if (prior > variance) update<1>(z, Square<1>(prior * variance / (prior - variance)), state);
+  const double prior = z.covariance(0);
+  if (!passes(z, squareOf(variance), kAnyCorrelation, config)) return {kGated};
+  if (prior > variance) update(z, squareOf(prior * variance / (prior - variance)), state);
   return {};
 }
 
 /// Replaces the measured states by the covariance intersection, and updates all other states
 /// according to their correlation.
-template <int Rows>
-void updateIntersected(const Linearized<Rows>& z, const Square<Rows>& measured,
-                       FilterState& state) {
-  const Eigen::Matrix<double, kStateDim, Rows> cross = state.covariance * z.jacobian.transpose();
-  const Square<Rows> prior = z.jacobian * cross;
-  const Intersection<Rows> fused =
-      intersect<Rows>(0.5 * (prior + prior.transpose()), 0.5 * (measured + measured.transpose()));
+template <int Size>
+void updateIntersected(const Innovation& z, const Square& measured, FilterState& state) {
+  const Eigen::Matrix<double, Size, Size> prior = z.covariance, other = measured;
+  const Intersection<Size> fused =
+      intersect<Size>(0.5 * (prior + prior.transpose()), 0.5 * (other + other.transpose()));
   if (fused.weight >= 1.0) return;
-  const Eigen::Matrix<double, kStateDim, Rows> regression = cross * prior.inverse();
-  state.covariance += regression * (fused.covariance - prior) * regression.transpose();
+  const Square inverse = prior.inverse(), change = fused.covariance - prior, gain = fused.gain;
+  const Columns regression = z.cross.lazyProduct(inverse);
+  const Columns changed = regression.lazyProduct(change);
+  const Vector step = gain.lazyProduct(z.value);
+  state.covariance += changed.lazyProduct(regression.transpose());
   makeSymmetric(state);
-  inject(regression * (fused.gain * z.innovation), state);
+  inject(regression.lazyProduct(step), state);
 }
 
-template <int Rows>
-bool fusePose(const Linearized<Rows>& z, const Square<Rows>& noise, const PoseFilterConfig& config,
-              FilterState& state) {
-  if (!passes<Rows>(z, noise, kAnyCorrelation, config, state)) return false;
-  updateIntersected<Rows>(z, noise, state);
+template <int Size>
+bool fusePose(const Linearized<Size>& linearized, const Square& noise,
+              const PoseFilterConfig& config, FilterState& state) {
+  const Innovation z(linearized, state);
+  if (!passes(z, noise, kAnyCorrelation, config)) return false;
+  updateIntersected<Size>(z, noise, state);
   return true;
 }
 
@@ -121,7 +136,7 @@ bool fusePose(const Measurement& m, const PoseFilterConfig& config, FilterState&
   const Eigen::Vector2d along = m.unobservable.normalized();
   Eigen::Matrix<double, 2, 3> measured;
   measured << -along.y(), along.x(), 0.0, 0.0, 0.0, 1.0;
-  const Linearized<2> part{measured * z.innovation, measured * z.jacobian};
+  const Linearized<2> part{measured * z.innovation, measured.lazyProduct(z.jacobian)};
   return fusePose<2>(part, measured * m.covariance * measured.transpose(), config, state);
 }
 
@@ -145,7 +160,7 @@ void reinitialize(const Measurement& m, FilterState& state) {
   state.covariance += square(kUnknownRad) * yaw_error * yaw_error.transpose();
   state.covariance(kPosition, kPosition) += square(kUnknownM);
   state.covariance(kPosition + 1, kPosition + 1) += square(kUnknownM);
-  update<3>(linearizePose(m, state), m.covariance, state);
+  update({linearizePose(m, state), state}, m.covariance, state);
   state.reinitialized = true;
 }
 
@@ -188,21 +203,21 @@ void resetVariance(int index, double variance, FilterState& state) {
 /// estimated.
 void stepTo(const Measurement& m, double ground, const PoseFilterConfig& config,
             FilterState& state) {
-  const auto noise = m.covariance.topLeftCorner<1, 1>();
+  const Square noise = squareOf(m.covariance(0, 0));
   state.ground = 0.0;
   resetVariance(kGround, square(kFloorSigma), state);
-  if (!passes<1>(linearizeRange(m, state), noise, 1.0, config, state)) {
+  if (!passes({linearizeRange(m, state), state}, noise, 1.0, config)) {
     state.ground = ground;
     resetVariance(kGround, square(config.height.range_max_m), state);
   }
-  update<1>(linearizeRange(m, state), noise, state);
+  update({linearizeRange(m, state), state}, noise, state);
 }
 
 /// Reinitializes the height to the range finder.
 void reinitializeHeight(const Measurement& m, FilterState& state) {
   resetVariance(kPosition + 2, square(kUnknownM), state);
   resetVariance(kVelocity + 2, square(kMaxClimb), state);
-  update<1>(linearizeRange(m, state), m.covariance.topLeftCorner<1, 1>(), state);
+  update({linearizeRange(m, state), state}, squareOf(m.covariance(0, 0)), state);
 }
 
 /// The floor is at z = 0. If a reading does not fit, there may be a step of the surface below,
@@ -210,13 +225,13 @@ void reinitializeHeight(const Measurement& m, FilterState& state) {
 Verdict applyRange(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
   const double cosine = (state.map_R_base * Eigen::Vector3d::UnitZ()).z();
   if (cosine < kMinCosine) return {"tilted"};
-  const auto noise = m.covariance.topLeftCorner<1, 1>();
+  const Square noise = squareOf(m.covariance(0, 0));
   const double down = m.value.x() * cosine, ground = state.position.z() - down;
   const bool jump = isJump(m.stamp, down, state);
   state.range_stamp = m.stamp;
   state.range_m = down;
-  if (passes<1>(linearizeRange(m, state), noise, 1.0, config, state)) {
-    update<1>(linearizeRange(m, state), noise, state);
+  if (passes({linearizeRange(m, state), state}, noise, 1.0, config)) {
+    update({linearizeRange(m, state), state}, noise, state);
     state.step_readings = 0;
     state.height_rejected_since = -1.0;
     return {};
@@ -242,21 +257,22 @@ Verdict applyRange(const Measurement& m, const PoseFilterConfig& config, FilterS
 Verdict applyStandstill(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
   const double variance = state.covariance.diagonal().segment<3>(kVelocity).maxCoeff();
   if (variance > square(kKnownSpeed)) return {"speed unknown"};
-  Square<6> noise = Square<6>::Zero();
+  Square noise = Square::Zero(6, 6);
   noise.diagonal().head<3>().setConstant(square(config.motion.zero_velocity_sigma));
   noise.diagonal().tail<3>().setConstant(square(config.noise.gyro_noise) + square(kStandstillRate));
-  return updateGated<6>(linearizeStandstill(m, state), noise, config, state);
+  return updateGated({linearizeStandstill(m, state), state}, noise, config, state);
 }
 
 /// With poses, velocity and tilt are known much better than from the assumption that the vehicle
 /// does not accelerate.
 Verdict applyGravity(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
   if (m.stamp - state.aided_stamp < config.gate.coast_after_s) return {"not needed"};
-  return updateGated<3>(linearizeGravity(m, state), m.covariance, config, state);
+  return updateGated({linearizeGravity(m, state), state}, m.covariance, config, state);
 }
 
 Verdict applyPosition(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
-  const Verdict verdict = updateGated<3>(linearizePosition(m, state), m.covariance, config, state);
+  const Verdict verdict =
+      updateGated({linearizePosition(m, state), state}, m.covariance, config, state);
   if (verdict.reason.empty()) state.aided_stamp = m.stamp;
   return verdict;
 }
@@ -275,18 +291,18 @@ double chiSquareQuantile(double probability, int freedom) {
 }
 
 Verdict apply(const Measurement& m, const PoseFilterConfig& config, FilterState& state) {
-  const auto noise = m.covariance.topLeftCorner<1, 1>();
+  const Square noise = squareOf(m.covariance(0, 0));
   switch (m.sensor) {
     case FilterSensor::kPose:
       return applyPose(m, config, state);
     case FilterSensor::kRange:
       return applyRange(m, config, state);
     case FilterSensor::kFloorBeams:
-      return updateGated<1>(linearizeFloorHeight(m, state), noise, config, state);
+      return updateGated({linearizeFloorHeight(m, state), state}, noise, config, state);
     case FilterSensor::kBarometer:
-      return updateGated<1>(linearizeBarometer(m, state), noise, config, state);
+      return updateGated({linearizeBarometer(m, state), state}, noise, config, state);
     case FilterSensor::kYaw:
-      return updateIntersected(linearizeYaw(m, state), noise(0), config, state);
+      return updateIntersected({linearizeYaw(m, state), state}, noise(0), config, state);
     case FilterSensor::kPosition:
       return applyPosition(m, config, state);
     case FilterSensor::kGravityDirection:

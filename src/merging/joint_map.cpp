@@ -75,12 +75,20 @@ Pose2 JointMap::mapTLocal(std::size_t place) const {
   return poseOf(middle) * keyframes_[middle].local_T_base.inverse();
 }
 
-double JointMap::extentOf(std::size_t part) const {
-  double extent = 0.0;
-  for (std::size_t i = parts_[part].first; i < parts_[part].last; ++i) {
-    extent = std::max(extent, poseOf(parts_[part].first).between(poseOf(i)).distance());
+std::size_t JointMap::farthestFrom(std::size_t keyframe, const Part& part) const {
+  std::size_t farthest = keyframe;
+  for (std::size_t i = part.first; i < part.last; ++i) {
+    if (poseOf(keyframe).between(poseOf(i)).distance() >
+        poseOf(keyframe).between(poseOf(farthest)).distance())
+      farthest = i;
   }
-  return extent;
+  return farthest;
+}
+
+double JointMap::extentOf(std::size_t part) const {
+  if (parts_[part].first == parts_[part].last) return 0.0;
+  const std::size_t end = farthestFrom(parts_[part].first, parts_[part]);
+  return poseOf(end).between(poseOf(farthestFrom(end, parts_[part]))).distance();
 }
 
 std::size_t JointMap::partOf(std::size_t keyframe) const {

@@ -173,6 +173,7 @@ MapMerger::Decision MapMerger::decide(JointMap& joint, const Pair& pair) {
   }
   explain(joint, pair, decision);
   if (result.state == PairState::kJoined) compare(joint, pair, decision);
+  if (result.state == PairState::kJoined) compareOther(joint, pair, decision);
   if (result.state == PairState::kNoOverlap && guessOf(pair)) joinAsGiven(joint, pair, decision);
   return decision;
 }
@@ -184,6 +185,7 @@ void MapMerger::explain(const JointMap& joint, const Pair& pair, Decision& decis
   for (const Loop& loop : loops) consistency.add(graphEdgeOf(loop), joint.chain());
   const Explanations found = consistency.explain();
   for (const std::size_t number : found.first) decision.loops.push_back(loops[number]);
+  for (const std::size_t number : found.second) decision.others.push_back(loops[number]);
   PairResult& result = decision.result;
   result.found = loops.size();
   result.first = found.first.size();
@@ -248,13 +250,29 @@ void MapMerger::compare(JointMap& joint, const Pair& pair, Decision& decision) {
     result.state = PairState::kNoOverlap;
     result.reason = tooFew(result, config_);
     return;
-  } else if (result.differing_wall_m > config_.max_differing_wall_m) {
+  } else if (result.differing_wall_m > (result.places < config_.min_places
+                                            ? config_.max_differing_wall_in_room_m
+                                            : config_.max_differing_wall_m)) {
     result.reason = "a wall of " + meters(result.differing_wall_m) + " is only in one of the maps";
   } else {
     result.reason = text(result.first, " matches at ") + text(result.places, " places");
     return;
   }
   result.state = PairState::kContradicted;
+}
+
+/// A room that looks like another one gives more matches than a door through which the right room
+/// is seen. So the second explanation must be wrong by what the vehicles saw, not only smaller.
+void MapMerger::compareOther(JointMap& joint, const Pair& pair, Decision& decision) {
+  if (decision.others.size() < config_.min_loops) return;
+  Decision other;
+  other.loops = decision.others;
+  other.result.state = PairState::kJoined;
+  compare(joint, pair, other);
+  if (other.result.state == PairState::kContradicted) return;
+  decision.result.state = PairState::kAmbiguous;
+  decision.result.reason = text(decision.result.first, " matches say one thing, and ") +
+                           text(decision.result.second, " another that is possible, too");
 }
 
 /// Nothing was found in common: the maps are joined as was said, unless they contradict it.

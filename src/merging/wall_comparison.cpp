@@ -21,6 +21,9 @@ constexpr std::int64_t kNearCells = 3;
 constexpr double kWidthM = 0.2, kGapM = 0.35;
 constexpr int kDirections = 60;
 constexpr std::size_t kMostPoints = 20'000;
+/// Furniture that stands so near to a wall is low or high, and was only seen by a vehicle at its
+/// height: the other one saw the wall.
+constexpr double kFurnitureM = 0.8;
 /// What is compared: up to this way from an agreeing keyframe, and up to this range.
 constexpr double kWayM = 5.0;
 constexpr float kReachM = 10.0F;
@@ -116,14 +119,32 @@ double longestRun(const std::vector<Eigen::Vector2d>& points, const Eigen::Vecto
   return longest;
 }
 
-double longestWall(std::vector<Eigen::Vector2d> points) {
+/// The points behind or in front of which `other` has no wall.
+std::vector<Eigen::Vector2d> awayFromWalls(const std::vector<Eigen::Vector2d>& points,
+                                           const Eigen::Vector2d& across,
+                                           const OccupancyGrid& other) {
+  std::vector<Eigen::Vector2d> result;
+  for (const Eigen::Vector2d& point : points) {
+    bool at_wall = false;
+    for (double at = -kFurnitureM; at <= kFurnitureM && !at_wall; at += 0.5 * kCellM)
+      at_wall = other.isOccupied(other.cellAt((point + at * across).cast<float>()));
+    if (!at_wall) result.push_back(point);
+  }
+  return result;
+}
+
+/// The longest wall in `walls` that is free in `other`.
+double longestWall(const OccupancyGrid& walls, const OccupancyGrid& other) {
+  std::vector<Eigen::Vector2d> points = contradictingCells(walls, other);
   if (points.size() > kMostPoints) points.resize(kMostPoints);
   double longest = 0.0;
   for (int i = 0; i < kDirections; ++i) {
     const double angle = kPi * i / kDirections;
     const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+    const std::vector<Eigen::Vector2d> open =
+        awayFromWalls(points, {-direction.y(), direction.x()}, other);
     for (const double offset : {0.0, 0.5 * kWidthM})
-      longest = std::max(longest, longestRun(points, direction, offset));
+      longest = std::max(longest, longestRun(open, direction, offset));
   }
   return longest;
 }
@@ -135,8 +156,7 @@ double longestContradictingWall(const JointMap& joint, const std::vector<PoseVer
   const std::vector<bool> used = nearAgreeing(joint, agreeing);
   const OccupancyGrid first = gridOf(joint, poses, used, a);
   const OccupancyGrid second = gridOf(joint, poses, used, b);
-  return std::max(longestWall(contradictingCells(first, second)),
-                  longestWall(contradictingCells(second, first)));
+  return std::max(longestWall(first, second), longestWall(second, first));
 }
 
 }  // namespace kestrel

@@ -54,6 +54,8 @@ Eigen::Quaterniond rotationBy(const Eigen::Vector3d& vector) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, vector / angle));
 }
 
+Eigen::Quaterniond leveled(const Eigen::Vector3d& up) { return rotationBy(rotationToVertical(up)); }
+
 AttitudeEstimator::AttitudeEstimator(const AttitudeConfig& config) : config_(config) {}
 
 void AttitudeEstimator::restart() {
@@ -128,8 +130,7 @@ void AttitudeEstimator::start(const Reading& reading) {
     beginAt(reading);
     return;
   }
-  const Eigen::Quaterniond world_R_first =
-      Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ());
+  const Eigen::Quaterniond world_R_first = leveled(mean);
   world_R_base_ = (world_R_first * world_R_base_).normalized();
   force_ = world_R_first * mean;
   for (EstimatedAttitude& attitude : first_) {

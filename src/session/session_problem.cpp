@@ -203,4 +203,13 @@ void removeDangling(Session& session) {
   });
 }
 
+void removeUnplaced(Session& session) {
+  std::set<std::uint64_t> placed;
+  for (const SubmapRecord& submap : session.submaps)
+    placed.insert(submap.keyframes.begin(), submap.keyframes.end());
+  removeIf(session.keyframes,
+           [&](const KeyframePtr& keyframe) { return placed.count(keyframe->id) == 0; });
+  removeDangling(session);
+}
+
 }  // namespace kestrel

@@ -9,6 +9,7 @@ namespace kestrel {
 namespace {
 
 const std::string kTool = KESTREL_TOOL_DIR "/map_recording";
+const std::string kMerger = KESTREL_SOURCE_DIR "/scripts/map_merger";
 const std::string kBatch = KESTREL_SOURCE_DIR "/scripts/map_batch";
 
 /// What bash offers at the end of `line`.
@@ -28,6 +29,13 @@ TEST(ToolPagesTest, BashCompletesOptionsValuesAndParameters) {
   EXPECT_EQ(completionsOf(kTool, "map_recording --odometry \"\"", 2), "none use\n");
   EXPECT_EQ(completionsOf(kTool, "map_recording --set map_resol", 2), "map_resolution=\n");
   EXPECT_EQ(completionsOf(kBatch, "map_batch --max-r", 1), "--max-relations\n");
+  EXPECT_EQ(completionsOf(kMerger, "map_merger _ses", 1), "_sessions:=\n");
+}
+
+TEST(ToolPagesTest, ANodeHasAManPageOfItsParameters) {
+  const std::string page = runCommand(kMerger + " --man-page").output;
+  EXPECT_EQ(page.rfind(".TH MAP_MERGER", 0), 0U) << page;
+  EXPECT_CONTAINS(page, "_sessions:=VALUE");
 }
 
 TEST(ToolPagesTest, ManPagesListEveryOption) {

@@ -63,6 +63,14 @@ TEST(MapMerger, MovedFurnitureDoesNotHinder) {
   EXPECT_EQ(result.pairs.front().state, PairState::kJoined) << describe(result.pairs.front());
 }
 
+TEST(MapMerger, FurnitureThatOnlyOneVehicleSeesDoesNotHinder) {
+  Variant lower;
+  lower.low_cabinet = true;
+  const MergeResult result = merged({first(), mapOf("b", lower, tour(2, 0))});
+  EXPECT_EQ(result.pairs.front().state, PairState::kJoined) << describe(result.pairs.front());
+  EXPECT_LT(result.pairs.front().differing_wall_m, 0.5);
+}
+
 TEST(MapMerger, TwinBuildingsThatDifferInOneRoomAreNotMerged) {
   Variant twin;
   twin.other_room = true;
@@ -117,6 +125,16 @@ TEST(MapMerger, VehiclesInOneRoomAreJoined) {
   // The way is shorter than two places need.
   const VehicleMap a = mapOf("a", {}, building::along({{4, 3.8}, {4, -3.5}, {4, 2}}));
   const MergeResult result = merged({a, mapOf("b", {}, building::along({{4, -3}, {4, 3.5}}))});
+  EXPECT_EQ(result.pairs.front().state, PairState::kJoined) << describe(result.pairs.front());
+}
+
+TEST(MapMerger, ARestartedVehicleIsJoinedInTheSameRoom) {
+  // It begins in the middle of the room, and never flies farther than 3 m from there.
+  const VehicleMap before =
+      mapOf("a", {}, building::along({{4, 2.4}, {2, 2.4}, {2, 3.6}, {6, 3.6}, {6, 2.4}, {3, 2.4}}));
+  const VehicleMap after =
+      mapOf("b", {}, building::along({{4, 3}, {2, 3.4}, {6, 3.4}, {5, 2.6}, {2, 2.2}, {4, 3}}));
+  const MergeResult result = merged({before, after});
   EXPECT_EQ(result.pairs.front().state, PairState::kJoined) << describe(result.pairs.front());
 }
 

@@ -59,6 +59,20 @@ TEST(Session, RemovesWhatRefersToNothing) {
   EXPECT_EQ(session.odometry.size(), 6U);
 }
 
+TEST(Session, RemovesKeyframesThatAreInNoSubmap) {
+  Session session = sampleSession(4);
+  const std::size_t count = session.keyframes.size();
+  auto newer = std::make_shared<Keyframe>(*session.keyframes.back());
+  newer->id = 4711;
+  session.keyframes.push_back(newer);
+  session.vertices.push_back({VertexKind::kKeyframe, newer->id, {Pose2(), false}});
+  ASSERT_EQ(problemOf(session), "");
+  removeUnplaced(session);
+  EXPECT_EQ(problemOf(session), "");
+  EXPECT_EQ(session.keyframes.size(), count);
+  EXPECT_EQ(session.vertices.size(), sampleSession(4).vertices.size());
+}
+
 TEST(Session, OdometryWithoutItsKeyframeOrPoseIsAProblem) {
   Session session = sampleSession();
   session.odometry[1].own = 2;

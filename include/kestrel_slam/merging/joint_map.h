@@ -37,7 +37,7 @@ class JointMap {
   const PoseGraph& graph() const { return graph_; }
   /// The corrected poses of each vehicle with the noise of its odometry.
   const OdometryChain& chain() const { return chain_; }
-  /// The largest distance of a keyframe of the part from its first one, m.
+  /// About the largest distance of two keyframes of the part, m.
   double extentOf(std::size_t part) const;
   /// The part that a keyframe belongs to.
   std::size_t partOf(std::size_t keyframe) const;
@@ -49,6 +49,7 @@ class JointMap {
  private:
   void add(const VehicleMap& vehicle);
   void addChain();
+  std::size_t farthestFrom(std::size_t keyframe, const Part& part) const;
 
   std::vector<Part> parts_;
   std::vector<LocalKeyframe> keyframes_;

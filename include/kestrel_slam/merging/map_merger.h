@@ -26,9 +26,11 @@ struct MergingConfig {
   /// Small buildings have no such places. There, at least this share of the keyframes of one
   /// vehicle must be known in the other map and fit, on a way that is this long.
   double min_whole = 0.8, min_whole_m = 3.0;
-  double min_agreement = 0.7;         ///< share of the keyframes in both maps that fit
-  double max_contradiction_m = 2.0;   ///< length of the way along which none fits
-  double max_differing_wall_m = 1.2;  ///< length of a wall where the other vehicle saw free space
+  double min_agreement = 0.7;        ///< share of the keyframes in both maps that fit
+  double max_contradiction_m = 2.0;  ///< length of the way along which none fits
+  /// Length of a wall where the other vehicle saw free space. Less is allowed where all common
+  /// places are in one room, because rooms look alike.
+  double max_differing_wall_m = 1.0, max_differing_wall_in_room_m = 0.8;
 };
 
 /// How two maps belong together.
@@ -113,7 +115,8 @@ class MapMerger {
   };
   struct Decision {
     PairResult result;
-    std::vector<Loop> loops;  ///< of the first set, indices of the joint map
+    std::vector<Loop> loops;   ///< of the first set, indices of the joint map
+    std::vector<Loop> others;  ///< of the second set
     std::vector<Loop> refined;
     std::vector<PoseVertex> poses;  ///< of the joint map, with this pair joined
     bool whole = false;             ///< one of the maps fits as a whole into the other one
@@ -128,6 +131,7 @@ class MapMerger {
   void explain(const JointMap& joint, const Pair& pair, Decision& decision) const;
   std::size_t placesOf(const JointMap& joint, const std::vector<Loop>& loops) const;
   void compare(JointMap& joint, const Pair& pair, Decision& decision);
+  void compareOther(JointMap& joint, const Pair& pair, Decision& decision);
   void joinAsGiven(JointMap& joint, const Pair& pair, Decision& decision);
   void optimizeAll(const JointMap& joint, std::vector<Decision>& decisions,
                    MergeResult& result) const;

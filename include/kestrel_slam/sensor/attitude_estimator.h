@@ -13,6 +13,10 @@ namespace kestrel {
 /// The rotation for a rotation vector in rad (exponential map).
 Eigen::Quaterniond rotationBy(const Eigen::Vector3d& vector);
 
+/// The smallest rotation to a frame in which `up` is the z axis. As FromTwoVectors of Eigen, whose
+/// singular value decomposition takes 10 s to compile.
+Eigen::Quaterniond leveled(const Eigen::Vector3d& up);
+
 struct EstimatedAttitude {
   double stamp = 0.0;
   Eigen::Quaterniond world_R_base = Eigen::Quaterniond::Identity();

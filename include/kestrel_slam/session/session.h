@@ -76,6 +76,9 @@ std::string problemOf(const Session& session);
 /// Removes everything that refers to something that is not there.
 void removeDangling(Session& session);
 
+/// Removes keyframes that are in no submap: what session_link brings before the submaps.
+void removeUnplaced(Session& session);
+
 /// map_T_base of every keyframe, in their order: the pose of its vertex in the graph. If it has
 /// none, the pose that it has in the first submap that contains it.
 std::vector<Pose2> keyframePoses(const Session& session);

@@ -14,6 +14,7 @@ namespace {
 using diagnostic_msgs::DiagnosticStatus;
 
 constexpr double kPeriod = 1.0;          // s
+constexpr double kLookEvery = 0.2;       // s; whether scans still come
 constexpr double kComplainEvery = 15.0;  // s
 constexpr double kBytesPerMegabyte = 1e6;
 
@@ -47,8 +48,16 @@ Diagnostics::Diagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& priva
   updater_.add("Scans", [this](Status& status) { fillScans(status); });
   updater_.add("Match", [this](Status& status) { fillMatch(status); });
   updater_.add("Map", [this](Status& status) { fillMap(status); });
-  timer_ = nh.createWallTimer(ros::WallDuration(kPeriod),
-                              [this](const ros::WallTimerEvent&) { update(); });
+  timer_ = nh.createWallTimer(ros::WallDuration(kLookEvery),
+                              [this](const ros::WallTimerEvent&) { look(); });
+}
+
+/// Every second, and as soon as scans stay away or come again.
+void Diagnostics::look() {
+  const ros::WallTime now = ros::WallTime::now();
+  if ((now - updated_).toSec() < kPeriod && statistics_.stale() == report_.stale) return;
+  updated_ = now;
+  update();
 }
 
 void Diagnostics::update() {
@@ -63,7 +72,8 @@ void Diagnostics::update() {
 
 std::string Diagnostics::checkSilence() {
   const double waited = (ros::WallTime::now() - started_).toSec();
-  return watch_.check(report_.silence_s.value_or(waited), publisher_count_());
+  const std::string reason = watch_.check(report_.silence_s.value_or(waited), publisher_count_());
+  return reason.empty() && report_.stale ? "no scan on " + scan_topic_ + " for 1 s" : reason;
 }
 
 void Diagnostics::fillScans(Status& status) const {
@@ -93,9 +103,16 @@ void Diagnostics::fillMatch(Status& status) const {
     status.summary(DiagnosticStatus::OK, "no scan has been matched yet");
     return;
   }
-  status.summary(levelOf(report_), summaryOf(report_));
-  status.add("state", toString(*report_.state));
-  status.add("reason", report_.reason);
+  if (report_.stale) {
+    status.summary(DiagnosticStatus::WARN, "stale: no scan arrives");
+    status.add("state", "stale");
+    status.add("reason",
+               "no scan arrives; the last one was " + std::string(toString(*report_.state)));
+  } else {
+    status.summary(levelOf(report_), summaryOf(report_));
+    status.add("state", toString(*report_.state));
+    status.add("reason", report_.reason);
+  }
   status.add("score", report_.score);
   status.add("degenerate", report_.degenerate);
 }

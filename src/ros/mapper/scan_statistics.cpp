@@ -7,9 +7,17 @@ namespace kestrel {
 
 using Lock = std::lock_guard<std::mutex>;
 
+namespace {
+
+/// No scan for so long, in s and in times of the interval of the scans, is a silence.
+constexpr double kSilence = 1.0, kSilentIntervals = 3.0;
+
+}  // namespace
+
 void ScanStatistics::received() {
   const Lock lock(mutex_);
   ++report_.received;
+  if (last_received_) interval_s_ = silence();
   last_received_ = Clock::now();
 }
 
@@ -49,13 +57,26 @@ void ScanStatistics::setWaitingFor(const std::string& what) {
   report_.waiting_for = what;
 }
 
+/// Since the last scan, s.
+double ScanStatistics::silence() const {
+  return std::chrono::duration<double>(Clock::now() - *last_received_).count();
+}
+
+bool ScanStatistics::isStale() const {
+  return last_received_ && silence() > std::max(kSilence, kSilentIntervals * interval_s_);
+}
+
+bool ScanStatistics::stale() const {
+  const Lock lock(mutex_);
+  return isStale();
+}
+
 ScanReport ScanStatistics::take() {
   const Lock lock(mutex_);
   ScanReport report = report_;
   if (timed_ > 0) report.mean_ms = total_ms_ / static_cast<double>(timed_);
-  if (last_received_) {
-    report.silence_s = std::chrono::duration<double>(Clock::now() - *last_received_).count();
-  }
+  if (last_received_) report.silence_s = silence();
+  report.stale = isStale();
   timed_ = 0;
   total_ms_ = 0.0;
   report_.max_ms = 0.0;

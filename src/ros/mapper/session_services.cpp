@@ -198,6 +198,7 @@ void SessionServices::follow() {
   followed_ = time;
   try {
     Session session = loadSession(config_.session);
+    removeUnplaced(session);
     const std::size_t count = session.keyframes.size();
     mapper_.localizeInGrown(graphRecordOf(session, config_.slam.mapper.grid.resolution_m));
     ROS_INFO("Localizing in %zu keyframes of %s", count, config_.session.c_str());

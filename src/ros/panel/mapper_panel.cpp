@@ -20,12 +20,12 @@
 namespace kestrel {
 namespace {
 
-constexpr int kLookEvery = 1500;    // ms; for the services
-constexpr double kSilentAfter = 5;  // s; without diagnostics
+constexpr int kLookEvery = 1000;      // ms; for the services
+constexpr double kSilentAfter = 2.0;  // s; without diagnostics, which come every second
 
 QString colorOf(const std::string& state) {
   if (state == "ok") return "#1d8348";
-  if (state == "degraded") return "#b9770e";
+  if (state == "degraded" || state == "stale") return "#b9770e";
   return state == "lost" ? "#c0392b" : "#5d6d7e";
 }
 

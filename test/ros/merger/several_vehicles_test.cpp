@@ -37,7 +37,7 @@ class Launch {
     if (pid_ != 0) return;
     const std::string folder = "sessions:=" + sessions;
     execlp("roslaunch", "roslaunch", "kestrel_slam", "several_vehicles.launch", folder.c_str(),
-           "autosave_minutes:=0.02", "period:=1", nullptr);
+           "autosave_minutes:=0.02", "period:=1", "in_world:=true", nullptr);
     _exit(127);
   }
   ~Launch() {
@@ -97,6 +97,9 @@ class SeveralVehicles : public testing::Test {
           std::string(name) + "/trajectory_in_world", 1,
           [this, name](const nav_msgs::Path::ConstPtr& message) { paths_[name] = *message; }));
     }
+    in_world_subscriber_ = nh_.subscribe<geometry_msgs::PoseStamped>(
+        "uav2/in_world/slam_out_pose", 10,
+        [this](const geometry_msgs::PoseStamped::ConstPtr& message) { in_world_ = *message; });
     pose_subscriber_ = nh_.subscribe<geometry_msgs::PoseStamped>(
         "uav2/pose_in_world", 1,
         [this](const geometry_msgs::PoseStamped::ConstPtr& message) { pose_ = *message; });
@@ -192,16 +195,17 @@ class SeveralVehicles : public testing::Test {
   }
 
   void checkServices();
+  void checkInWorld();
 
   TemporaryFolder folder_;
   Launch launch_;
   ros::NodeHandle nh_;
   std::vector<Vehicle> vehicles_;
-  ros::Subscriber status_subscriber_, map_subscriber_, pose_subscriber_;
+  ros::Subscriber status_subscriber_, map_subscriber_, pose_subscriber_, in_world_subscriber_;
   std::vector<ros::Subscriber> path_subscribers_;
   nlohmann::json status_;
   nav_msgs::OccupancyGrid map_;
-  geometry_msgs::PoseStamped pose_;
+  geometry_msgs::PoseStamped pose_, in_world_;
   std::map<std::string, nav_msgs::Path> paths_;
   ros::Time stamp_ = ros::Time::now();
 };
@@ -241,6 +245,27 @@ void SeveralVehicles::checkServices() {
   EXPECT_EQ(session.keyframes.size(), inWorld().size());
 }
 
+/// A vehicle flies back the way it came, and knows where it is in the map of all.
+void SeveralVehicles::checkInWorld() {
+  constexpr double kSoon = 0.5;  // s
+  Vehicle& vehicle = vehicles_[2];
+  const std::vector<Pose2> way = vehicle.way;
+  vehicle.way.insert(vehicle.way.end(), way.rbegin(), way.rend());
+  std::size_t found = 0;
+  double largest = 0.0;
+  while (vehicle.flown < vehicle.way.size() && found < 20) {
+    ASSERT_TRUE(fly(vehicle, vehicle.flown + 1));
+    if (!vehicle.client->waitFor([this] { return in_world_.header.stamp == stamp_; }, kSoon))
+      continue;
+    ++found;
+    const Pose2 truth = vehicles_[0].way[0].between(vehicle.way[vehicle.flown - 1]);
+    largest = std::max(largest, truth.between(poseOf(in_world_.pose)).distance());
+  }
+  EXPECT_EQ(found, 20U);
+  EXPECT_EQ(in_world_.header.frame_id, "world");
+  EXPECT_LT(largest, 0.15);
+}
+
 TEST_F(SeveralVehicles, OneMapThoughAVehicleAndTheMergerAreRestarted) {
   ASSERT_TRUE(connect());
   for (Vehicle& vehicle : vehicles_)
@@ -269,6 +294,7 @@ TEST_F(SeveralVehicles, OneMapThoughAVehicleAndTheMergerAreRestarted) {
   EXPECT_LT(errors.ate_statistics.translation_m.rmse, 0.05);
   RecordProperty("ate_mm", static_cast<int>(1e3 * errors.ate_statistics.translation_m.rmse));
   checkServices();
+  checkInWorld();
 }
 
 }  // namespace

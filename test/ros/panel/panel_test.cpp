@@ -33,6 +33,11 @@ class PanelTest : public testing::Test {
   bool waitFor(const std::function<bool()>& condition, double timeout_s = 15.0) {
     const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(timeout_s);
     while (!condition() && ros::WallTime::now() < end) {
+      if (!scans_come_) {
+        ros::spinOnce();
+        QTest::qWait(5);
+        continue;
+      }
       const std::size_t count = flight_.scans.size(), lap = next_ / count;
       client_.publish(messageOf(flight_.scans[next_ % count].scan, "base_link",
                                 60.0 * static_cast<double>(lap)));
@@ -71,6 +76,7 @@ class PanelTest : public testing::Test {
   MapperClient client_;
   TestFlight flight_;
   std::size_t next_ = 0;
+  bool scans_come_ = true;
   std::unique_ptr<rviz::Panel> panel_;
 };
 
@@ -94,6 +100,17 @@ TEST_F(PanelTest, ButtonsCallTheServicesAndTheStateIsShown) {
 
   ASSERT_TRUE(press("reset_map"));
   EXPECT_TRUE(says("answer", "the map was deleted")) << label("answer");
+}
+
+TEST_F(PanelTest, SaysSoonThatNoScanArrives) {
+  ASSERT_TRUE(says("state", "ok")) << label("state");
+  scans_come_ = false;
+  const ros::WallTime silent = ros::WallTime::now();
+  ASSERT_TRUE(says("state", "stale")) << label("state");
+  EXPECT_LT((ros::WallTime::now() - silent).toSec(), 2.0);
+  EXPECT_TRUE(says("state", "no scan on ")) << label("state");
+  scans_come_ = true;
+  EXPECT_TRUE(says("state", "ok")) << label("state");
 }
 
 TEST_F(PanelTest, ASessionIsSavedAndLoadedAndLocalizedIn) {

@@ -43,6 +43,7 @@ class Diagnostics {
  private:
   using Status = diagnostic_updater::DiagnosticStatusWrapper;
 
+  void look();
   void update();
   void fillScans(Status& status) const;
   void fillMatch(Status& status) const;
@@ -58,6 +59,7 @@ class Diagnostics {
   std::string silence_;  ///< why there are no scans; empty if scans arrive
   ScanReport report_;
   ros::WallTime started_ = ros::WallTime::now();
+  ros::WallTime updated_;
   diagnostic_updater::Updater updater_;
   ros::WallTimer timer_;
 };

@@ -24,6 +24,7 @@ struct ScanReport {
   bool paused = false;
   std::string waiting_for;          ///< missing transform, or empty
   std::optional<double> silence_s;  ///< since the last scan; empty before the first
+  bool stale = false;               ///< scans came, but do not come any more
   std::optional<MatchState> state;  ///< of the last used scan
   std::string reason;               ///< of this state
   double score = 0.0;
@@ -42,17 +43,25 @@ class ScanStatistics {
   /// Call this when scans wait for a missing transform. Empty text: no transform is missing.
   void setWaitingFor(const std::string& what);
 
+  /// Whether scans came before, but none for a second, nor for three times as long as between the
+  /// last two.
+  bool stale() const;
+
   /// Returns the report, and resets the times and `dropped_lately`.
   ScanReport take();
 
  private:
   using Clock = std::chrono::steady_clock;
 
+  double silence() const;
+  bool isStale() const;
+
   mutable std::mutex mutex_;
   ScanReport report_;
   std::size_t timed_ = 0;  ///< scans since the last report
   double total_ms_ = 0.0;
   std::optional<Clock::time_point> last_received_;
+  double interval_s_ = 0.0;  ///< between the last two scans
 };
 
 }  // namespace kestrel

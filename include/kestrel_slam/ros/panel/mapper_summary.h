@@ -12,7 +12,7 @@ namespace kestrel {
 /// What the panel of rviz shows, from the diagnostics of the mapper.
 struct MapperSummary {
   std::string node;     ///< that the diagnostics come from, for example "/mapper"
-  std::string state;    ///< ok, degraded, lost, paused; "" before the first scan
+  std::string state;    ///< ok, degraded, lost, stale, paused; "" before the first scan
   std::string reason;   ///< of the state
   std::string problem;  ///< of the scans or of the map, for the user; "" if there is none
   std::string map;      ///< size and memory
