@@ -21,9 +21,9 @@ constexpr std::int64_t kNearCells = 3;
 constexpr double kWidthM = 0.2, kGapM = 0.35;
 constexpr int kDirections = 60;
 constexpr std::size_t kMostPoints = 20'000;
-/// Furniture that stands so near to a wall is low or high, and was only seen by a vehicle at its
-/// height: the other one saw the wall.
-constexpr double kFurnitureM = 0.8;
+/// What stands so near to a wall may be furniture that only one vehicle saw, at its height: the
+/// other one saw the wall. It may be longer by this than what stands free.
+constexpr double kFurnitureM = 0.8, kLongerM = 1.0;
 /// What is compared: up to this way from an agreeing keyframe, and up to this range.
 constexpr double kWayM = 5.0;
 constexpr float kReachM = 10.0F;
@@ -144,7 +144,8 @@ double longestWall(const OccupancyGrid& walls, const OccupancyGrid& other) {
     const std::vector<Eigen::Vector2d> open =
         awayFromWalls(points, {-direction.y(), direction.x()}, other);
     for (const double offset : {0.0, 0.5 * kWidthM})
-      longest = std::max(longest, longestRun(open, direction, offset));
+      longest = std::max({longest, longestRun(open, direction, offset),
+                          longestRun(points, direction, offset) - kLongerM});
   }
   return longest;
 }
