@@ -51,12 +51,30 @@ using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostRo
 using Square =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostRows, kMostRows>;
 
+/// covariance * jacobian'. Most of a jacobian is zero.
+Columns crossCovariance(const StateMatrix& covariance, const Rows& jacobian) {
+  Columns cross = Columns::Zero(kStateDim, jacobian.rows());
+  for (Eigen::Index row = 0; row < jacobian.rows(); ++row) {
+    for (Eigen::Index i = 0; i < kStateDim; ++i)
+      if (jacobian(row, i) != 0.0) cross.col(row) += jacobian(row, i) * covariance.col(i);
+  }
+  return cross;
+}
+
+/// Adds factor * a * b'.
+void addProduct(double factor, const Columns& a, const Columns& b, StateMatrix& sum) {
+  for (Eigen::Index column = 0; column < kStateDim; ++column) {
+    for (Eigen::Index i = 0; i < a.cols(); ++i)
+      sum.col(column) += (factor * b(column, i)) * a.col(i);
+  }
+}
+
 /// A linearized measurement, and what the gate and the update need of the state.
 struct Innovation {
   template <int Size>
   Innovation(const Linearized<Size>& z, const FilterState& state)
       : value(z.innovation), jacobian(z.jacobian) {
-    cross = state.covariance.lazyProduct(jacobian.transpose());
+    cross = crossCovariance(state.covariance, jacobian);
     covariance = jacobian.lazyProduct(cross);
   }
 
@@ -77,7 +95,7 @@ bool passes(const Innovation& z, const Square& noise, double factor,
 void update(const Innovation& z, const Square& noise, FilterState& state) {
   const Square inverse = (z.covariance + noise).inverse();
   const Columns gain = z.cross.lazyProduct(inverse);
-  state.covariance -= gain.lazyProduct(z.cross.transpose());
+  addProduct(-1.0, gain, z.cross, state.covariance);
   makeSymmetric(state);
   inject(gain.lazyProduct(z.value), state);
 }
@@ -114,7 +132,7 @@ void updateIntersected(const Innovation& z, const Square& measured, FilterState&
   const Columns regression = z.cross.lazyProduct(inverse);
   const Columns changed = regression.lazyProduct(change);
   const Vector step = gain.lazyProduct(z.value);
-  state.covariance += changed.lazyProduct(regression.transpose());
+  addProduct(1.0, changed, regression, state.covariance);
   makeSymmetric(state);
   inject(regression.lazyProduct(step), state);
 }

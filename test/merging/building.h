@@ -18,9 +18,9 @@ struct Variant {
   bool mirrored = false;     ///< seen by a laser that is mounted upside down
   bool other_place = false;  ///< another building
   double deeper_m = 0.0;     ///< how much deeper one room is
-  bool partition = false;    ///< a wall divides one room
+  double partition_x = 0.0;  ///< where a wall divides one room; 0: there is none
   double furniture_m = 0.0;  ///< how far the furniture of one room was moved
-  bool low_cabinet = false;  ///< a cabinet of 2 m, which a vehicle that flies higher does not see
+  bool low_cabinet = false;  ///< a cabinet of 1.6 m, which a vehicle that flies higher does not see
 };
 
 /// A corridor from x = 0 to 24 m with three rooms on either side. The doors are at their middles.
@@ -50,8 +50,8 @@ inline Walls walls(const Variant& variant = {}) {
            2.2 + 0.6 * i, 0.8, 0.6 + 0.3 * i);
     addBox(all, x + 1.0 + 0.7 * i + shift, b + 0.2, 1.2 - 0.3 * i, 0.7);
   }
-  if (variant.low_cabinet) addBox(all, 8.8, 4.65, 2.0, 0.55);
-  if (variant.partition) addBox(all, 10.3, 2.0, 0.1, 3.2);
+  if (variant.low_cabinet) addBox(all, 8.8, 4.65, 1.6, 0.55);
+  if (variant.partition_x > 0.0) addBox(all, variant.partition_x, 2.0, 0.1, 3.2);
   addBox(all, 10.3 + shift, 1.0, 0.5, 0.2);
   addBox(all, 1.6, -1.2, 0.4, 0.3);
   addBox(all, 19.1 - shift, 0.95, 0.7, 0.25);
