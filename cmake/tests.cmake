@@ -56,7 +56,7 @@ if(KESTREL_WITH_ROS)
   kestrel_test(messages)
   kestrel_test(recording/bag)
   kestrel_test(ros/common)
-  target_link_libraries(test_ros_common PRIVATE kestrel_ros_hector kestrel_ros_panel)
+  target_link_libraries(test_ros_common PRIVATE kestrel_experiments kestrel_ros_hector kestrel_ros_panel)
   add_dependencies(test_ros_common mapper_node scan_projector_node pose_filter_node tracker_node geotiff_node
     map_to_image_node simulated_flight)
 endif()

@@ -47,10 +47,13 @@ GraphWorker::~GraphWorker() {
 }
 
 void GraphWorker::add(const PlanarScan& scan, const MapperResult& result) {
-  if (!result.inserted) return;
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
-    queue_.push_back({scan, result, false, nullptr});
+    ++scans_;
+    for (; !later_.empty() && later_.front().number <= scans_; later_.pop_front())
+      correction_ = std::move(later_.front().correction);
+    if (!result.inserted) return;
+    queue_.push_back({scan, result, false, nullptr, scans_});
   }
   arrived_.notify_one();
 }
@@ -59,8 +62,9 @@ void GraphWorker::beginPart() {
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
     correction_ = {Pose2(), std::nullopt, false};
+    later_.clear();
     ++waiting_parts_;
-    queue_.push_back({{}, {}, true, nullptr});
+    queue_.push_back({{}, {}, true, nullptr, scans_});
   }
   arrived_.notify_one();
 }
@@ -85,6 +89,7 @@ void GraphWorker::replace(std::unique_ptr<SubmapGraph> graph, std::unique_ptr<Co
                  queue_.end());
     waiting_parts_ = 0;
     correction_ = {graph->mapTLocal(), std::nullopt, graph->isLocated()};
+    later_.clear();
     view_ = {};
     next_graph_ = std::move(graph);
     map_ = std::move(map);
@@ -99,7 +104,7 @@ GraphSnapshot GraphWorker::snapshot() {
   const auto wanted = std::make_shared<std::promise<GraphSnapshot>>();
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
-    queue_.push_back({{}, {}, false, wanted});
+    queue_.push_back({{}, {}, false, wanted, scans_});
   }
   arrived_.notify_one();
   return wanted->get_future().get();
@@ -135,6 +140,7 @@ void GraphWorker::run() {
 void GraphWorker::change(std::unique_ptr<SubmapGraph> graph) {
   graph_ = std::move(graph);
   solutions_ = graph_->solutionCount();
+  known_.reset();
   const std::lock_guard<FairMutex> lock(map_mutex_);
   is_new_map_ = false;
   memory_bytes_ = graph_->memoryBytes() + map_->grid().memoryBytes();
@@ -177,17 +183,17 @@ void GraphWorker::handle(const Work& work) {
   GraphCorrection correction = correctionNow();
   const std::lock_guard<std::mutex> lock(queue_mutex_);
   if (next_graph_) return;
-  if (waiting_parts_ == 0) correction_ = std::move(correction);
+  if (waiting_parts_ == 0)
+    later_.push_back({work.number + kCorrectionDelay, std::move(correction)});
   view_ = std::move(view);
   ++version_;
 }
 
 /// The covariance needs a factorization, so it is only computed where the graph was optimized.
 GraphCorrection GraphWorker::correctionNow() {
-  GraphCorrection correction{graph_->mapTLocal(), this->correction().known, graph_->isLocated()};
   const std::size_t solutions = graph_->solutionCount();
-  if (std::exchange(solutions_, solutions) != solutions) correction.known = graph_->knownEnd();
-  return correction;
+  if (std::exchange(solutions_, solutions) != solutions) known_ = graph_->knownEnd();
+  return {graph_->mapTLocal(), known_, graph_->isLocated()};
 }
 
 GraphCorrection GraphWorker::correction() const {

@@ -8,6 +8,7 @@
 #include <future>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -45,7 +46,9 @@ class GraphWorker {
   GraphWorker(const GraphWorker&) = delete;
   GraphWorker& operator=(const GraphWorker&) = delete;
 
-  /// Takes the scan if the mapper inserted it. `result.pose` is in the local frame.
+  /// Takes the scan if the mapper inserted it. `result.pose` is in the local frame. Must be called
+  /// for every scan: the correction by a scan is used kCorrectionDelay scans later, so that the
+  /// poses do not depend on how fast the thread is, as long as it needs less time.
   void add(const PlanarScan& scan, const MapperResult& result);
 
   /// The scans from now on are of a new part at an unknown place, see SubmapGraph::beginPart.
@@ -63,7 +66,9 @@ class GraphWorker {
   /// Waits until the scans that were added before are in the graph, which may take some seconds.
   GraphSnapshot snapshot();
 
-  /// The newest correction of the local frame.
+  static constexpr std::uint64_t kCorrectionDelay = 20;  ///< scans: 0.5 s at 40 Hz
+
+  /// The correction of the local frame for the next scan.
   GraphCorrection correction() const;
 
   /// See OccupancyGrid::takeChangedTiles. For one reader. `map_number`: another one means that the
@@ -83,6 +88,11 @@ class GraphWorker {
     MapperResult result;
     bool begins_part = false;                             ///< and has no scan
     std::shared_ptr<std::promise<GraphSnapshot>> wanted;  ///< asks for a snapshot, has no scan
+    std::uint64_t number = 0;                             ///< of the scan
+  };
+  struct LaterCorrection {
+    std::uint64_t number;  ///< of the scan from which on it is used
+    GraphCorrection correction;
   };
 
   void run();
@@ -100,6 +110,8 @@ class GraphWorker {
   bool closed_ = false, reconfigured_ = false;
   std::unique_ptr<SubmapGraph> next_graph_;  ///< replaces `graph_`
   GraphCorrection correction_;
+  std::deque<LaterCorrection> later_;
+  std::uint64_t scans_ = 0;  ///< that were added
   std::size_t waiting_parts_ = 0;  ///< in the queue: `correction_` is that of the last one
   GraphView view_;
 
@@ -109,7 +121,8 @@ class GraphWorker {
   std::uint64_t map_number_ = 1;
 
   std::unique_ptr<SubmapGraph> graph_;  ///< only the thread uses it
-  std::size_t solutions_ = 0;           ///< SubmapGraph::solutionCount() of the known end
+  std::size_t solutions_ = 0;           ///< SubmapGraph::solutionCount() of `known_`
+  std::optional<GraphCorrection::Known> known_;
   std::atomic<std::uint64_t> version_{0};
   std::atomic<std::size_t> memory_bytes_{0};
   std::thread thread_;
