@@ -41,6 +41,9 @@ class CloudTrackList {
   /// none, m.
   Eigen::Vector2d sizeAt(const Eigen::Vector2d& point) const;
 
+  long nextId() const { return next_id_; }
+  void continueFrom(long id) { next_id_ = id; }
+
  private:
   struct Entry {
     CloudTrack track;

@@ -264,6 +264,7 @@ CloudTracker& CloudTracker::operator=(CloudTracker&&) noexcept = default;
 
 const CloudTracker::Result& CloudTracker::process(
     const LidarSweep& sweep, const std::optional<Eigen::Isometry3d>& predicted) {
+  if (state_->time && sweep.cloud.stamp - *state_->time > kMaxGap) startAnew();
   State& state = *state_;
   state.result.used = false;
   state.result.problem = state.problemOf(sweep.cloud);
@@ -286,6 +287,19 @@ const CloudTracker::Result& CloudTracker::process(
                            " points; only " + std::to_string(config.max_points) + " are used";
   }
   return state.result;
+}
+
+/// The lidar has not moved as far as anybody knows.
+void CloudTracker::startAnew() {
+  const Eigen::Isometry3d pose = state_->result.pose;
+  reset();
+  state_->result.pose = pose;
+}
+
+void CloudTracker::reset() {
+  const long next_id = state_->tracks.nextId();
+  state_ = std::make_unique<State>(state_->config);
+  state_->tracks.continueFrom(next_id);
 }
 
 const Eigen::Isometry3d& CloudTracker::pose() const { return state_->result.pose; }

@@ -51,6 +51,20 @@ TEST(CloudTrackerTest, AMillionPointsAreThinned) {
   EXPECT_EQ(result.moving.size(), 1000000U);
 }
 
+TEST(CloudTrackerTest, StartsAnewAfterALongGapAndAfterAReset) {
+  CloudTracker tracker;
+  EXPECT_TRUE(tracker.process(sweepAt(1.0, 5000)).used);
+  const double memory = static_cast<double>(tracker.memoryBytes());
+  for (int i = 1; i < 5; ++i) EXPECT_TRUE(tracker.process(sweepAt(1.0 + 0.1 * i, 5000)).used);
+  EXPECT_GT(tracker.grid().time(), 0.3);
+  EXPECT_TRUE(tracker.process(sweepAt(20.0, 5000)).used);
+  EXPECT_EQ(tracker.grid().time(), 0.0) << "a new grid";
+  EXPECT_LE(static_cast<double>(tracker.memoryBytes()), 1.1 * memory);
+  tracker.reset();
+  EXPECT_FALSE(tracker.stamp());
+  EXPECT_TRUE(tracker.process(sweepAt(3.0, 5000)).used) << "older than before the reset";
+}
+
 /// The crossing with fewer columns and frames.
 TrafficScene shortCrossing() {
   TrafficScene scene = crossingScene();

@@ -56,8 +56,8 @@ class CloudTracker {
   };
 
   /// Adds a sweep. `predicted`: map_T_lidar, for example from a pose filter; without it, the motion
-  /// goes on as it was. Sweeps that are not newer than the last one are refused. Valid until the
-  /// next call.
+  /// goes on as it was. Sweeps that are not newer than the last one are refused. After a gap of
+  /// 5 s, maps and tracks start anew. Valid until the next call.
   const Result& process(const LidarSweep& sweep,
                         const std::optional<Eigen::Isometry3d>& predicted = std::nullopt);
 
@@ -67,8 +67,12 @@ class CloudTracker {
   const MotionGrid<3>& grid() const;
   /// Of both maps.
   std::size_t memoryBytes() const;
+  /// Forgets everything; track ids go on.
+  void reset();
 
  private:
+  void startAnew();
+
   struct State;
   std::unique_ptr<State> state_;
 };
