@@ -82,8 +82,10 @@ kestrel_library(commands LINKS kestrel_report PRIVATE CLI11::CLI11)
 # ---- nodes
 if(KESTREL_WITH_ROS)
   kestrel_library(ros
-    SOURCES src/ros/common/*.cpp src/ros/projector/*.cpp src/ros/mapper/*.cpp src/ros/filter/*.cpp src/ros/tracker/*.cpp src/ros/replay/*.cpp
+    SOURCES src/ros/common/*.cpp src/ros/projector/*.cpp src/ros/mapper/*.cpp src/ros/filter/*.cpp src/ros/replay/*.cpp
     LINKS kestrel_messages kestrel_parameters Threads::Threads)
+  # The lidar library writes maps for OctoMap, which the other nodes do not need.
+  kestrel_library(ros/tracker LINKS kestrel_ros kestrel_lidar)
   kestrel_library(ros/panel SOURCES src/ros/panel/mapper_summary.cpp LINKS kestrel_messages)
   # hector's companions: not linked into the nodes that fly
   kestrel_library(ros/hector LINKS kestrel_ros kestrel_report)

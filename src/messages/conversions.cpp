@@ -72,6 +72,19 @@ geometry_msgs::Pose toMessage(const Pose2& pose) {
   return message;
 }
 
+geometry_msgs::Transform toTransformMessage(const Eigen::Isometry3d& transform) {
+  const Eigen::Quaterniond q(transform.linear());
+  geometry_msgs::Transform message;
+  message.translation.x = transform.translation().x();
+  message.translation.y = transform.translation().y();
+  message.translation.z = transform.translation().z();
+  message.rotation.x = q.x();
+  message.rotation.y = q.y();
+  message.rotation.z = q.z();
+  message.rotation.w = q.w();
+  return message;
+}
+
 geometry_msgs::Transform toTransformMessage(const Pose2& pose) {
   const geometry_msgs::Pose source = toMessage(pose);
   geometry_msgs::Transform message;

@@ -23,6 +23,58 @@ geometry_msgs::Quaternion quaternionOf(double yaw) {
   return q;
 }
 
+Marker markerOf(const kestrel_slam::TrackArray& tracks, const kestrel_slam::Track& track,
+                const char* ns, int type) {
+  Marker marker;
+  marker.header = tracks.header;
+  marker.ns = ns;
+  marker.id = static_cast<int>(track.id);
+  marker.type = type;
+  marker.lifetime = ros::Duration(kMarkerLifetime);
+  marker.pose.orientation.w = 1.0;
+  marker.color.r = track.moving ? 0.9F : 0.4F;
+  marker.color.g = track.moving ? 0.3F : 0.4F;
+  marker.color.b = track.moving ? 0.1F : 0.9F;
+  marker.color.a = track.state == kestrel_slam::Track::COASTING ? 0.4F : 0.8F;
+  return marker;
+}
+
+Marker boxOf(const kestrel_slam::TrackArray& tracks, const kestrel_slam::Track& track) {
+  Marker box = markerOf(tracks, track, "boxes", Marker::CUBE);
+  box.pose = track.box;
+  // A planar laser does not see the height.
+  const bool has_height = track.box_size.z > 0.0;
+  if (!has_height) box.pose.position.z = 0.5 * kMarkerHeight;
+  box.scale.x = std::max(track.box_size.x, kSmallestBox);
+  box.scale.y = std::max(track.box_size.y, kSmallestBox);
+  box.scale.z = has_height ? track.box_size.z : kMarkerHeight;
+  return box;
+}
+
+Marker arrowOf(const kestrel_slam::TrackArray& tracks, const kestrel_slam::Track& track) {
+  Marker arrow = markerOf(tracks, track, "velocities", Marker::ARROW);
+  arrow.points.resize(2, track.position);
+  arrow.points[1].x += track.velocity.x;
+  arrow.points[1].y += track.velocity.y;
+  arrow.points[1].z += track.velocity.z;
+  arrow.scale.x = kArrowWidth;
+  arrow.scale.y = 2.0 * kArrowWidth;
+  return arrow;
+}
+
+Marker textOf(const kestrel_slam::TrackArray& tracks, const kestrel_slam::Track& track) {
+  Marker text = markerOf(tracks, track, "ids", Marker::TEXT_VIEW_FACING);
+  text.pose.position = track.position;
+  const double top =
+      track.box_size.z > 0.0 ? track.box.position.z + 0.5 * track.box_size.z : kMarkerHeight;
+  text.pose.position.z = top + kTextHeight;
+  text.scale.z = kTextHeight;
+  text.text = std::to_string(track.id);
+  return text;
+}
+
+}  // namespace
+
 kestrel_slam::Track toMessage(const Track& track) {
   kestrel_slam::Track message;
   message.id = track.id;
@@ -45,53 +97,6 @@ kestrel_slam::Track toMessage(const Track& track) {
   message.moving = track.standing < 0.5;
   return message;
 }
-
-Marker markerOf(const kestrel_slam::TrackArray& tracks, const kestrel_slam::Track& track,
-                const char* ns, int type) {
-  Marker marker;
-  marker.header = tracks.header;
-  marker.ns = ns;
-  marker.id = static_cast<int>(track.id);
-  marker.type = type;
-  marker.lifetime = ros::Duration(kMarkerLifetime);
-  marker.pose.orientation.w = 1.0;
-  marker.color.r = track.moving ? 0.9F : 0.4F;
-  marker.color.g = track.moving ? 0.3F : 0.4F;
-  marker.color.b = track.moving ? 0.1F : 0.9F;
-  marker.color.a = track.state == kestrel_slam::Track::COASTING ? 0.4F : 0.8F;
-  return marker;
-}
-
-Marker boxOf(const kestrel_slam::TrackArray& tracks, const kestrel_slam::Track& track) {
-  Marker box = markerOf(tracks, track, "boxes", Marker::CUBE);
-  box.pose = track.box;
-  box.pose.position.z = 0.5 * kMarkerHeight;
-  box.scale.x = std::max(track.box_size.x, kSmallestBox);
-  box.scale.y = std::max(track.box_size.y, kSmallestBox);
-  box.scale.z = kMarkerHeight;
-  return box;
-}
-
-Marker arrowOf(const kestrel_slam::TrackArray& tracks, const kestrel_slam::Track& track) {
-  Marker arrow = markerOf(tracks, track, "velocities", Marker::ARROW);
-  arrow.points.resize(2, track.position);
-  arrow.points[1].x += track.velocity.x;
-  arrow.points[1].y += track.velocity.y;
-  arrow.scale.x = kArrowWidth;
-  arrow.scale.y = 2.0 * kArrowWidth;
-  return arrow;
-}
-
-Marker textOf(const kestrel_slam::TrackArray& tracks, const kestrel_slam::Track& track) {
-  Marker text = markerOf(tracks, track, "ids", Marker::TEXT_VIEW_FACING);
-  text.pose.position = track.position;
-  text.pose.position.z = kMarkerHeight + kTextHeight;
-  text.scale.z = kTextHeight;
-  text.text = std::to_string(track.id);
-  return text;
-}
-
-}  // namespace
 
 kestrel_slam::TrackArray toMessage(const Tracker::Result& result, const std::string& frame,
                                    const ros::Time& stamp) {
@@ -118,7 +123,7 @@ visualization_msgs::MarkerArray toMarkers(const kestrel_slam::TrackArray& tracks
   return result;
 }
 
-sensor_msgs::PointCloud2 toCloud(const std::vector<Eigen::Vector2f>& points,
+sensor_msgs::PointCloud2 toCloud(const std::vector<Eigen::Vector3f>& points,
                                  const std::string& frame, const ros::Time& stamp) {
   sensor_msgs::PointCloud2 cloud;
   cloud.header.frame_id = frame;
@@ -138,8 +143,7 @@ sensor_msgs::PointCloud2 toCloud(const std::vector<Eigen::Vector2f>& points,
   cloud.is_dense = 1U;
   cloud.data.resize(cloud.row_step);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const float xyz[3] = {points[i].x(), points[i].y(), 0.0F};
-    std::memcpy(&cloud.data[i * cloud.point_step], xyz, sizeof xyz);
+    std::memcpy(&cloud.data[i * cloud.point_step], points[i].data(), cloud.point_step);
   }
   return cloud;
 }

@@ -59,21 +59,69 @@ std::vector<std::size_t> separate(std::size_t count) {
   return parent;
 }
 
+template <int D>
+struct Modes {
+  PointList<D> of_point;
+  std::vector<std::size_t> density;
+};
+
+/// Sets of points that are farther than `distance` from all others.
+template <int D>
+std::vector<std::vector<std::size_t>> separateSets(const PointList<D>& points, double distance) {
+  std::vector<std::size_t> parent = separate(points.size());
+  const PointBins<D> bins(points, distance);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    bins.forEachNear(points[i], [&](std::size_t j) {
+      if (j > i) join(parent, i, j);
+    });
+  }
+  std::vector<std::vector<std::size_t>> sets(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) sets[rootOf(parent, i)].push_back(i);
+  return sets;
+}
+
+template <int D>
+Eigen::Matrix<double, D, 1> meanOf(const PointList<D>& points,
+                                   const std::vector<std::size_t>& set) {
+  Eigen::Matrix<double, D, 1> sum = Eigen::Matrix<double, D, 1>::Zero();
+  for (const std::size_t i : set) sum += points[i];
+  return sum / static_cast<double>(set.size());
+}
+
+/// A small set that is far from all other points has one mode, its mean, which every point reaches
+/// with the first step. The points of other sets climb.
+template <int D>
+Modes<D> findModes(const PointList<D>& points, double bandwidth) {
+  constexpr double kHalf = 0.5;
+  const PointBins<D> bins(points, bandwidth);
+  Modes<D> modes{points, std::vector<std::size_t>(points.size())};
+  for (const auto& set : separateSets<D>(points, (1.0 + kHalf) * bandwidth)) {
+    if (set.empty()) continue;
+    const Eigen::Matrix<double, D, 1> mean = meanOf<D>(points, set);
+    const bool is_small = std::all_of(set.begin(), set.end(), [&](std::size_t i) {
+      return (points[i] - mean).norm() < kHalf * bandwidth;
+    });
+    for (const std::size_t i : set) {
+      modes.of_point[i] = is_small ? mean : climbIn<D>(bins, points, points[i]);
+      modes.density[i] = is_small ? set.size() : countNear<D>(bins, modes.of_point[i]);
+    }
+  }
+  return modes;
+}
+
 }  // namespace
 
 template <int D>
 std::vector<PointCluster<D>> meanShift(const PointList<D>& points, double bandwidth) {
-  const PointBins<D> bins(points, bandwidth);
-  PointList<D> modes;
-  std::vector<std::size_t> density;
-  for (const auto& point : points) {
-    modes.push_back(climbIn<D>(bins, points, point));
-    density.push_back(countNear<D>(bins, modes.back()));
-  }
+  const auto [modes, density] = findModes<D>(points, bandwidth);
   std::vector<std::size_t> parent = separate(points.size());
   const PointBins<D> mode_bins(modes, 0.5 * bandwidth);
   for (std::size_t i = 0; i < modes.size(); ++i) {
-    mode_bins.forEachNear(modes[i], [&](std::size_t j) { join(parent, i, j); });
+    if (i > 0 && modes[i] == modes[i - 1]) {
+      join(parent, i, i - 1);
+      continue;
+    }
+    mode_bins.forEachNear(modes[i], [&, i = i](std::size_t j) { join(parent, i, j); });
   }
   std::vector<PointCluster<D>> clusters;
   std::vector<std::size_t> cluster_of(points.size()), best;
@@ -109,7 +157,9 @@ std::vector<PointCluster<D>> joinConnected(const PointList<D>& points,
   std::vector<std::size_t> parent = separate(clusters.size());
   const PointBins<D> bins(points, gap);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    bins.forEachNear(points[i], [&](std::size_t j) { join(parent, cluster_of[i], cluster_of[j]); });
+    bins.forEachNear(points[i], [&](std::size_t j) {
+      if (cluster_of[i] != cluster_of[j]) join(parent, cluster_of[i], cluster_of[j]);
+    });
   }
   std::vector<PointCluster<D>> joined;
   std::vector<std::size_t> index_of(clusters.size());

@@ -3,6 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "beam_overlap.h"
+#include "offsets.h"
 
 namespace kestrel {
 namespace {
@@ -22,18 +26,6 @@ float logOdds(double probability) {
 
 /// [Siew 2018, eq. 7].
 double probabilityOf(float log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
-
-/// Calls `visit(offset)` for all offsets up to `radius` in each direction, until it returns true.
-template <int D, typename Visit>
-bool anyAround(int radius, Visit visit) {
-  GridIndex<D> offset = GridIndex<D>::Constant(-radius);
-  for (;;) {
-    if (visit(offset)) return true;
-    int axis = 0;
-    while (axis < D && ++offset(axis) > radius) offset(axis++) = -radius;
-    if (axis == D) return false;
-  }
-}
 
 }  // namespace
 
@@ -70,9 +62,7 @@ const typename MotionGrid<D>::Result& MotionGrid<D>::insert(const std::vector<Gr
     if (result_.motion[i] != CellMotion::kNone) updateHit(rays[i], i);
   }
   protectSurface(rays);
-  for (const GridRay<D>& ray : rays) {
-    if (isUsable(ray)) updateMiss(ray);
-  }
+  clearAlong(rays);
   return result_;
 }
 
@@ -106,6 +96,8 @@ typename MotionGrid<D>::Surroundings MotionGrid<D>::surroundingsOf(const Vector&
   const auto reach = static_cast<float>(distance / config_.resolution_m);
   const Vector in_cells = point / static_cast<float>(config_.resolution_m);
   Surroundings result;
+  result.is_static = isStatic(cells_.find(center));
+  if (result.is_static) return result;  // as most returns, which are from walls
   anyAround<D>(static_cast<int>(std::ceil(reach)), [&](const Index& offset) {
     const Index index = center + offset;
     const CellData* cell = cells_.find(index);
@@ -138,6 +130,7 @@ void MotionGrid<D>::updateHit(const GridRay<D>& ray, std::size_t number) {
   const auto now = static_cast<float>(time_);
   if (cell->last_hit < 0.0F || now - cell->last_hit > kEpisodeGap) cell->first_hit = now;
   cell->last_hit = now;
+  cell->is_clear = false;
   cell->was_moving = is_moving || (cell->was_moving && motion == CellMotion::kStopped);
   const bool by_medium = is_moving || motion == CellMotion::kStopped;
   add(*cell, by_medium ? medium_ : high_, is_moving ? high_ : low_);
@@ -165,9 +158,12 @@ void MotionGrid<D>::claim(const Vector& point) {
 template <int D>
 void MotionGrid<D>::protectSurface(const std::vector<GridRay<D>>& rays) {
   const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
+  Index last = Index::Constant(std::numeric_limits<int>::max());
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (result_.motion[i] == CellMotion::kNone) continue;
     const Index index = indexOf(rays[i].end);
+    if (index == last) continue;
+    last = index;
     for (int axis = 0; axis < D; ++axis) {
       protectCell(index + Index::Unit(axis));
       protectCell(index - Index::Unit(axis));
@@ -187,28 +183,40 @@ void MotionGrid<D>::protectCell(const Index& index) {
   if (cell != nullptr) cell->scan = scan_;
 }
 
-/// The rows of table 1 and 2 with a free measurement.
 template <int D>
-void MotionGrid<D>::updateMiss(const GridRay<D>& ray) {
+void MotionGrid<D>::clearAlong(const std::vector<GridRay<D>>& rays) {
+  std::vector<float> from;
+  if constexpr (D == 2) from = sharedRanges(rays, static_cast<float>(config_.resolution_m));
+  from.resize(rays.size(), 0.0F);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (isUsable(rays[i])) updateMiss(rays[i], from[i]);
+  }
+}
+
+/// The rows of table 1 and 2 with a free measurement, for the cells of a ray that are farther than
+/// `from`, m.
+template <int D>
+void MotionGrid<D>::updateMiss(const GridRay<D>& ray, float from) {
   const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
-  traverse<D>(ray.origin * inverse, ray.end * inverse,
-              [&](const Index& index) { return passCell(index, ray.presumed); });
+  const Vector along = ray.end - ray.origin;
+  const Vector first = from > 0.0F ? (ray.origin + from / along.norm() * along).eval() : ray.origin;
+  traverse<D>(first * inverse, ray.end * inverse, [&](const Index& index) {
+    CellData* cell = cells_.obtain(index);
+    result_.full |= cell == nullptr;
+    if (cell == nullptr) return false;
+    if (cell->scan != scan_ && !cell->is_clear) passCell(*cell, ray.presumed);
+    return true;
+  });
 }
 
 template <int D>
-bool MotionGrid<D>::passCell(const Index& index, bool presumed) {
-  CellData* cell = cells_.obtain(index);
-  if (cell == nullptr) {
-    result_.full = true;
-    return false;
-  }
-  if (cell->scan == scan_) return true;
-  cell->scan = scan_;
-  cell->last_pass = static_cast<float>(time_);
-  const float low = presumed ? std::clamp(-cell->static_odds / scale_, low_, 0.0F) : low_;
-  add(*cell, low, low_);
-  if (cell->static_odds < free_) cell->was_moving = false;
-  return true;
+void MotionGrid<D>::passCell(CellData& cell, bool presumed) const {
+  cell.scan = scan_;
+  cell.last_pass = static_cast<float>(time_);
+  const float low = presumed ? std::clamp(-cell.static_odds / scale_, low_, 0.0F) : low_;
+  add(cell, low, low_);
+  if (cell.static_odds < free_) cell.was_moving = false;
+  cell.is_clear = cell.static_odds == min_ && cell.dynamic_odds == min_;
 }
 
 /// [Siew 2018, eq. 6] with the prior 0.5, within the bounds.
@@ -249,6 +257,12 @@ template <int D>
 CellState MotionGrid<D>::stateOf(const CellData& cell) const {
   if (cell.static_odds < free_) return CellState::kFree;
   return cell.static_odds > occupied_ ? CellState::kOccupied : CellState::kUnobserved;
+}
+
+template <int D>
+bool MotionGrid<D>::isStatic(const CellData* cell) const {
+  return cell != nullptr && stateOf(*cell) == CellState::kOccupied && !hasStopped(*cell) &&
+         !isNew(*cell);
 }
 
 template <int D>

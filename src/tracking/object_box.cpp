@@ -10,7 +10,10 @@
 namespace kestrel {
 namespace {
 
-constexpr double kAngleStep = kPi / 180.0;  ///< of the search over the yaw
+constexpr double kDegree = kPi / 180.0;
+/// The search over the yaw: first coarse steps, then every degree around the best.
+constexpr int kTurn = 90, kCoarse = 5;
+constexpr std::size_t kPoints = 60;  ///< that decide over the yaw; of more, some are left out
 constexpr double kNear = 0.01;  ///< m; a point nearer to a side does not count more [Zhang 2017]
 
 struct Extent {
@@ -57,6 +60,13 @@ double closeness(const std::vector<Eigen::Vector2d>& points, double yaw) {
   return sum;
 }
 
+std::vector<Eigen::Vector2d> thinned(const std::vector<Eigen::Vector2d>& points) {
+  if (points.size() <= kPoints) return points;
+  std::vector<Eigen::Vector2d> some;
+  for (std::size_t i = 0; i < kPoints; ++i) some.push_back(points[i * points.size() / kPoints]);
+  return some;
+}
+
 }  // namespace
 
 OrientedBox boxAlong(const std::vector<Eigen::Vector2d>& points, double yaw) {
@@ -77,16 +87,19 @@ OrientedBox boxAlong(const std::vector<Eigen::Vector2d>& points, double yaw) {
 }
 
 OrientedBox fitBox(const std::vector<Eigen::Vector2d>& points) {
-  double best_yaw = 0.0, best = -1.0;
-  constexpr int kSteps = 90;
-  for (int i = 0; i < kSteps; ++i) {
-    const double value = closeness(points, i * kAngleStep);
-    if (value > best) {
-      best = value;
-      best_yaw = i * kAngleStep;
-    }
-  }
-  return boxAlong(points, best_yaw);
+  const std::vector<Eigen::Vector2d> some = thinned(points);
+  int best_step = 0;
+  double best = -1.0;
+  const auto tryStep = [&](int step) {
+    const double value = closeness(some, step * kDegree);
+    if (value <= best) return;
+    best = value;
+    best_step = step;
+  };
+  for (int step = 0; step < kTurn; step += kCoarse) tryStep(step);
+  const int middle = best_step;
+  for (int step = middle - kCoarse + 1; step < middle + kCoarse; ++step) tryStep(step);
+  return boxAlong(points, best_step * kDegree);
 }
 
 std::optional<LShape> lShapeOf(const OrientedBox& box, const Eigen::Vector2d& sensor) {

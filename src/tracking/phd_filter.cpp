@@ -13,8 +13,8 @@
 namespace kestrel {
 namespace {
 
-/// From this expected number on, there is rather a target than none [Vo 2006, table III].
-constexpr double kTargetWeight = 0.5;
+constexpr double kTargetWeight = 0.5;  ///< from here on, there is a target [Vo 2006, table III]
+constexpr double kFar2 = 200.0;  ///< sigmas²; a target so far away did not cause an observation
 
 }  // namespace
 
@@ -87,7 +87,6 @@ void PhdFilter<N, M>::addSurvivors(double seconds, std::vector<Component>& predi
 template <int N, int M>
 void PhdFilter<N, M>::update(const std::vector<Observation<M>>& observations) {
   std::vector<Prepared> prepared;
-  prepared.reserve(components_.size());
   for (const Component& prior : components_) {
     prepared.push_back({model_.expect(prior.mean), model_.detection(prior)});
   }
@@ -123,8 +122,8 @@ void PhdFilter<N, M>::addDetected(const std::vector<Prepared>& prepared,
   for (std::size_t j = 0; j < components_.size(); ++j) {
     Candidate candidate;
     candidate.prior = j;
-    if (!mayCause(components_[j], index)) continue;
     if (!likelihood(components_[j], prepared[j], observation, candidate)) continue;
+    if (!mayCause(components_[j], index)) continue;
     sum += candidate.weight;
     candidates.push_back(candidate);
   }
@@ -151,15 +150,17 @@ bool PhdFilter<N, M>::likelihood(const Component& prior, const Prepared& prepare
   if (!(weight > 0.0)) return false;
   const Eigen::Matrix<double, M, N>& H = prepared.expected.jacobian;
   const Eigen::Matrix<double, M, M> S = H * prior.covariance * H.transpose() + observation.noise;
-  const double determinant = S.determinant();
-  if (!(determinant > 0.0)) return false;
   candidate.innovation = model_.difference
                              ? model_.difference(observation.value, prepared.expected.value)
                              : (observation.value - prepared.expected.value).eval();
+  if (!(candidate.innovation.squaredNorm() < kFar2 * S.trace())) return false;
+  const double determinant = S.determinant();
+  if (!(determinant > 0.0)) return false;
   candidate.inverse_covariance = S.inverse();
   const double distance2 =
       candidate.innovation.dot(candidate.inverse_covariance * candidate.innovation);
-  const double scale = std::pow(2.0 * kPi, M / 2.0) * std::sqrt(determinant);
+  static const double kNorm = std::pow(2.0 * kPi, M / 2.0);
+  const double scale = kNorm * std::sqrt(determinant);
   candidate.weight = weight * std::exp(-0.5 * distance2) / scale;
   return candidate.weight > 0.0;
 }
@@ -208,8 +209,7 @@ void PhdFilter<N, M>::limitLabels() {
 }
 
 /// The heaviest pair of label and observation is a target, then the heaviest of the others, ... The
-/// whole weight of an observation counts for the label that gets it: it is one target, though
-/// several labels may explain it.
+/// label gets the whole weight of the observation: it is one target, though others may explain it.
 template <int N, int M>
 void PhdFilter<N, M>::findTargets() {
   targets_.clear();
@@ -274,9 +274,8 @@ LabeledTarget<N> PhdFilter<N, M>::targetOf(const Share& share, double weight) co
 
 template <int N, int M>
 void PhdFilter<N, M>::reduce() {
-  components_ = reduceMixture(
-      std::move(updated_), limits_,
-      [this](const Component& heavy, const Component& other) { return mayMerge(heavy, other); });
+  const auto may = [this](const Component& a, const Component& b) { return mayMerge(a, b); };
+  components_ = reduceMixture(std::move(updated_), limits_, may);
   updated_.clear();
 }
 

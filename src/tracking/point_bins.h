@@ -20,7 +20,7 @@ class PointBins {
 
   PointBins(const std::vector<Vector>& points, double radius)
       : points_(points), radius_(radius), bins_(points.size()) {
-    for (std::size_t i = 0; i < points.size(); ++i) bins_[i] = {binOf(points[i]), i};
+    for (std::size_t i = 0; i < points.size(); ++i) bins_[i] = {keyOf(binOf(points[i])), i};
     std::sort(bins_.begin(), bins_.end());
   }
 
@@ -35,9 +35,11 @@ class PointBins {
       bin[0] = middle[0] + row % 3 - 1;
       if constexpr (D == 3) bin[1] = middle[1] + row / 3 - 1;
       bin[D - 1] = middle[D - 1] - 1;
-      auto entry = std::lower_bound(bins_.begin(), bins_.end(), std::pair(bin, std::size_t{0}));
+      const std::uint64_t first = keyOf(bin);
       bin[D - 1] = middle[D - 1] + 1;
-      for (; entry != bins_.end() && entry->first <= bin; ++entry) {
+      const std::uint64_t last = keyOf(bin);
+      auto entry = std::lower_bound(bins_.begin(), bins_.end(), std::pair(first, std::size_t{0}));
+      for (; entry != bins_.end() && entry->first <= last; ++entry) {
         const double distance2 = (points_[entry->second] - center).squaredNorm();
         if (distance2 <= radius_ * radius_) visit(entry->second);
       }
@@ -54,9 +56,21 @@ class PointBins {
     return bin;
   }
 
+  /// Sorted as the bins themselves. Points that are too far away share a bin.
+  static std::uint64_t keyOf(const Bin& bin) {
+    constexpr int kBits = 64 / D;
+    constexpr std::int64_t kHalf = std::int64_t{1} << (kBits - 1);
+    std::uint64_t key = 0;
+    for (const std::int64_t value : bin) {
+      const std::int64_t limited = std::clamp(value, -kHalf, kHalf - 1);
+      key = key << kBits | static_cast<std::uint64_t>(limited + kHalf);
+    }
+    return key;
+  }
+
   const std::vector<Vector>& points_;
   double radius_;
-  std::vector<std::pair<Bin, std::size_t>> bins_;
+  std::vector<std::pair<std::uint64_t, std::size_t>> bins_;
 };
 
 }  // namespace kestrel

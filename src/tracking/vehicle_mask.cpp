@@ -30,8 +30,7 @@ std::vector<bool> VehicleMask::update(const PlanarScan& scan, const Pose2& odom_
   for (std::size_t i = 0; i < scan.rays.size(); ++i) {
     const PlanarRay& ray = scan.rays[i];
     if (!ray.hit || !ray.end.allFinite()) continue;
-    const double bearing =
-        std::atan2(static_cast<double>(ray.end.y()), static_cast<double>(ray.end.x()));
+    const auto bearing = static_cast<double>(std::atan2(ray.end.y(), ray.end.x()));
     const auto number = static_cast<std::size_t>((bearing + kPi) / (2.0 * kPi) * kBins) % kBins;
     Bin& bin = bins_[number];
     const float range = ray.end.norm();

@@ -23,8 +23,11 @@ double medianOf(std::vector<double> values) {
 }  // namespace
 
 int Visibility::binOf(double bearing) {
-  const int bin = static_cast<int>(std::floor((bearing + kPi) / (2.0 * kPi) * kBins));
-  return ((bin % kBins) + kBins) % kBins;
+  constexpr double kPerRadian = kBins / (2.0 * kPi);
+  int bin = static_cast<int>(std::floor((bearing + kPi) * kPerRadian));
+  while (bin < 0) bin += kBins;
+  while (bin >= kBins) bin -= kBins;
+  return bin;
 }
 
 Visibility::Visibility(const std::vector<GridRay<2>>& rays) : reach_(kBins, -1.0F) {
@@ -33,8 +36,7 @@ Visibility::Visibility(const std::vector<GridRay<2>>& rays) : reach_(kBins, -1.0
   double last = 0.0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Eigen::Vector2f along = rays[i].end - rays[i].origin;
-    const double bearing =
-        std::atan2(static_cast<double>(along.y()), static_cast<double>(along.x()));
+    const auto bearing = static_cast<double>(std::atan2(along.y(), along.x()));
     if (!std::isfinite(bearing)) continue;
     if (i > 0) steps.push_back(std::abs(normalizeAngle(bearing - last)));
     last = bearing;

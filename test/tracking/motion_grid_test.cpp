@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/random.h"
 
 namespace kestrel {
@@ -238,6 +239,45 @@ TYPED_TEST(MotionGridTest, TraversalVisitsExactlyTheCellsOfTheSegment) {
     // Samples miss cells of which the segment cuts a corner shorter than a step.
     for (const auto& cell : expected) EXPECT_EQ(visited.count(cell), 1U);
     EXPECT_LE(visited.size(), expected.size() + 2);
+  }
+}
+
+/// The beams of a scan share their first cells: the grid must not depend on which of them passes.
+TEST(MotionGridBeams, SharedCellsAreAsWithEveryBeamAlone) {
+  const int n = 361;
+  Random random(4);
+  std::vector<GridRay<2>> rays;
+  for (int i = 0; i < n; ++i) {
+    const double bearing = (i - n / 2) * 0.25 * kPi / 180.0;
+    const double range = i % 90 < 12 ? 2.0 : 8.0 + 0.3 * random.gaussian();  // objects in front
+    const Eigen::Vector2d end(range * std::cos(bearing), range * std::sin(bearing));
+    rays.push_back({Eigen::Vector2f(0.02F, 0.01F), end.cast<float>(), true, false});
+  }
+  MotionGrid<2> together(exactConfig());
+  for (int k = 0; k < 10; ++k) together.insert(rays, 0.1);
+  std::set<std::pair<int, int>> passed, ends;
+  for (const GridRay<2>& ray : rays) {
+    const GridIndex<2> end = together.indexOf(ray.end);
+    for (int x = -1; x <= 1; ++x) {
+      for (int y = -1; y <= 1; ++y) ends.insert({end.x() + x, end.y() + y});
+    }
+    traverse<2>(ray.origin * 10.0F, ray.end * 10.0F, [&](const GridIndex<2>& cell) {
+      passed.insert({cell.x(), cell.y()});
+      return true;
+    });
+  }
+  std::size_t cleared = 0, missed = 0;
+  for (const auto& [x, y] : passed) {
+    if (ends.count({x, y}) > 0) continue;
+    (together.staticState({x, y}) == CellState::kFree ? cleared : missed) += 1;
+  }
+  EXPECT_GT(cleared, 3000U);
+  EXPECT_LE(missed, cleared / 100) << "only corners of cells";
+  // Nothing behind the objects is cleared.
+  for (int i = 4; i < 9; ++i) {
+    const double bearing = (i - n / 2) * 0.25 * kPi / 180.0;
+    const Eigen::Vector2d behind(4.0 * std::cos(bearing), 4.0 * std::sin(bearing));
+    EXPECT_NE(together.staticState(together.indexOf(behind.cast<float>())), CellState::kFree);
   }
 }
 

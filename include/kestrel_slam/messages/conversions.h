@@ -30,6 +30,7 @@ Pose2 planarFromMessage(const geometry_msgs::Pose& message);
 
 geometry_msgs::Pose toMessage(const Pose2& pose);
 geometry_msgs::Transform toTransformMessage(const Pose2& pose);
+geometry_msgs::Transform toTransformMessage(const Eigen::Isometry3d& transform);
 
 /// Variances of z, roll and pitch, which a 2D laser does not measure. They are so large that a
 /// filter does not use the zeros in the message as measurements.

@@ -15,6 +15,8 @@
 
 namespace kestrel {
 
+kestrel_slam::Track toMessage(const Track& track);
+
 /// The tracks that are shown.
 kestrel_slam::TrackArray toMessage(const Tracker::Result& result, const std::string& frame,
                                    const ros::Time& stamp);
@@ -22,7 +24,7 @@ kestrel_slam::TrackArray toMessage(const Tracker::Result& result, const std::str
 /// A box, an arrow (where the object is in one second) and the id for each track.
 visualization_msgs::MarkerArray toMarkers(const kestrel_slam::TrackArray& tracks);
 
-sensor_msgs::PointCloud2 toCloud(const std::vector<Eigen::Vector2f>& points,
+sensor_msgs::PointCloud2 toCloud(const std::vector<Eigen::Vector3f>& points,
                                  const std::string& frame, const ros::Time& stamp);
 
 /// The dynamic grid within `radius` (m) of `center`: 0 to 100, -1 where nothing is known.

@@ -138,6 +138,7 @@ class MotionGrid {
     float last_pass = -1.0F;      ///< time of the last beam that passed, s
     float occupied_since = 0.0F;  ///< time when it became occupied, s
     bool was_moving = false;      ///< it was free, and then filled by something that moved
+    bool is_clear = false;        ///< another beam that passes changes nothing
   };
 
   /// What is occupied near a point.
@@ -148,13 +149,15 @@ class MotionGrid {
   bool isUsable(const GridRay<D>& ray) const;
   Surroundings surroundingsOf(const Vector& point, double distance) const;
   CellState stateOf(const CellData& cell) const;
+  bool isStatic(const CellData* cell) const;
   CellMotion classify(const GridRay<D>& ray) const;
   CellData* addMoving(const Index& index);
   void updateHit(const GridRay<D>& ray, std::size_t number);
   void protectSurface(const std::vector<GridRay<D>>& rays);
   void protectCell(const Index& index);
-  void updateMiss(const GridRay<D>& ray);
-  bool passCell(const Index& index, bool presumed);
+  void clearAlong(const std::vector<GridRay<D>>& rays);
+  void updateMiss(const GridRay<D>& ray, float from);
+  void passCell(CellData& cell, bool presumed) const;
   bool isNew(const CellData& cell) const;
   bool hasStopped(const CellData& cell) const;
   void add(CellData& cell, float static_change, float dynamic_change) const;
@@ -174,29 +177,28 @@ class MotionGrid {
 template <int D, typename Visit>
 void traverse(const Eigen::Matrix<float, D, 1>& from, const Eigen::Matrix<float, D, 1>& to,
               Visit visit) {
-  GridIndex<D> index, last, step;
-  Eigen::Matrix<double, D, 1> next, per_cell;
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  int index[D], last[D], step[D];
+  double next[D], per_cell[D];  // shares of the way: of the next border, and between two of them
   int remaining = 0;
   for (int i = 0; i < D; ++i) {
-    index(i) = floorToInt(from(i));
-    last(i) = floorToInt(to(i));
+    index[i] = floorToInt(from(i));
+    last[i] = floorToInt(to(i));
     const double difference = static_cast<double>(to(i)) - static_cast<double>(from(i));
-    step(i) = difference > 0.0 ? 1 : -1;
-    per_cell(i) =
-        difference != 0.0 ? 1.0 / std::abs(difference) : std::numeric_limits<double>::infinity();
-    const double border = index(i) + (step(i) > 0 ? 1.0 : 0.0);
-    next(i) = difference != 0.0 ? (border - static_cast<double>(from(i))) / difference
-                                : std::numeric_limits<double>::infinity();
-    remaining += std::abs(last(i) - index(i));
+    step[i] = difference > 0.0 ? 1 : -1;
+    per_cell[i] = 1.0 / std::abs(difference);
+    const double border = index[i] + (step[i] > 0 ? 1.0 : 0.0);
+    next[i] = index[i] != last[i] ? (border - static_cast<double>(from(i))) / difference : kNever;
+    remaining += std::abs(last[i] - index[i]);
   }
   for (; remaining > 0; --remaining) {
-    if (!visit(index)) return;
-    int axis = -1;
-    for (int i = 0; i < D; ++i) {
-      if (index(i) != last(i) && (axis < 0 || next(i) < next(axis))) axis = i;
+    if (!visit(GridIndex<D>(Eigen::Map<const GridIndex<D>>(index)))) return;
+    int axis = 0;
+    for (int i = 1; i < D; ++i) {
+      if (next[i] < next[axis]) axis = i;
     }
-    index(axis) += step(axis);
-    next(axis) += per_cell(axis);
+    index[axis] += step[axis];
+    next[axis] = index[axis] != last[axis] ? next[axis] + per_cell[axis] : kNever;
   }
 }
 

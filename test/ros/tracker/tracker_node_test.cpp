@@ -13,32 +13,11 @@
 #include "kestrel_slam/TrackArray.h"
 #include "kestrel_slam/messages/planar_scan_message.h"
 #include "kestrel_slam/ros/panel/mapper_summary.h"
+#include "tracker/collected.h"
 #include "tracking/walker_room.h"
 
 namespace kestrel {
 namespace {
-
-template <typename Message>
-class Collected {
- public:
-  Collected(ros::NodeHandle& nh, const std::string& topic)
-      : subscriber_(nh.subscribe<Message>(
-            topic, 200, [this](const boost::shared_ptr<const Message>& m) { all.push_back(*m); })) {
-  }
-  bool isConnected() const { return subscriber_.getNumPublishers() > 0; }
-  std::vector<Message> all;
-
- private:
-  ros::Subscriber subscriber_;
-};
-
-void spinFor(double seconds) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
-  while (ros::WallTime::now() < end) {
-    ros::spinOnce();
-    ros::WallDuration(0.002).sleep();
-  }
-}
 
 class TrackerNodeTest : public testing::Test {
  protected:
