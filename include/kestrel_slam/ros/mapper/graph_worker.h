@@ -111,7 +111,7 @@ class GraphWorker {
   std::unique_ptr<SubmapGraph> next_graph_;  ///< replaces `graph_`
   GraphCorrection correction_;
   std::deque<LaterCorrection> later_;
-  std::uint64_t scans_ = 0;  ///< that were added
+  std::uint64_t scans_ = 0;        ///< that were added
   std::size_t waiting_parts_ = 0;  ///< in the queue: `correction_` is that of the last one
   GraphView view_;
 
