@@ -55,9 +55,7 @@ TEST_F(HalfMappedRing, AVehicleThatLeavesTheMapIsFollowedUntilItComesBack) {
     EXPECT_LT(error(i, result), isMapped(path_[i]) && i < path_.size() / 2 ? 0.05 : 0.3) << i;
     EXPECT_FALSE(result.inserted);
     outside += result.carried ? 1 : 0;
-    if (result.carried) {
-      EXPECT_NE(result.state, MatchState::kOk);
-    }
+    if (result.carried) EXPECT_NE(result.state, MatchState::kOk);
   }
   EXPECT_GT(outside, 30) << "the upper corridor is not in the map";
   EXPECT_EQ(result.state, MatchState::kOk) << result.reason;
@@ -71,9 +69,7 @@ TEST_F(HalfMappedRing, AVehicleThatBeginsOutsideOfTheMapIsFoundWhenItIsInTheMap)
   while (!outside(i)) ++i;
   for (; path_[i].y > 4.0; i = next(i)) {
     const MapperResult result = process(localizer, i);
-    if (!localizer.isLost()) {
-      EXPECT_LT(error(i, result), 0.3) << i;
-    }
+    if (!localizer.isLost()) EXPECT_LT(error(i, result), 0.3) << i;
   }
   for (int step = 0; localizer.isLost() && step < 12; ++step, i = next(i)) process(localizer, i);
   const MapperResult result = process(localizer, i);
