@@ -8,9 +8,9 @@ namespace {
 
 /// A scan is kept after this motion, and so many are.
 constexpr double kKeepM = 0.25, kKeepRad = 0.35;
-constexpr std::size_t kMostParts = 16, kLatestParts = 4;
-/// The next search begins after this motion, and if the scans fit nowhere, after this factor more.
-constexpr double kAgainM = 0.4, kAgainRad = 0.6, kMostPause = 2.0;
+constexpr std::size_t kMostParts = 16;
+/// The next search begins after this motion.
+constexpr double kAgainM = 0.4, kAgainRad = 0.6;
 
 bool hasMoved(const Pose2& from, const Pose2& to, double linear_m, double angular_rad) {
   const Pose2 motion = from.between(to);
@@ -23,7 +23,7 @@ void PlaceFinder::add(const PlanarScan& scan, const Pose2& local_T_base) {
   last_ = local_T_base;
   keep(scan, local_T_base);
   if (waiting_) return;
-  if (asked_ && !hasMoved(*asked_, local_T_base, pause_ * kAgainM, pause_ * kAgainRad)) return;
+  if (asked_ && !hasMoved(*asked_, local_T_base, kAgainM, kAgainRad)) return;
   asked_ = local_T_base;
   waiting_ = true;
   relocalizer_.begin(query(scan, local_T_base));
@@ -37,12 +37,9 @@ void PlaceFinder::keep(const PlanarScan& scan, const Pose2& local_T_base) {
 }
 
 /// The scan, and those before it.
-RelocalizationQuery PlaceFinder::query(const PlanarScan& scan, const Pose2& local_T_base) {
+RelocalizationQuery PlaceFinder::query(const PlanarScan& scan, const Pose2& local_T_base) const {
   RelocalizationQuery result{{{Pose2(), scan}}};
-  latest_only_ = parts_.size() > kLatestParts && !latest_only_;
-  const std::size_t first = latest_only_ ? parts_.size() - kLatestParts : 0;
-  for (std::size_t i = first; i < parts_.size(); ++i) {
-    const Part& part = parts_[i];
+  for (const Part& part : parts_) {
     if (hasMoved(part.local_T_base, local_T_base, 0.5 * kKeepM, 0.5 * kKeepRad))
       result.parts.push_back({local_T_base.between(part.local_T_base), part.scan});
   }
@@ -56,7 +53,6 @@ bool PlaceFinder::advance(std::int64_t work) {
   answer_ = answer;
   answered_ = asked_;
   waiting_ = false;
-  pause_ = answer_.state == RelocalizationState::kUnknown ? kMostPause : 1.0;
   return true;
 }
 
@@ -77,8 +73,7 @@ void PlaceFinder::reset() {
   asked_.reset();
   answered_.reset();
   answer_ = {};
-  waiting_ = latest_only_ = false;
-  pause_ = 1.0;
+  waiting_ = false;
 }
 
 std::size_t PlaceFinder::memoryBytes() const {

@@ -11,10 +11,8 @@
 
 namespace kestrel {
 
-/// Finds a vehicle in a map while it moves: first by a single scan, then by the scans of the last
+/// Finds a vehicle in a map while it moves: first by a single scan, then by all scans of the last
 /// meters together. So the places that explain only some of the scans drop out, until one is left.
-/// Every second search uses only the latest scans: those before may be from a place that is not in
-/// the map. If the scans fit nowhere, the next search begins later.
 class PlaceFinder {
  public:
   /// `map` must outlive the object.
@@ -47,7 +45,7 @@ class PlaceFinder {
   };
 
   void keep(const PlanarScan& scan, const Pose2& local_T_base);
-  RelocalizationQuery query(const PlanarScan& scan, const Pose2& local_T_base);
+  RelocalizationQuery query(const PlanarScan& scan, const Pose2& local_T_base) const;
 
   Relocalizer relocalizer_;
   RelocalizationAnswer answer_;
@@ -55,8 +53,6 @@ class PlaceFinder {
   std::optional<Pose2> asked_;     ///< local_T_base of the search that runs or ran last
   std::optional<Pose2> answered_;  ///< local_T_base of `answer_`
   bool waiting_ = false;           ///< for the answer of the search that was begun last
-  bool latest_only_ = false;       ///< in the search that was begun last
-  double pause_ = 1.0;             ///< factor of the motion between two searches
   Pose2 last_;                     ///< local_T_base of the last scan
 };
 
