@@ -92,10 +92,7 @@ class CloudTrackingTest : public testing::Test {
     std::string value;
     for (const auto& array : diagnostics_.all) {
       for (const auto& status : array.status) {
-        if (status.name.find("/tracker: Tracker") == std::string::npos ||
-            status.name.find("alone") != std::string::npos) {
-          continue;
-        }
+        if (status.name != "tracker: Tracker") continue;  // not that of the other namespace
         for (const auto& pair : status.values) {
           if (pair.key == key) value = pair.value;
         }
