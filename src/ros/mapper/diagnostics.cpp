@@ -103,16 +103,10 @@ void Diagnostics::fillMatch(Status& status) const {
     status.summary(DiagnosticStatus::OK, "no scan has been matched yet");
     return;
   }
-  if (report_.stale) {
-    status.summary(DiagnosticStatus::WARN, "stale: no scan arrives");
-    status.add("state", "stale");
-    status.add("reason",
-               "no scan arrives; the last one was " + std::string(toString(*report_.state)));
-  } else {
-    status.summary(levelOf(report_), summaryOf(report_));
-    status.add("state", toString(*report_.state));
-    status.add("reason", report_.reason);
-  }
+  status.summary(levelOf(report_), summaryOf(report_));
+  status.add("state", toString(*report_.state));
+  status.add("reason", report_.reason);
+  status.add("stale", report_.stale ? "true" : "false");
   status.add("score", report_.score);
   status.add("degenerate", report_.degenerate);
 }

@@ -39,6 +39,10 @@ void takeScans(const DiagnosticStatus& status, MapperSummary& summary) {
 void takeMatch(const DiagnosticStatus& status, MapperSummary& summary) {
   if (summary.state != "paused") summary.state = valueOf(status, "state");
   summary.reason = valueOf(status, "reason");
+  if (summary.state != "paused" && valueOf(status, "stale") == "true") {
+    summary.reason = "no scan arrives; the last one was " + summary.state;
+    summary.state = "stale";
+  }
   summary.mode = valueOf(status, "mode");
 }
 
