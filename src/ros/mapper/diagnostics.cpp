@@ -73,7 +73,9 @@ void Diagnostics::update() {
 std::string Diagnostics::checkSilence() {
   const double waited = (ros::WallTime::now() - started_).toSec();
   const std::string reason = watch_.check(report_.silence_s.value_or(waited), publisher_count_());
-  return reason.empty() && report_.stale ? "no scan on " + scan_topic_ + " for 1 s" : reason;
+  return reason.empty() && report_.stale && !report_.paused
+             ? "no scan on " + scan_topic_ + " for 1 s"
+             : reason;
 }
 
 void Diagnostics::fillScans(Status& status) const {

@@ -245,25 +245,24 @@ void SeveralVehicles::checkServices() {
   EXPECT_EQ(session.keyframes.size(), inWorld().size());
 }
 
-/// A vehicle flies back the way it came, and knows where it is in the map of all.
+/// A vehicle flies back the way it came, and is found in the map of all. In a corridor that looks
+/// the same in both directions it may be found at a wrong place first (doc/several_vehicles.md).
 void SeveralVehicles::checkInWorld() {
   constexpr double kSoon = 0.5;  // s
+  constexpr int kInARow = 10;
   Vehicle& vehicle = vehicles_[2];
   const std::vector<Pose2> way = vehicle.way;
   vehicle.way.insert(vehicle.way.end(), way.rbegin(), way.rend());
-  std::size_t found = 0;
-  double largest = 0.0;
-  while (vehicle.flown < vehicle.way.size() && found < 20) {
+  int right = 0;
+  while (vehicle.flown < vehicle.way.size() && right < kInARow) {
     ASSERT_TRUE(fly(vehicle, vehicle.flown + 1));
     if (!vehicle.client->waitFor([this] { return in_world_.header.stamp == stamp_; }, kSoon))
       continue;
-    ++found;
     const Pose2 truth = vehicles_[0].way[0].between(vehicle.way[vehicle.flown - 1]);
-    largest = std::max(largest, truth.between(poseOf(in_world_.pose)).distance());
+    right = truth.between(poseOf(in_world_.pose)).distance() < 0.15 ? right + 1 : 0;
   }
-  EXPECT_EQ(found, 20U);
+  EXPECT_EQ(right, kInARow);
   EXPECT_EQ(in_world_.header.frame_id, "world");
-  EXPECT_LT(largest, 0.15);
 }
 
 TEST_F(SeveralVehicles, OneMapThoughAVehicleAndTheMergerAreRestarted) {
