@@ -6,6 +6,12 @@
 
 namespace kestrel {
 
+bool hasOwnKeyframe(const KnownPlace& place, const std::vector<LocalKeyframe>& keyframes) {
+  for (std::size_t i = place.first; i < place.last; ++i)
+    if (keyframes[i].submap == place.submap) return true;
+  return false;
+}
+
 void Places::add(std::uint32_t submap, std::size_t first, std::size_t last) {
   places_.push_back({submap, first, last});
 }

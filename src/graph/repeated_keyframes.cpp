@@ -147,7 +147,7 @@ class Thinning {
     addKeyframes();
     for (const KnownPlace& place : old_.places) {
       const KnownPlace moved{place.submap, new_index_[place.first], new_index_[place.last]};
-      if (moved.last > moved.first) result_.places.push_back(moved);
+      if (hasOwnKeyframe(moved, result_.keyframes)) result_.places.push_back(moved);
     }
     for (const PoseEdge& edge : old_.graph.edges) {
       if (edge.kind == EdgeKind::kLoop && kept_[edge.from] && kept_[edge.to])

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "kestrel_slam/graph/composed_map.h"
 #include "kestrel_slam/graph/repeated_keyframes.h"
 #include "loop_world.h"
@@ -145,6 +147,29 @@ TEST_F(GraphParts, NewPlacesStayAndStayJoined) {
   SubmapGraph again{MapperConfig(), LoopConfig(), record};
   EXPECT_TRUE(again.isJoined(0)) << "the loops of removed keyframes joined it";
   for (const KnownPlace& place : record.places) EXPECT_LT(place.first, place.last);
+}
+
+/// A submap may lose all keyframes but those that it shares with the one before.
+TEST_F(GraphParts, SubmapsOfKeyframesThatStayHaveNumbersOfTheirOwn) {
+  SubmapGraph half{MapperConfig(), LoopConfig()};
+  Drive drive(loop_world::ring(), kDrift);
+  for (const Pose2& pose : loop_world::laps(0.5)) drive.add(pose, half);
+  const std::vector<Pose2> lap = loop_world::laps(1.2);
+  for (std::size_t begin = 0; begin < 60; begin += 6) {
+    SubmapGraph graph{MapperConfig(), LoopConfig(), half.record()};
+    const Pose2 start = lap.front().between(lap[begin]);
+    graph.beginPart(guessAt(start));
+    const std::size_t old = graph.keyframes().size();
+    Drive next(loop_world::ring(), kDrift, start);
+    for (std::size_t i = begin; i < lap.size(); ++i) next.add(lap[i], graph);
+    graph.finish();
+    SubmapGraph again{MapperConfig(), LoopConfig(),
+                      withoutRepeated(graph.record(), old, OccupancyGridConfig())};
+    again.beginPart(guessAt(start));
+    std::set<std::uint32_t> numbers;
+    for (const KnownPlace& place : again.places().all())
+      EXPECT_TRUE(numbers.insert(place.submap).second) << begin << ": submap " << place.submap;
+  }
 }
 
 TEST_F(GraphParts, KeyframesThatAreNotJoinedAreAllKept) {

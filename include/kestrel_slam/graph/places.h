@@ -25,6 +25,11 @@ struct KnownPlace {
   std::size_t first = 0, last = 0;  ///< its keyframes [first, last)
 };
 
+/// Whether the submap has a keyframe of its own. Those at its beginning may all belong to the
+/// submap before, with which it overlaps; such a submap shows nothing more, and its number may be
+/// used again.
+bool hasOwnKeyframe(const KnownPlace& place, const std::vector<LocalKeyframe>& keyframes);
+
 /// The finished submaps. Their grids are caches: only those that were used last are in memory, and
 /// the others are built again from the keyframes when they are needed.
 class Places {
