@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/evaluation/consistency.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/geometry/symmetric_axes.h"
 
 namespace kestrel {
 namespace {
@@ -15,10 +15,10 @@ constexpr double kInterval = 1.0;  ///< s
 
 void addAxisErrors(const EvaluatedPose& pose, Consistency& result) {
   const Eigen::Vector2d error = pose.estimate.pose.translation() - pose.truth.translation();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
-      Eigen::Matrix2d(pose.estimate.covariance().topLeftCorner<2, 2>()));
-  const Eigen::Vector2d in_axes = (axes.eigenvectors().transpose() * error).cwiseAbs();
-  const double sigma = std::sqrt(std::max(axes.eigenvalues()(1), 0.0));
+  const SymmetricAxes<2> axes =
+      symmetricAxes(Eigen::Matrix2d(pose.estimate.covariance().topLeftCorner<2, 2>()));
+  const Eigen::Vector2d in_axes = (axes.eigenvectors.transpose() * error).cwiseAbs();
+  const double sigma = std::sqrt(std::max(axes.eigenvalues(1), 0.0));
   result.worst_short_m = std::max(result.worst_short_m, in_axes(0));
   result.worst_long_m = std::max(result.worst_long_m, in_axes(1));
   if (sigma > 0.0) {

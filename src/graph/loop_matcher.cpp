@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/graph/loop_matcher.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "kestrel_slam/geometry/symmetric_axes.h"
 #include "kestrel_slam/matching/place_match.h"
 #include "kestrel_slam/matching/thinned.h"
 
@@ -56,9 +56,9 @@ Eigen::Matrix3d covarianceOf(const MatchResult& match, double min_constraint) {
   Eigen::Matrix3d result = kLoopMatchFactor * match.covariance;
   const double constraint = std::max(match.constraint, kLeastConstraint);
   if (constraint >= min_constraint) return result;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(result.topLeftCorner<2, 2>());
+  const SymmetricAxes<2> axes = symmetricAxes(Eigen::Matrix2d(result.topLeftCorner<2, 2>()));
   const Eigen::Vector2d weakest =
-      axes.eigenvectors().col(1) * kLoopPlaceM * min_constraint / constraint;
+      axes.eigenvectors.col(1) * kLoopPlaceM * min_constraint / constraint;
   result.topLeftCorner<2, 2>() += weakest * weakest.transpose();
   return result;
 }

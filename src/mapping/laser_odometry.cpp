@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/mapping/laser_odometry.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "kestrel_slam/geometry/symmetric_axes.h"
 #include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/mapping/motion_model.h"
@@ -14,9 +14,9 @@ namespace kestrel {
 namespace {
 
 MotionError errorOf(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> position(covariance.topLeftCorner<2, 2>(),
-                                                                Eigen::EigenvaluesOnly);
-  return {std::sqrt(std::max(0.0, position.eigenvalues()(1))),
+  const SymmetricAxes<2> position =
+      symmetricAxes(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
+  return {std::sqrt(std::max(0.0, position.eigenvalues(1))),
           std::sqrt(std::max(0.0, covariance(2, 2)))};
 }
 

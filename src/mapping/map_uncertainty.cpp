@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/mapping/map_uncertainty.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 
 #include "kestrel_slam/geometry/pose_covariance.h"
+#include "kestrel_slam/geometry/symmetric_axes.h"
 #include "kestrel_slam/matching/covariance.h"
 
 namespace kestrel {
@@ -45,8 +45,7 @@ Eigen::Matrix3d MapUncertainty::at(const SurfelField& surface, const Points& poi
     normals += normalsOf(*wall);
   }
   if (count == 0) return Eigen::Matrix3d::Zero();
-  const Eigen::Vector2d weakest =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(normals).eigenvectors().col(0);
+  const Eigen::Vector2d weakest = symmetricAxes(normals).eigenvectors.col(0);
   Eigen::Matrix3d mean = Eigen::Matrix3d::Zero();
   double weights = 0.0, weighted = 0.0;  // for the mean variance along the weakest direction
   for (std::size_t i = 0; i < count; ++i) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "kestrel_slam/geometry/pose_covariance.h"
 #include "kestrel_slam/geometry/square.h"
+#include "kestrel_slam/geometry/symmetric_axes.h"
 #include "kestrel_slam/matching/covariance.h"
 
 namespace kestrel {
@@ -36,9 +36,9 @@ constexpr double kUnknownAcceleration = 1.0, kAccelerationTime = 0.5, kMaxSpeed 
 constexpr double kOdometryError = 0.1;
 
 Eigen::Matrix3d absolute(const Eigen::Matrix3d& symmetric) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(symmetric);
-  return axes.eigenvectors() * axes.eigenvalues().cwiseAbs().asDiagonal() *
-         axes.eigenvectors().transpose();
+  const SymmetricAxes<3> axes = symmetricAxes(symmetric);
+  return axes.eigenvectors * axes.eigenvalues.cwiseAbs().asDiagonal() *
+         axes.eigenvectors.transpose();
 }
 
 }  // namespace

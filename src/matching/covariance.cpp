@@ -2,8 +2,9 @@
 #include "kestrel_slam/matching/covariance.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
+
+#include "kestrel_slam/geometry/symmetric_axes.h"
 
 namespace kestrel {
 namespace {
@@ -50,9 +51,9 @@ Eigen::Matrix3d sampledCovariance(const std::function<double(const Pose2&)>& cos
           0.5 * (rise(along + other) - rise(along - other)) / kStep2;
     }
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(curvature);
-  const Eigen::Vector3d inverse = axes.eigenvalues().cwiseMax(kLeastCurvature).cwiseInverse();
-  const Eigen::Matrix3d shape = root * axes.eigenvectors();
+  const SymmetricAxes<3> axes = symmetricAxes(curvature);
+  const Eigen::Vector3d inverse = axes.eigenvalues.cwiseMax(kLeastCurvature).cwiseInverse();
+  const Eigen::Matrix3d shape = root * axes.eigenvectors;
   const Eigen::Matrix3d covariance = shape * inverse.asDiagonal() * shape.transpose();
   return covariance.allFinite() ? covariance : spread;  // the spread may have no square root
 }

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/matching/fit.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "kestrel_slam/geometry/symmetric_axes.h"
 #include "surfel_lanes.h"
 
 namespace kestrel {
 
 double leastConstraint(const Fit& fit) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> normals(fit.normals, Eigen::EigenvaluesOnly);
   // The part of kAlongWeight (SurfelField) is not a constraint.
   constexpr double kAlong = kAlongWeight / (1.0 + kAlongWeight);
-  return normals.eigenvalues()(0) - kAlong;
+  return symmetricAxes(fit.normals).eigenvalues(0) - kAlong;
 }
 
 Fit fitOf(const Submap& map, const Points& points, const Pose2& map_T_base, double scale_m) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/matching/weak_motion.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -9,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "kestrel_slam/geometry/symmetric_axes.h"
 #include "surfel_lanes.h"
 
 namespace kestrel {
@@ -222,10 +222,9 @@ WeakMotion weakMotion(const Submap& map, const Points& points, const Pose2& map_
   const std::vector<Beam> beams = fittingBeams(map.surface(), points, map_T_base, which);
   if (beams.empty()) return result;
   const Eigen::Matrix3d covariance = informationOf(beams).inverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
-      Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
-  result.direction = axes.eigenvectors().col(1);
-  result.turn_rad_m = covariance.block<1, 2>(2, 0).dot(result.direction) / axes.eigenvalues()(1);
+  const SymmetricAxes<2> axes = symmetricAxes(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
+  result.direction = axes.eigenvectors.col(1);
+  result.turn_rad_m = covariance.block<1, 2>(2, 0).dot(result.direction) / axes.eigenvalues(1);
   const Parabola test = parabolaOf(map, map_T_base, beams, result, kTestM, which);
   result.constraint = test.curvature / static_cast<double>(beams.size());
   return result;

@@ -3,13 +3,13 @@
 
 #include <sensor_msgs/point_cloud2_iterator.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "kestrel_slam/geometry/pose3.h"
+#include "kestrel_slam/geometry/symmetric_axes.h"
 
 namespace kestrel {
 namespace {
@@ -22,9 +22,9 @@ constexpr double kMaxVariance = 1e6;
 Eigen::Matrix3d positiveDefinite(const Eigen::Matrix3d& covariance) {
   const Eigen::Matrix3d symmetric = 0.5 * (covariance + covariance.transpose());
   if (!symmetric.allFinite()) return kMaxVariance * Eigen::Matrix3d::Identity();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(symmetric);
-  const Eigen::Vector3d values = solver.eigenvalues().cwiseMax(kMinVariance).cwiseMin(kMaxVariance);
-  const Eigen::Matrix3d& axes = solver.eigenvectors();
+  const SymmetricAxes<3> solver = symmetricAxes(symmetric);
+  const Eigen::Vector3d values = solver.eigenvalues.cwiseMax(kMinVariance).cwiseMin(kMaxVariance);
+  const Eigen::Matrix3d& axes = solver.eigenvectors;
   const Eigen::Matrix3d result = axes * values.asDiagonal() * axes.transpose();
   return 0.5 * (result + result.transpose());  // exactly symmetric
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/mapper/uncertainty_markers.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "kestrel_slam/geometry/symmetric_axes.h"
 
 namespace kestrel {
 namespace {
@@ -28,10 +29,10 @@ Marker ellipseOf(const MapperResult& result) {
   Marker marker;
   marker.ns = "covariance";
   marker.type = Marker::CYLINDER;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
-      Eigen::Matrix2d(result.covariance.topLeftCorner<2, 2>()));
-  const Eigen::Vector2d sigmas = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::Vector2d long_axis = axes.eigenvectors().col(1);
+  const SymmetricAxes<2> axes =
+      symmetricAxes(Eigen::Matrix2d(result.covariance.topLeftCorner<2, 2>()));
+  const Eigen::Vector2d sigmas = axes.eigenvalues.cwiseMax(0.0).cwiseSqrt();
+  const Eigen::Vector2d long_axis = axes.eigenvectors.col(1);
   const double angle = std::atan2(long_axis.y(), long_axis.x());
   marker.pose.position.x = result.pose.x;
   marker.pose.position.y = result.pose.y;
