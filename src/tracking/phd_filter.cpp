@@ -275,7 +275,7 @@ LabeledTarget<N> PhdFilter<N, M>::targetOf(const Share& share, double weight) co
 template <int N, int M>
 void PhdFilter<N, M>::reduce() {
   const auto may = [this](const Component& a, const Component& b) { return mayMerge(a, b); };
-  components_ = reduceMixture(std::move(updated_), limits_, may);
+  components_ = reduceMixture(updated_, limits_, may);
   updated_.clear();
 }
 
