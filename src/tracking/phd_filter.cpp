@@ -87,8 +87,12 @@ void PhdFilter<N, M>::addSurvivors(double seconds, std::vector<Component>& predi
 template <int N, int M>
 void PhdFilter<N, M>::update(const std::vector<Observation<M>>& observations) {
   std::vector<Prepared> prepared;
+  prepared.reserve(components_.size());
   for (const Component& prior : components_) {
-    prepared.push_back({model_.expect(prior.mean), model_.detection(prior)});
+    const ExpectedObservation<N, M> expected = model_.expect(prior.mean);
+    const Eigen::Matrix<double, M, N>& H = expected.jacobian;
+    prepared.push_back(
+        {expected, model_.detection(prior), H * prior.covariance * H.transpose()});
   }
   updated_.clear();
   observation_of_.clear();
@@ -148,8 +152,7 @@ bool PhdFilter<N, M>::likelihood(const Component& prior, const Prepared& prepare
                                  const Observation<M>& observation, Candidate& candidate) const {
   const double weight = prepared.detection * prior.weight;
   if (!(weight > 0.0)) return false;
-  const Eigen::Matrix<double, M, N>& H = prepared.expected.jacobian;
-  const Eigen::Matrix<double, M, M> S = H * prior.covariance * H.transpose() + observation.noise;
+  const Eigen::Matrix<double, M, M> S = prepared.covariance + observation.noise;
   candidate.innovation = model_.difference
                              ? model_.difference(observation.value, prepared.expected.value)
                              : (observation.value - prepared.expected.value).eval();

@@ -25,25 +25,45 @@ class CellMap;
 template <typename Value>
 class CellMap<2, Value> {
  public:
+  /// Square part of a tile. The user counts its cells that need no work, to skip full parts.
+  static constexpr int kPartShift = 3, kPartSide = 1 << kPartShift;
+  static constexpr std::uint8_t kFull = kPartSide * kPartSide;
+  struct Tile {
+    std::array<Value, kTileCells> cells;
+    std::array<std::uint8_t, (kTileSide / kPartSide) * (kTileSide / kPartSide)> counts{};
+
+    std::uint8_t& countOf(const GridIndex<2>& index) {
+      constexpr unsigned kMask = kTileSide - 1U;
+      const unsigned x = (static_cast<unsigned>(index.x()) & kMask) >> kPartShift;
+      const unsigned y = (static_cast<unsigned>(index.y()) & kMask) >> kPartShift;
+      return counts[y * (kTileSide / kPartSide) + x];
+    }
+  };
+
   explicit CellMap(std::size_t limit_bytes) : limit_(limit_bytes), tiles_(limit_bytes) {}
 
   const Value* find(const GridIndex<2>& index) const {
     const Cell cell{index.x(), index.y()};
     const Tile* tile = tiles_.find(cell);
-    return tile != nullptr ? &(*tile)[offsetInTile(cell)] : nullptr;
+    return tile != nullptr ? &tile->cells[offsetInTile(cell)] : nullptr;
   }
   Value* find(const GridIndex<2>& index) {
     return const_cast<Value*>(std::as_const(*this).find(index));
   }
   /// nullptr if the memory limit is reached.
   Value* obtain(const GridIndex<2>& index) {
+    Tile* tile = obtainTile(index);
+    return tile != nullptr ? &tile->cells[offsetInTile({index.x(), index.y()})] : nullptr;
+  }
+  /// The tile of a cell; nullptr if the memory limit is reached.
+  Tile* obtainTile(const GridIndex<2>& index) {
     const Cell cell{index.x(), index.y()};
     const Cell number{cell.x >> kTileShift, cell.y >> kTileShift};
     if (last_ == nullptr || number.x != last_number_.x || number.y != last_number_.y) {
       last_ = tiles_.obtain(cell);
       last_number_ = number;
     }
-    return last_ != nullptr ? &(*last_)[offsetInTile(cell)] : nullptr;
+    return last_;
   }
 
   /// Removes the blocks that have no cell within `radius` cells of `center` in any direction.
@@ -61,7 +81,6 @@ class CellMap<2, Value> {
   std::size_t memoryBytes() const { return tiles_.memoryBytes(); }
 
  private:
-  using Tile = std::array<Value, kTileCells>;
   std::size_t limit_;
   TileMap<Tile> tiles_;
   Cell last_number_{0, 0};  ///< of the tile that was written last
