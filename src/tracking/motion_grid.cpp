@@ -104,7 +104,7 @@ void MotionGrid<D>::updateHit(const GridRay<D>& ray, std::size_t number) {
   const auto now = static_cast<float>(time_);
   if (cell->last_hit < 0.0F || now - cell->last_hit > kEpisodeGap) cell->first_hit = now;
   cell->last_hit = now;
-  noteDirty(index, *cell);
+  cell->is_clear = false;
   cell->was_moving = is_moving || (cell->was_moving && motion == CellMotion::kStopped);
   const bool by_medium = is_moving || motion == CellMotion::kStopped;
   add(*cell, by_medium ? medium_ : high_, is_moving ? high_ : low_);

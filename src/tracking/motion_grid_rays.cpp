@@ -18,15 +18,14 @@ constexpr float kMaxSpacing = 1.0F;  ///< m; of two returns of one surface
 /// 0, -1, 1, -2, 2, ...: the nearest cells first.
 int alternating(int i) { return i % 2 == 0 ? i / 2 : -(i + 1) / 2; }
 
-/// The steps of a walk until it leaves a part of a tile, or has made all steps along an axis.
-class PartWalk {
+/// The steps of a walk until it leaves a tile, or has made all steps along an axis.
+class TileWalk {
  public:
   /// `left`: steps to the last cell along each axis.
-  PartWalk(CellWalk<2>& walk, int (&left)[2]) : walk_(walk), left_(left) {
-    constexpr int kSide = CellMap<2, int>::kPartSide;
+  TileWalk(CellWalk<2>& walk, int (&left)[2]) : walk_(walk), left_(left) {
     for (int i = 0; i < 2; ++i) {
-      const int within = walk.index[i] & (kSide - 1);
-      const int to_border = walk.step[i] > 0 ? kSide - within : within + 1;
+      const int within = walk.index[i] & (kTileSide - 1);
+      const int to_border = walk.step[i] > 0 ? kTileSide - within : within + 1;
       steps_[i] = left[i] > 0 ? std::min(to_border, left[i]) : to_border;
     }
   }
@@ -126,10 +125,7 @@ void MotionGrid<D>::protectSurface(const std::vector<GridRay<D>>& rays) {
     const Index index = indexOf(rays[i].end);
     if (index == last) continue;
     last = index;
-    for (int axis = 0; axis < D; ++axis) {
-      protectCell(index + Index::Unit(axis));
-      protectCell(index - Index::Unit(axis));
-    }
+    protectAround(index);
     const bool has_neighbor = D == 2 && i > 0 && result_.motion[i - 1] != CellMotion::kNone;
     // Between cells side by side there is nothing.
     if (!has_neighbor || (index - indexOf(rays[i - 1].end)).cwiseAbs().sum() <= 1) continue;
@@ -138,6 +134,24 @@ void MotionGrid<D>::protectSurface(const std::vector<GridRay<D>>& rays) {
       protectCell(between);
       return true;
     });
+  }
+}
+
+template <int D>
+void MotionGrid<D>::protectAround(const Index& index) {
+  if constexpr (D == 2) {
+    constexpr int kLast = kTileSide - 1;
+    const int x = index.x() & kLast, y = index.y() & kLast;
+    auto* tile = x > 0 && x < kLast && y > 0 && y < kLast ? cells_.obtainTile(index) : nullptr;
+    if (tile != nullptr) {  // all are in one tile
+      CellData* cell = &(*tile)[offsetInTile({index.x(), index.y()})];
+      cell[-kTileSide].scan = cell[-1].scan = cell[1].scan = cell[kTileSide].scan = scan_;
+      return;
+    }
+  }
+  for (int axis = 0; axis < D; ++axis) {
+    protectCell(index + Index::Unit(axis));
+    protectCell(index - Index::Unit(axis));
   }
 }
 
@@ -167,8 +181,7 @@ void MotionGrid<D>::updateMiss(const GridRay<D>& ray, float from) {
   passAlong(first * inverse, ray.end * inverse, ray.presumed);
 }
 
-/// In the plane, parts of tiles in which another beam changes nothing are crossed without a look at
-/// their cells: most of the space that beams pass was free before.
+/// In the plane, a tile is looked up once for all cells that the beam passes in it.
 template <int D>
 void MotionGrid<D>::passAlong(const Vector& from, const Vector& to, bool presumed) {
   if constexpr (D == 2) {
@@ -179,18 +192,9 @@ void MotionGrid<D>::passAlong(const Vector& from, const Vector& to, bool presume
       auto* tile = cells_.obtainTile(index);
       result_.full |= tile == nullptr;
       if (tile == nullptr) return;
-      std::uint8_t& clear = tile->countOf(index);
-      const std::size_t offset = offsetInTile({index.x(), index.y()});
-      PartWalk part(walk, left);
-      if (clear == CellMap<2, CellData>::kFull) {
-        part.run(offset, [](std::size_t) {});
-        continue;
-      }
-      part.run(offset, [&](std::size_t at) {
-        CellData& cell = tile->cells[at];
-        if (cell.scan == scan_ || cell.is_clear) return;
-        passCell(cell, presumed);
-        if (cell.is_clear) ++clear;
+      TileWalk(walk, left).run(offsetInTile({index.x(), index.y()}), [&](std::size_t offset) {
+        CellData& cell = (*tile)[offset];
+        if (cell.scan != scan_ && !cell.is_clear) passCell(cell, presumed);
       });
     }
   } else {
@@ -204,21 +208,11 @@ void MotionGrid<D>::passAlong(const Vector& from, const Vector& to, bool presume
   }
 }
 
-template <int D>
-void MotionGrid<D>::noteDirty(const Index& index, CellData& cell) {
-  if constexpr (D == 2) {
-    if (cell.is_clear) --cells_.obtainTile(index)->countOf(index);
-  }
-  cell.is_clear = false;
-}
-
 template MotionGrid<2>::Surroundings MotionGrid<2>::surroundingsOf(const Vector&, double) const;
 template void MotionGrid<2>::protectSurface(const std::vector<GridRay<2>>&);
 template void MotionGrid<2>::clearAlong(const std::vector<GridRay<2>>&);
-template void MotionGrid<2>::noteDirty(const Index&, CellData&);
 template MotionGrid<3>::Surroundings MotionGrid<3>::surroundingsOf(const Vector&, double) const;
 template void MotionGrid<3>::protectSurface(const std::vector<GridRay<3>>&);
 template void MotionGrid<3>::clearAlong(const std::vector<GridRay<3>>&);
-template void MotionGrid<3>::noteDirty(const Index&, CellData&);
 
 }  // namespace kestrel

@@ -25,27 +25,14 @@ class CellMap;
 template <typename Value>
 class CellMap<2, Value> {
  public:
-  /// Square part of a tile. The user counts its cells that need no work, to skip full parts.
-  static constexpr int kPartShift = 3, kPartSide = 1 << kPartShift;
-  static constexpr std::uint8_t kFull = kPartSide * kPartSide;
-  struct Tile {
-    std::array<Value, kTileCells> cells;
-    std::array<std::uint8_t, (kTileSide / kPartSide) * (kTileSide / kPartSide)> counts{};
-
-    std::uint8_t& countOf(const GridIndex<2>& index) {
-      constexpr unsigned kMask = kTileSide - 1U;
-      const unsigned x = (static_cast<unsigned>(index.x()) & kMask) >> kPartShift;
-      const unsigned y = (static_cast<unsigned>(index.y()) & kMask) >> kPartShift;
-      return counts[y * (kTileSide / kPartSide) + x];
-    }
-  };
+  using Tile = std::array<Value, kTileCells>;
 
   explicit CellMap(std::size_t limit_bytes) : limit_(limit_bytes), tiles_(limit_bytes) {}
 
   const Value* find(const GridIndex<2>& index) const {
     const Cell cell{index.x(), index.y()};
     const Tile* tile = tiles_.find(cell);
-    return tile != nullptr ? &tile->cells[offsetInTile(cell)] : nullptr;
+    return tile != nullptr ? &(*tile)[offsetInTile(cell)] : nullptr;
   }
   Value* find(const GridIndex<2>& index) {
     return const_cast<Value*>(std::as_const(*this).find(index));
@@ -53,7 +40,7 @@ class CellMap<2, Value> {
   /// nullptr if the memory limit is reached.
   Value* obtain(const GridIndex<2>& index) {
     Tile* tile = obtainTile(index);
-    return tile != nullptr ? &tile->cells[offsetInTile({index.x(), index.y()})] : nullptr;
+    return tile != nullptr ? &(*tile)[offsetInTile({index.x(), index.y()})] : nullptr;
   }
   /// The tile of a cell; nullptr if the memory limit is reached.
   Tile* obtainTile(const GridIndex<2>& index) {

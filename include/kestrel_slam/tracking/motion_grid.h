@@ -154,11 +154,11 @@ class MotionGrid {
   CellData* addMoving(const Index& index);
   void updateHit(const GridRay<D>& ray, std::size_t number);
   void protectSurface(const std::vector<GridRay<D>>& rays);
+  void protectAround(const Index& index);
   void protectCell(const Index& index);
   void clearAlong(const std::vector<GridRay<D>>& rays);
   void updateMiss(const GridRay<D>& ray, float from);
   void passAlong(const Vector& from, const Vector& to, bool presumed);
-  void noteDirty(const Index& index, CellData& cell);
   void passCell(CellData& cell, bool presumed) const;
   bool isNew(const CellData& cell) const;
   bool hasStopped(const CellData& cell) const;
