@@ -67,7 +67,8 @@ double closeness(const Values& x, const Values& y, const Axes& axes) {
   const Values along = axes.along.x() * x + axes.along.y() * y;
   const Values across = axes.across.x() * x + axes.across.y() * y;
   const Values near =
-      1.0 / distancesToEnds(along).min(distancesToEnds(across)).max(Values::Constant(x.size(), kNear));
+      1.0 /
+      distancesToEnds(along).min(distancesToEnds(across)).max(Values::Constant(x.size(), kNear));
   double sum = 0.0;  // in the order of the points
   for (const double value : near) sum += value;
   return sum;

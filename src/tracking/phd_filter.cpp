@@ -90,9 +90,8 @@ void PhdFilter<N, M>::update(const std::vector<Observation<M>>& observations) {
   prepared.reserve(components_.size());
   for (const Component& prior : components_) {
     const ExpectedObservation<N, M> expected = model_.expect(prior.mean);
-    const Eigen::Matrix<double, M, N>& H = expected.jacobian;
-    prepared.push_back(
-        {expected, model_.detection(prior), H * prior.covariance * H.transpose()});
+    const auto& H = expected.jacobian;
+    prepared.push_back({expected, model_.detection(prior), H * prior.covariance * H.transpose()});
   }
   updated_.clear();
   observation_of_.clear();
@@ -111,9 +110,8 @@ void PhdFilter<N, M>::update(const std::vector<Observation<M>>& observations) {
 template <int N, int M>
 void PhdFilter<N, M>::addMissed(const std::vector<Prepared>& prepared) {
   for (std::size_t j = 0; j < components_.size(); ++j) {
-    Component missed = components_[j];
-    missed.weight *= 1.0 - prepared[j].detection;
-    append(missed, -1);
+    append(components_[j], -1);
+    updated_.back().weight *= 1.0 - prepared[j].detection;
   }
 }
 
@@ -277,8 +275,8 @@ LabeledTarget<N> PhdFilter<N, M>::targetOf(const Share& share, double weight) co
 
 template <int N, int M>
 void PhdFilter<N, M>::reduce() {
-  const auto may = [this](const Component& a, const Component& b) { return mayMerge(a, b); };
-  components_ = reduceMixture(updated_, limits_, may);
+  components_ = reduceMixture(updated_, limits_,
+                              [this](const auto& a, const auto& b) { return mayMerge(a, b); });
   updated_.clear();
 }
 

@@ -74,8 +74,10 @@ class PointBins {
       const std::uint64_t low = keyOf(bin);
       bin[D - 1] = middle[D - 1] + 1;
       const std::uint64_t high = keyOf(bin);
-      const auto first = std::lower_bound(bins_.begin(), bins_.end(), std::pair(low, std::size_t{0}));
-      const auto end = std::find_if(first, bins_.end(), [&](const auto& b) { return b.first > high; });
+      const auto first =
+          std::lower_bound(bins_.begin(), bins_.end(), std::pair(low, std::size_t{0}));
+      const auto end =
+          std::find_if(first, bins_.end(), [&](const auto& b) { return b.first > high; });
       result.rows[row] = {static_cast<std::size_t>(first - bins_.begin()),
                           static_cast<std::size_t>(end - bins_.begin())};
     }

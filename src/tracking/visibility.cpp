@@ -14,7 +14,7 @@ constexpr double kOccluderGap = 0.2;   // m; an occluder is at least this much n
 constexpr double kBesideBeams = 1.5;   // to the beam beside, from anywhere between two beams
 constexpr double kNearestRange = 0.1;  // m; nearer objects surround the sensor
 
-constexpr double kRounding = 1e-6;     // bins; a bearing so near to a border may be in either bin
+constexpr double kRounding = 1e-6;  // bins; a bearing so near to a border may be in either bin
 
 /// As std::floor, which is a call of a function.
 int floorOf(double value) {
@@ -142,9 +142,8 @@ double Visibility::visibleShare(const Eigen::Vector2d& center, double width) con
   // Bins without a beam lie between two beams, or outside of the field of view.
   const double bins_per_beam = std::max(1.0, beam_step_ * kBins / (2.0 * kPi));
   const double expected = static_cast<double>(count) / bins_per_beam;
-  return beams.visible > 0
-             ? beams.visible / std::max(expected, static_cast<double>(beams.measured))
-             : 0.0;
+  return beams.visible > 0 ? beams.visible / std::max(expected, static_cast<double>(beams.measured))
+                           : 0.0;
 }
 
 }  // namespace kestrel
