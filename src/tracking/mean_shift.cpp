@@ -2,6 +2,7 @@
 #include "kestrel_slam/tracking/mean_shift.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "point_bins.h"
@@ -12,6 +13,8 @@ namespace {
 // The set of points within the radius changes at every step and never comes back, so that the shift
 // ends by itself; this only bounds the work.
 constexpr int kMaxSteps = 100;
+/// Up to this number, all pairs of groups of points are compared: cheaper than bins.
+constexpr std::size_t kFewPoints = 400;
 
 template <int D>
 using PointList = std::vector<Eigen::Matrix<double, D, 1>>;
@@ -19,11 +22,12 @@ using PointList = std::vector<Eigen::Matrix<double, D, 1>>;
 /// Shifts `start` to the mean of the points near it until it stays where it is.
 template <int D>
 Eigen::Matrix<double, D, 1> climbIn(const PointBins<D>& bins, const PointList<D>& points,
-                                    Eigen::Matrix<double, D, 1> start) {
+                                    Eigen::Matrix<double, D, 1> start,
+                                    typename PointBins<D>::Neighbors& neighbors) {
   for (int step = 0; step < kMaxSteps; ++step) {
     Eigen::Matrix<double, D, 1> sum = Eigen::Matrix<double, D, 1>::Zero();
     std::size_t count = 0;
-    bins.forEachNear(start, [&](std::size_t i) {
+    bins.forEachNear(start, neighbors, [&](std::size_t i) {
       sum += points[i];
       ++count;
     });
@@ -33,13 +37,6 @@ Eigen::Matrix<double, D, 1> climbIn(const PointBins<D>& bins, const PointList<D>
     start = mean;
   }
   return start;
-}
-
-template <int D>
-std::size_t countNear(const PointBins<D>& bins, const Eigen::Matrix<double, D, 1>& center) {
-  std::size_t count = 0;
-  bins.forEachNear(center, [&](std::size_t) { ++count; });
-  return count;
 }
 
 /// The first of a set of joined numbers.
@@ -65,9 +62,72 @@ struct Modes {
   std::vector<std::size_t> density;
 };
 
+/// Points and the box around them.
+template <int D>
+struct Group {
+  std::vector<std::size_t> points;
+  Eigen::Matrix<double, D, 1> low, high;
+
+  Group(const PointList<D>& all, std::size_t first) : points{first}, low(all[first]), high(low) {}
+  void add(const PointList<D>& all, std::size_t i) {
+    points.push_back(i);
+    low = low.cwiseMin(all[i]);
+    high = high.cwiseMax(all[i]);
+  }
+};
+
+template <int D>
+bool areNear(const PointList<D>& points, const Group<D>& a, const Group<D>& b, double distance) {
+  constexpr double kRounding = 1.0 + 1e-9;
+  const double apart = (a.low - b.high).cwiseMax(b.low - a.high).maxCoeff();
+  if (apart > kRounding * distance) return false;
+  for (const std::size_t i : a.points) {
+    for (const std::size_t j : b.points) {
+      if ((points[i] - points[j]).squaredNorm() <= distance * distance) return true;
+    }
+  }
+  return false;
+}
+
+/// Joins the numbers of groups that are near to each other.
+template <int D>
+std::vector<std::size_t> joinGroups(const PointList<D>& points, const std::vector<Group<D>>& groups,
+                                    double distance) {
+  std::vector<std::size_t> parent = separate(groups.size());
+  for (std::size_t a = 0; a < groups.size(); ++a) {
+    for (std::size_t b = a + 1; b < groups.size(); ++b) {
+      if (rootOf(parent, a) == rootOf(parent, b)) continue;
+      if (areNear<D>(points, groups[a], groups[b], distance)) join(parent, a, b);
+    }
+  }
+  return parent;
+}
+
+/// separateSets() of few points, most of which are near to the one before, as the returns of a
+/// laser: only such pieces are compared.
+template <int D>
+std::vector<std::vector<std::size_t>> separatePieces(const PointList<D>& points, double distance) {
+  std::vector<Group<D>> pieces;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i > 0 && (points[i] - points[i - 1]).squaredNorm() <= distance * distance) {
+      pieces.back().add(points, i);
+    } else {
+      pieces.emplace_back(points, i);
+    }
+  }
+  std::vector<std::size_t> parent = joinGroups<D>(points, pieces, distance);
+  std::vector<std::vector<std::size_t>> sets(pieces.size());
+  for (std::size_t p = 0; p < pieces.size(); ++p) {
+    std::vector<std::size_t>& set = sets[rootOf(parent, p)];
+    set.insert(set.end(), pieces[p].points.begin(), pieces[p].points.end());
+  }
+  return sets;
+}
+
 /// Sets of points that are farther than `distance` from all others.
 template <int D>
 std::vector<std::vector<std::size_t>> separateSets(const PointList<D>& points, double distance) {
+  if (points.size() <= kFewPoints) return separatePieces<D>(points, distance);
   std::vector<std::size_t> parent = separate(points.size());
   const PointBins<D> bins(points, distance);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -93,7 +153,8 @@ Eigen::Matrix<double, D, 1> meanOf(const PointList<D>& points,
 template <int D>
 Modes<D> findModes(const PointList<D>& points, double bandwidth) {
   constexpr double kHalf = 0.5;
-  const PointBins<D> bins(points, bandwidth);
+  std::optional<PointBins<D>> bins;  // most scans need none
+  typename PointBins<D>::Neighbors neighbors;
   Modes<D> modes{points, std::vector<std::size_t>(points.size())};
   for (const auto& set : separateSets<D>(points, (1.0 + kHalf) * bandwidth)) {
     if (set.empty()) continue;
@@ -101,12 +162,71 @@ Modes<D> findModes(const PointList<D>& points, double bandwidth) {
     const bool is_small = std::all_of(set.begin(), set.end(), [&](std::size_t i) {
       return (points[i] - mean).norm() < kHalf * bandwidth;
     });
+    if (!is_small && !bins) bins.emplace(points, bandwidth);
     for (const std::size_t i : set) {
-      modes.of_point[i] = is_small ? mean : climbIn<D>(bins, points, points[i]);
-      modes.density[i] = is_small ? set.size() : countNear<D>(bins, modes.of_point[i]);
+      modes.density[i] = is_small ? set.size() : 0;
+      modes.of_point[i] = is_small ? mean : climbIn<D>(*bins, points, points[i], neighbors);
+      if (is_small) continue;
+      bins->forEachNear(modes.of_point[i], neighbors, [&](std::size_t) { ++modes.density[i]; });
     }
   }
   return modes;
+}
+
+/// Joins the numbers of modes that are near to each other. Most modes are equal to the one before.
+template <int D>
+std::vector<std::size_t> joinModes(const PointList<D>& modes, double distance) {
+  std::vector<std::size_t> parent = separate(modes.size());
+  std::vector<std::size_t> different;
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    if (i > 0 && modes[i] == modes[i - 1]) {
+      join(parent, i, i - 1);
+    } else {
+      different.push_back(i);
+    }
+  }
+  if (modes.size() > kFewPoints) {
+    const PointBins<D> bins(modes, distance);
+    for (const std::size_t i : different) {
+      bins.forEachNear(modes[i], [&](std::size_t j) { join(parent, i, j); });
+    }
+    return parent;
+  }
+  for (const std::size_t i : different) {
+    for (const std::size_t j : different) {
+      if (j >= i) break;
+      if ((modes[i] - modes[j]).squaredNorm() <= distance * distance) join(parent, i, j);
+    }
+  }
+  return parent;
+}
+
+/// Joins the numbers of clusters that have points near to each other.
+template <int D>
+std::vector<std::size_t> joinClusters(const PointList<D>& points,
+                                      const std::vector<PointCluster<D>>& clusters, double gap) {
+  if (points.size() <= kFewPoints) {
+    std::vector<Group<D>> groups;
+    for (const PointCluster<D>& cluster : clusters) {
+      groups.emplace_back(points, cluster.points.front());
+      for (std::size_t i = 1; i < cluster.points.size(); ++i) {
+        groups.back().add(points, cluster.points[i]);
+      }
+    }
+    return joinGroups<D>(points, groups, gap);
+  }
+  std::vector<std::size_t> cluster_of(points.size());
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    for (const std::size_t i : clusters[c].points) cluster_of[i] = c;
+  }
+  std::vector<std::size_t> parent = separate(clusters.size());
+  const PointBins<D> bins(points, gap);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    bins.forEachNear(points[i], [&](std::size_t j) {
+      if (cluster_of[i] != cluster_of[j]) join(parent, cluster_of[i], cluster_of[j]);
+    });
+  }
+  return parent;
 }
 
 }  // namespace
@@ -114,15 +234,7 @@ Modes<D> findModes(const PointList<D>& points, double bandwidth) {
 template <int D>
 std::vector<PointCluster<D>> meanShift(const PointList<D>& points, double bandwidth) {
   const auto [modes, density] = findModes<D>(points, bandwidth);
-  std::vector<std::size_t> parent = separate(points.size());
-  const PointBins<D> mode_bins(modes, 0.5 * bandwidth);
-  for (std::size_t i = 0; i < modes.size(); ++i) {
-    if (i > 0 && modes[i] == modes[i - 1]) {
-      join(parent, i, i - 1);
-      continue;
-    }
-    mode_bins.forEachNear(modes[i], [&, i = i](std::size_t j) { join(parent, i, j); });
-  }
+  std::vector<std::size_t> parent = joinModes<D>(modes, 0.5 * bandwidth);
   std::vector<PointCluster<D>> clusters;
   std::vector<std::size_t> cluster_of(points.size()), best;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -144,23 +256,14 @@ std::vector<PointCluster<D>> meanShift(const PointList<D>& points, double bandwi
 template <int D>
 Eigen::Matrix<double, D, 1> climb(const PointList<D>& points, double bandwidth,
                                   Eigen::Matrix<double, D, 1> start) {
-  return climbIn<D>(PointBins<D>(points, bandwidth), points, start);
+  typename PointBins<D>::Neighbors neighbors;
+  return climbIn<D>(PointBins<D>(points, bandwidth), points, start, neighbors);
 }
 
 template <int D>
 std::vector<PointCluster<D>> joinConnected(const PointList<D>& points,
                                            std::vector<PointCluster<D>> clusters, double gap) {
-  std::vector<std::size_t> cluster_of(points.size());
-  for (std::size_t c = 0; c < clusters.size(); ++c) {
-    for (const std::size_t i : clusters[c].points) cluster_of[i] = c;
-  }
-  std::vector<std::size_t> parent = separate(clusters.size());
-  const PointBins<D> bins(points, gap);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    bins.forEachNear(points[i], [&](std::size_t j) {
-      if (cluster_of[i] != cluster_of[j]) join(parent, cluster_of[i], cluster_of[j]);
-    });
-  }
+  std::vector<std::size_t> parent = joinClusters<D>(points, clusters, gap);
   std::vector<PointCluster<D>> joined;
   std::vector<std::size_t> index_of(clusters.size());
   for (std::size_t c = 0; c < clusters.size(); ++c) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "kestrel_slam/tracking/phd_filter.h"
@@ -29,38 +30,82 @@ PhdComponent<N> mergedOf(const std::vector<const PhdComponent<N>*>& parts) {
   return merged;
 }
 
+/// A lower bound of the squared Mahalanobis distance to a Gaussian: the one of its first two
+/// coordinates. It decides most pairs without the factors of the covariance. Nothing exceeds it if
+/// the Gaussian is flat, as the turn rate of what stands: there the factors decide.
+template <int N>
+struct PlaneBound {
+  double x, y;
+  double inverse_xx, slope, inverse_rest;
+
+  explicit PlaneBound(const PhdComponent<N>& c) : x(c.mean(0)), y(c.mean(1)) {
+    constexpr double kSingular = 1e-6;  // rounding would decide
+    const double xx = c.covariance(0, 0), yx = c.covariance(1, 0), yy = c.covariance(1, 1);
+    inverse_xx = 1.0 / xx;
+    slope = yx / xx;
+    const double rest = yy - slope * yx;
+    const bool is_flat = !(c.covariance.diagonal().minCoeff() > 0.0);
+    if (is_flat) inverse_xx = 0.0;
+    inverse_rest = !is_flat && rest > kSingular * yy ? 1.0 / rest : 0.0;
+  }
+  bool exceeds(double limit, const PlaneBound& other) const {
+    const double dx = x - other.x;
+    const double along = dx * dx * inverse_xx;
+    if (along > limit) return true;
+    const double across = y - other.y - slope * dx;
+    return along + across * across * inverse_rest > limit;
+  }
+};
+
+template <int N>
+void sortByWeight(std::vector<const PhdComponent<N>*>& components) {
+  std::stable_sort(components.begin(), components.end(),
+                   [](const auto* a, const auto* b) { return a->weight > b->weight; });
+}
+
 /// Pruning, merging and the cap of [Vo 2006, table II], in the order of falling weight. A component
 /// is merged into a heavier one if `may_merge(heavier, component)` allows it.
 template <int N, typename MayMerge>
-std::vector<PhdComponent<N>> reduceMixture(std::vector<PhdComponent<N>> mixture,
+std::vector<PhdComponent<N>> reduceMixture(const std::vector<PhdComponent<N>>& mixture,
                                            const PhdLimits& limits, MayMerge may_merge) {
   using Component = PhdComponent<N>;
-  mixture.erase(
-      std::remove_if(mixture.begin(), mixture.end(),
-                     [&](const Component& c) { return !(c.weight > limits.prune_weight); }),
-      mixture.end());
-  std::stable_sort(mixture.begin(), mixture.end(),
-                   [](const Component& a, const Component& b) { return a.weight > b.weight; });
-  std::vector<Eigen::LLT<Eigen::Matrix<double, N, N>>> inverses;
-  inverses.reserve(mixture.size());
-  for (const Component& component : mixture) inverses.emplace_back(component.covariance);
-  std::vector<bool> merged(mixture.size(), false);
-  std::vector<Component> result;
-  for (std::size_t i = 0; i < mixture.size(); ++i) {
-    if (merged[i]) continue;
-    std::vector<const Component*> parts{&mixture[i]};
-    for (std::size_t j = i + 1; j < mixture.size(); ++j) {
-      if (merged[j] || !may_merge(mixture[i], mixture[j])) continue;
-      const Eigen::Matrix<double, N, 1> offset = mixture[j].mean - mixture[i].mean;
-      if (inverses[j].matrixL().solve(offset).squaredNorm() > limits.merge_distance) continue;
-      merged[j] = true;
-      parts.push_back(&mixture[j]);
-    }
-    result.push_back(mergedOf(parts));
+  constexpr double kRounding = 1.0 + 1e-6;
+  std::vector<const Component*> order;  // a component is too large to be moved by sorting
+  for (const Component& c : mixture) {
+    if (c.weight > limits.prune_weight) order.push_back(&c);
   }
-  std::stable_sort(result.begin(), result.end(),
-                   [](const Component& a, const Component& b) { return a.weight > b.weight; });
-  if (result.size() > limits.max_components) result.resize(limits.max_components);
+  sortByWeight<N>(order);
+  std::vector<PlaneBound<N>> bounds;
+  bounds.reserve(order.size());
+  for (const Component* component : order) bounds.emplace_back(*component);
+  std::vector<std::optional<Eigen::LLT<Eigen::Matrix<double, N, N>>>> factors(order.size());
+  std::vector<char> merged(order.size(), 0);
+  std::vector<Component> kept;
+  kept.reserve(order.size());
+  std::vector<const Component*> parts;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (merged[i] != 0) continue;
+    parts.assign(1, order[i]);
+    for (std::size_t j = i + 1; j < order.size(); ++j) {
+      if (merged[j] != 0 || bounds[j].exceeds(kRounding * limits.merge_distance, bounds[i]) ||
+          !may_merge(*order[i], *order[j])) {
+        continue;
+      }
+      if (!factors[j]) factors[j].emplace(order[j]->covariance);
+      const Eigen::Matrix<double, N, 1> offset = order[j]->mean - order[i]->mean;
+      if (factors[j]->matrixL().solve(offset).squaredNorm() > limits.merge_distance) continue;
+      merged[j] = 1;
+      parts.push_back(order[j]);
+    }
+    kept.push_back(mergedOf(parts));
+  }
+  order.clear();
+  for (const Component& component : kept) order.push_back(&component);
+  sortByWeight<N>(order);
+  if (order.size() > limits.max_components) order.resize(limits.max_components);
+  std::vector<Component> result;
+  result.reserve(order.size());
+  for (const Component* component : order) result.push_back(*component);
   return result;
 }
 

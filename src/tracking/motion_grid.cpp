@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "beam_overlap.h"
 #include "offsets.h"
 
 namespace kestrel {
@@ -16,7 +14,6 @@ constexpr double kNominalPeriod = 0.1;  ///< s, for which the inverse measuremen
 // After a gap, a scan does not count more than this many scans at the nominal rate.
 constexpr double kMaxScale = 5.0;
 constexpr float kEpisodeGap = 0.5F;     ///< s; thin objects are missed for shorter times
-constexpr float kMaxSpacing = 1.0F;     ///< m; of two returns of one surface
 constexpr float kMaxCoordinate = 1e6F;  ///< cells; what is beyond comes from a wrong pose
 
 /// [Siew 2018, eq. 4].
@@ -53,8 +50,9 @@ const typename MotionGrid<D>::Result& MotionGrid<D>::insert(const std::vector<Gr
   // All returns are classified by the grids of the last scan before the first cell changes.
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (!rays[i].hit || !isUsable(rays[i])) continue;
-    result_.motion[i] = classify(rays[i]);
-    result_.was_free[i] = staticState(indexOf(rays[i].end)) == CellState::kFree;
+    const CellData* own = cells_.find(indexOf(rays[i].end));
+    result_.motion[i] = classify(rays[i], own);
+    result_.was_free[i] = own != nullptr && stateOf(*own) == CellState::kFree;
   }
   ++scan_;
   time_ += std::max(seconds, 0.0);
@@ -75,43 +73,19 @@ bool MotionGrid<D>::isUsable(const GridRay<D>& ray) const {
 /// The rows of table 1 and 2 with an occupied measurement. A return near something static belongs
 /// to it, because of the noise of laser and pose.
 template <int D>
-CellMotion MotionGrid<D>::classify(const GridRay<D>& ray) const {
-  const CellState state = staticState(indexOf(ray.end));
+CellMotion MotionGrid<D>::classify(const GridRay<D>& ray, const CellData* own) const {
+  if (isStatic(own)) return CellMotion::kStatic;  // as most returns, which are from walls
+  const CellState state = own != nullptr ? stateOf(*own) : CellState::kUnobserved;
   const double range = static_cast<double>((ray.end - ray.origin).norm());
   const Surroundings near =
       surroundingsOf(ray.end, config_.tolerance_m + config_.tolerance_rad * range);
   if (near.is_static) return CellMotion::kStatic;
-  const CellData* own = cells_.find(indexOf(ray.end));
   const bool was_moving = own != nullptr && hasStopped(*own) && state != CellState::kFree;
   if (near.has_stopped || was_moving) return CellMotion::kStopped;
-  if (state == CellState::kFree || isImposed(indexOf(ray.end))) return CellMotion::kMoving;
+  const bool is_imposed = own != nullptr && own->imposed == scan_ + 1;
+  if (state == CellState::kFree || is_imposed) return CellMotion::kMoving;
   const bool is_new = near.is_new || state == CellState::kUnobserved;
   return is_new && scan_ > 0 && config_.new_s > 0.0 ? CellMotion::kNew : CellMotion::kStatic;
-}
-
-template <int D>
-typename MotionGrid<D>::Surroundings MotionGrid<D>::surroundingsOf(const Vector& point,
-                                                                   double distance) const {
-  const Index center = indexOf(point);
-  const auto reach = static_cast<float>(distance / config_.resolution_m);
-  const Vector in_cells = point / static_cast<float>(config_.resolution_m);
-  Surroundings result;
-  result.is_static = isStatic(cells_.find(center));
-  if (result.is_static) return result;  // as most returns, which are from walls
-  anyAround<D>(static_cast<int>(std::ceil(reach)), [&](const Index& offset) {
-    const Index index = center + offset;
-    const CellData* cell = cells_.find(index);
-    if (cell == nullptr || stateOf(*cell) != CellState::kOccupied) return false;
-    // Distance from the point to the cell.
-    const Vector low = index.template cast<float>() - in_cells;
-    const Vector gap = low.cwiseMax(-low - Vector::Ones()).cwiseMax(0.0F);
-    if (gap.norm() > reach) return false;
-    (hasStopped(*cell) ? result.has_stopped
-     : isNew(*cell)    ? result.is_new
-                       : result.is_static) = true;
-    return result.is_static;
-  });
-  return result;
 }
 
 template <int D>
@@ -150,63 +124,6 @@ template <int D>
 void MotionGrid<D>::claim(const Vector& point) {
   CellData* cell = addMoving(indexOf(point));
   if (cell != nullptr) cell->was_moving = true;
-}
-
-/// The surface is wider than the returns: noise moves it into the neighboring cells, and at a
-/// grazing angle it goes on between the returns of two neighboring beams, in cells that the farther
-/// beam passes. These cells are not measured as free by this scan.
-template <int D>
-void MotionGrid<D>::protectSurface(const std::vector<GridRay<D>>& rays) {
-  const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
-  Index last = Index::Constant(std::numeric_limits<int>::max());
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (result_.motion[i] == CellMotion::kNone) continue;
-    const Index index = indexOf(rays[i].end);
-    if (index == last) continue;
-    last = index;
-    for (int axis = 0; axis < D; ++axis) {
-      protectCell(index + Index::Unit(axis));
-      protectCell(index - Index::Unit(axis));
-    }
-    const bool has_neighbor = D == 2 && i > 0 && result_.motion[i - 1] != CellMotion::kNone;
-    if (!has_neighbor || (rays[i].end - rays[i - 1].end).norm() > kMaxSpacing) continue;
-    traverse<D>(rays[i - 1].end * inverse, rays[i].end * inverse, [this](const Index& between) {
-      protectCell(between);
-      return true;
-    });
-  }
-}
-
-template <int D>
-void MotionGrid<D>::protectCell(const Index& index) {
-  CellData* cell = cells_.obtain(index);
-  if (cell != nullptr) cell->scan = scan_;
-}
-
-template <int D>
-void MotionGrid<D>::clearAlong(const std::vector<GridRay<D>>& rays) {
-  std::vector<float> from;
-  if constexpr (D == 2) from = sharedRanges(rays, static_cast<float>(config_.resolution_m));
-  from.resize(rays.size(), 0.0F);
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (isUsable(rays[i])) updateMiss(rays[i], from[i]);
-  }
-}
-
-/// The rows of table 1 and 2 with a free measurement, for the cells of a ray that are farther than
-/// `from`, m.
-template <int D>
-void MotionGrid<D>::updateMiss(const GridRay<D>& ray, float from) {
-  const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
-  const Vector along = ray.end - ray.origin;
-  const Vector first = from > 0.0F ? (ray.origin + from / along.norm() * along).eval() : ray.origin;
-  traverse<D>(first * inverse, ray.end * inverse, [&](const Index& index) {
-    CellData* cell = cells_.obtain(index);
-    result_.full |= cell == nullptr;
-    if (cell == nullptr) return false;
-    if (cell->scan != scan_ && !cell->is_clear) passCell(*cell, ray.presumed);
-    return true;
-  });
 }
 
 template <int D>

@@ -24,8 +24,6 @@ struct Extent {
     low = std::min(low, value);
     high = std::max(high, value);
   }
-  /// Distance to the nearer end.
-  double distance(double value) const { return std::min(value - low, high - value); }
 };
 
 struct Axes {
@@ -47,16 +45,32 @@ Extents extentsOf(const std::vector<Eigen::Vector2d>& points, const Axes& axes) 
   return result;
 }
 
+/// The axes of every step, because sine and cosine cost more than the projection of a few points.
+const Axes& axesOf(int step) {
+  static const std::vector<Axes> all = [] {
+    std::vector<Axes> axes;
+    for (int i = -kCoarse; i < kTurn + kCoarse; ++i) axes.emplace_back(i * kDegree);
+    return axes;
+  }();
+  return all[static_cast<std::size_t>(step + kCoarse)];
+}
+
+using Values = Eigen::Array<double, Eigen::Dynamic, 1, 0, static_cast<int>(kPoints), 1>;
+
+/// Distances to the nearer end of what the points fill along an axis.
+Values distancesToEnds(const Values& along) {
+  return (along - along.minCoeff()).min(along.maxCoeff() - along);
+}
+
 /// Large if the points lie close to the sides of the rectangle.
-double closeness(const std::vector<Eigen::Vector2d>& points, double yaw) {
-  const Axes axes(yaw);
-  const Extents extents = extentsOf(points, axes);
-  double sum = 0.0;
-  for (const Eigen::Vector2d& point : points) {
-    const double distance = std::min(extents.along.distance(axes.along.dot(point)),
-                                     extents.across.distance(axes.across.dot(point)));
-    sum += 1.0 / std::max(distance, kNear);
-  }
+double closeness(const Values& x, const Values& y, const Axes& axes) {
+  const Values along = axes.along.x() * x + axes.along.y() * y;
+  const Values across = axes.across.x() * x + axes.across.y() * y;
+  const Values near =
+      1.0 /
+      distancesToEnds(along).min(distancesToEnds(across)).max(Values::Constant(x.size(), kNear));
+  double sum = 0.0;  // in the order of the points
+  for (const double value : near) sum += value;
   return sum;
 }
 
@@ -87,11 +101,18 @@ OrientedBox boxAlong(const std::vector<Eigen::Vector2d>& points, double yaw) {
 }
 
 OrientedBox fitBox(const std::vector<Eigen::Vector2d>& points) {
+  if (points.empty()) return {};
   const std::vector<Eigen::Vector2d> some = thinned(points);
+  const auto count = static_cast<Eigen::Index>(some.size());
+  Values x(count), y(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    x(i) = some[static_cast<std::size_t>(i)].x();
+    y(i) = some[static_cast<std::size_t>(i)].y();
+  }
   int best_step = 0;
   double best = -1.0;
   const auto tryStep = [&](int step) {
-    const double value = closeness(some, step * kDegree);
+    const double value = closeness(x, y, axesOf(step));
     if (value <= best) return;
     best = value;
     best_step = step;

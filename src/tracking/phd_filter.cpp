@@ -87,8 +87,11 @@ void PhdFilter<N, M>::addSurvivors(double seconds, std::vector<Component>& predi
 template <int N, int M>
 void PhdFilter<N, M>::update(const std::vector<Observation<M>>& observations) {
   std::vector<Prepared> prepared;
+  prepared.reserve(components_.size());
   for (const Component& prior : components_) {
-    prepared.push_back({model_.expect(prior.mean), model_.detection(prior)});
+    const ExpectedObservation<N, M> expected = model_.expect(prior.mean);
+    const auto& H = expected.jacobian;
+    prepared.push_back({expected, model_.detection(prior), H * prior.covariance * H.transpose()});
   }
   updated_.clear();
   observation_of_.clear();
@@ -107,9 +110,8 @@ void PhdFilter<N, M>::update(const std::vector<Observation<M>>& observations) {
 template <int N, int M>
 void PhdFilter<N, M>::addMissed(const std::vector<Prepared>& prepared) {
   for (std::size_t j = 0; j < components_.size(); ++j) {
-    Component missed = components_[j];
-    missed.weight *= 1.0 - prepared[j].detection;
-    append(missed, -1);
+    append(components_[j], -1);
+    updated_.back().weight *= 1.0 - prepared[j].detection;
   }
 }
 
@@ -148,8 +150,7 @@ bool PhdFilter<N, M>::likelihood(const Component& prior, const Prepared& prepare
                                  const Observation<M>& observation, Candidate& candidate) const {
   const double weight = prepared.detection * prior.weight;
   if (!(weight > 0.0)) return false;
-  const Eigen::Matrix<double, M, N>& H = prepared.expected.jacobian;
-  const Eigen::Matrix<double, M, M> S = H * prior.covariance * H.transpose() + observation.noise;
+  const Eigen::Matrix<double, M, M> S = prepared.covariance + observation.noise;
   candidate.innovation = model_.difference
                              ? model_.difference(observation.value, prepared.expected.value)
                              : (observation.value - prepared.expected.value).eval();
@@ -274,8 +275,8 @@ LabeledTarget<N> PhdFilter<N, M>::targetOf(const Share& share, double weight) co
 
 template <int N, int M>
 void PhdFilter<N, M>::reduce() {
-  const auto may = [this](const Component& a, const Component& b) { return mayMerge(a, b); };
-  components_ = reduceMixture(std::move(updated_), limits_, may);
+  components_ = reduceMixture(updated_, limits_,
+                              [this](const auto& a, const auto& b) { return mayMerge(a, b); });
   updated_.clear();
 }
 

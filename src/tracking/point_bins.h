@@ -24,26 +24,30 @@ class PointBins {
     std::sort(bins_.begin(), bins_.end());
   }
 
-  /// Calls `visit(index)` for all points within the radius of `center`.
+  /// The sorted points of a cell and its neighbors. Places in one cell share them.
+  struct Neighbors {
+    std::array<std::int64_t, D> cell{};
+    std::array<std::pair<std::size_t, std::size_t>, D == 2 ? 3 : 9> rows{};  ///< first, end
+    bool is_known = false;
+  };
+
+  /// Calls `visit(index)` for all points within the radius of `center`. `neighbors`: of the last
+  /// place, so that the next one needs no search.
   template <typename Visit>
-  void forEachNear(const Vector& center, Visit visit) const {
+  void forEachNear(const Vector& center, Neighbors& neighbors, Visit visit) const {
     const Bin middle = binOf(center);
-    Bin bin = middle;
-    // The last coordinate runs over three neighbors in one piece of the sorted list.
-    constexpr int kRows = D == 2 ? 3 : 9;
-    for (int row = 0; row < kRows; ++row) {
-      bin[0] = middle[0] + row % 3 - 1;
-      if constexpr (D == 3) bin[1] = middle[1] + row / 3 - 1;
-      bin[D - 1] = middle[D - 1] - 1;
-      const std::uint64_t first = keyOf(bin);
-      bin[D - 1] = middle[D - 1] + 1;
-      const std::uint64_t last = keyOf(bin);
-      auto entry = std::lower_bound(bins_.begin(), bins_.end(), std::pair(first, std::size_t{0}));
-      for (; entry != bins_.end() && entry->first <= last; ++entry) {
-        const double distance2 = (points_[entry->second] - center).squaredNorm();
-        if (distance2 <= radius_ * radius_) visit(entry->second);
+    if (!neighbors.is_known || neighbors.cell != middle) neighbors = neighborsOf(middle);
+    for (const auto& [first, end] : neighbors.rows) {
+      for (std::size_t i = first; i < end; ++i) {
+        const std::size_t point = bins_[i].second;
+        if ((points_[point] - center).squaredNorm() <= radius_ * radius_) visit(point);
       }
     }
+  }
+  template <typename Visit>
+  void forEachNear(const Vector& center, Visit visit) const {
+    Neighbors neighbors;
+    forEachNear(center, neighbors, visit);
   }
 
  private:
@@ -54,6 +58,30 @@ class PointBins {
       bin[static_cast<std::size_t>(i)] = static_cast<std::int64_t>(std::floor(point(i) / radius_));
     }
     return bin;
+  }
+
+  Neighbors neighborsOf(const Bin& middle) const {
+    Neighbors result;
+    result.cell = middle;
+    result.is_known = true;
+    // The last coordinate runs over three neighbors in one piece of the sorted list.
+    Bin bin = middle;
+    for (std::size_t row = 0; row < result.rows.size(); ++row) {
+      const auto number = static_cast<std::int64_t>(row);
+      bin[0] = middle[0] + number % 3 - 1;
+      if constexpr (D == 3) bin[1] = middle[1] + number / 3 - 1;
+      bin[D - 1] = middle[D - 1] - 1;
+      const std::uint64_t low = keyOf(bin);
+      bin[D - 1] = middle[D - 1] + 1;
+      const std::uint64_t high = keyOf(bin);
+      const auto first =
+          std::lower_bound(bins_.begin(), bins_.end(), std::pair(low, std::size_t{0}));
+      const auto end =
+          std::find_if(first, bins_.end(), [&](const auto& b) { return b.first > high; });
+      result.rows[row] = {static_cast<std::size_t>(first - bins_.begin()),
+                          static_cast<std::size_t>(end - bins_.begin())};
+    }
+    return result;
   }
 
   /// Sorted as the bins themselves. Points that are too far away share a bin.

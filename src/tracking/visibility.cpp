@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kestrel_slam/geometry/angles.h"
 
@@ -12,6 +13,20 @@ namespace {
 constexpr double kOccluderGap = 0.2;   // m; an occluder is at least this much nearer
 constexpr double kBesideBeams = 1.5;   // to the beam beside, from anywhere between two beams
 constexpr double kNearestRange = 0.1;  // m; nearer objects surround the sensor
+
+constexpr double kRounding = 1e-6;  // bins; a bearing so near to a border may be in either bin
+
+/// As std::floor, which is a call of a function.
+int floorOf(double value) {
+  const int truncated = static_cast<int>(value);
+  return truncated - static_cast<int>(value < static_cast<double>(truncated));
+}
+
+/// |normalizeAngle(angle)|; most angles need no remainder.
+double turnBy(double angle) {
+  const double turn = std::abs(angle);
+  return turn <= kPi ? turn : std::abs(normalizeAngle(angle));
+}
 
 double medianOf(std::vector<double> values) {
   if (values.empty()) return 0.0;
@@ -24,7 +39,7 @@ double medianOf(std::vector<double> values) {
 
 int Visibility::binOf(double bearing) {
   constexpr double kPerRadian = kBins / (2.0 * kPi);
-  int bin = static_cast<int>(std::floor((bearing + kPi) * kPerRadian));
+  int bin = floorOf((bearing + kPi) * kPerRadian);
   while (bin < 0) bin += kBins;
   while (bin >= kBins) bin -= kBins;
   return bin;
@@ -33,12 +48,13 @@ int Visibility::binOf(double bearing) {
 Visibility::Visibility(const std::vector<GridRay<2>>& rays) : reach_(kBins, -1.0F) {
   if (!rays.empty()) sensor_ = rays[rays.size() / 2].origin.cast<double>();
   std::vector<double> steps;
+  steps.reserve(rays.size());
   double last = 0.0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Eigen::Vector2f along = rays[i].end - rays[i].origin;
     const auto bearing = static_cast<double>(std::atan2(along.y(), along.x()));
     if (!std::isfinite(bearing)) continue;
-    if (i > 0) steps.push_back(std::abs(normalizeAngle(bearing - last)));
+    if (i > 0) steps.push_back(turnBy(bearing - last));
     last = bearing;
     float& reach = reach_[static_cast<std::size_t>(binOf(bearing))];
     reach = std::max(reach, along.norm());
@@ -82,6 +98,27 @@ bool Visibility::isCut(const std::vector<Eigen::Vector2d>& points) const {
   return isHiddenAt(middle + low - beside, range) || isHiddenAt(middle + high + beside, range);
 }
 
+Visibility::Beams Visibility::countIn(int first, int count, double range) const {
+  // The smallest float that is not below the range, because float is compared with float.
+  auto needed = static_cast<float>(range);
+  if (static_cast<double>(needed) < range) {
+    needed = std::nextafter(needed, std::numeric_limits<float>::infinity());
+  }
+  Beams beams;
+  while (count > 0) {
+    const int last = std::min(first + count, kBins);
+    for (int bin = first; bin < last; ++bin) {
+      const float reach = reach_[static_cast<std::size_t>(bin)];
+      const bool is_measured = reach >= 0.0F;
+      beams.measured += static_cast<int>(is_measured);
+      beams.visible += static_cast<int>(is_measured && reach >= needed);
+    }
+    count -= last - first;
+    first = 0;
+  }
+  return beams;
+}
+
 double Visibility::visibleShare(const Eigen::Vector2d& center, double width) const {
   const Eigen::Vector2d offset = center - sensor_;
   const double range = std::max(offset.norm(), kNearestRange);
@@ -89,19 +126,24 @@ double Visibility::visibleShare(const Eigen::Vector2d& center, double width) con
   const int first = static_cast<int>(std::floor(-half / (2.0 * kPi) * kBins));
   const int count = 1 - 2 * first;
   const double bearing = std::atan2(offset.y(), offset.x());
-  int measured = 0, visible = 0;
-  for (int i = 0; i < count; ++i) {
-    const float reach =
-        reach_[static_cast<std::size_t>(binOf(bearing + (first + i) * 2.0 * kPi / kBins))];
-    if (reach < 0.0F) continue;
-    ++measured;
-    // A beam that ends within the object hits the object itself.
-    if (static_cast<double>(reach) >= range - width) ++visible;
+  // A beam that ends within the object hits the object itself.
+  const double needed = range - width;
+  const double place = (bearing + kPi) * kBins / (2.0 * kPi);
+  Beams beams;
+  if (std::abs(place - std::round(place)) > kRounding) {
+    beams = countIn(binOf(bearing + first * 2.0 * kPi / kBins), count, needed);
+  } else {
+    for (int i = 0; i < count; ++i) {
+      const Beams one = countIn(binOf(bearing + (first + i) * 2.0 * kPi / kBins), 1, needed);
+      beams.measured += one.measured;
+      beams.visible += one.visible;
+    }
   }
   // Bins without a beam lie between two beams, or outside of the field of view.
   const double bins_per_beam = std::max(1.0, beam_step_ * kBins / (2.0 * kPi));
   const double expected = static_cast<double>(count) / bins_per_beam;
-  return visible > 0 ? visible / std::max(expected, static_cast<double>(measured)) : 0.0;
+  return beams.visible > 0 ? beams.visible / std::max(expected, static_cast<double>(beams.measured))
+                           : 0.0;
 }
 
 }  // namespace kestrel

@@ -38,6 +38,11 @@ class Visibility {
   static int binOf(double bearing);
   double bearingOf(const Eigen::Vector2d& point) const;
   bool isHiddenAt(double bearing, double range) const;
+  struct Beams {
+    int measured = 0, visible = 0;
+  };
+  /// Bins with a beam, and those whose beam reaches `range`, of `count` neighboring bins.
+  Beams countIn(int first, int count, double range) const;
 
   Eigen::Vector2d sensor_ = Eigen::Vector2d::Zero();
   std::vector<float> reach_;  ///< farthest beam of each bin, m; negative: no beam

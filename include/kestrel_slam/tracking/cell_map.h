@@ -25,6 +25,8 @@ class CellMap;
 template <typename Value>
 class CellMap<2, Value> {
  public:
+  using Tile = std::array<Value, kTileCells>;
+
   explicit CellMap(std::size_t limit_bytes) : limit_(limit_bytes), tiles_(limit_bytes) {}
 
   const Value* find(const GridIndex<2>& index) const {
@@ -37,13 +39,18 @@ class CellMap<2, Value> {
   }
   /// nullptr if the memory limit is reached.
   Value* obtain(const GridIndex<2>& index) {
+    Tile* tile = obtainTile(index);
+    return tile != nullptr ? &(*tile)[offsetInTile({index.x(), index.y()})] : nullptr;
+  }
+  /// The tile of a cell; nullptr if the memory limit is reached.
+  Tile* obtainTile(const GridIndex<2>& index) {
     const Cell cell{index.x(), index.y()};
     const Cell number{cell.x >> kTileShift, cell.y >> kTileShift};
     if (last_ == nullptr || number.x != last_number_.x || number.y != last_number_.y) {
       last_ = tiles_.obtain(cell);
       last_number_ = number;
     }
-    return last_ != nullptr ? &(*last_)[offsetInTile(cell)] : nullptr;
+    return last_;
   }
 
   /// Removes the blocks that have no cell within `radius` cells of `center` in any direction.
@@ -61,7 +68,6 @@ class CellMap<2, Value> {
   std::size_t memoryBytes() const { return tiles_.memoryBytes(); }
 
  private:
-  using Tile = std::array<Value, kTileCells>;
   std::size_t limit_;
   TileMap<Tile> tiles_;
   Cell last_number_{0, 0};  ///< of the tile that was written last

@@ -150,13 +150,15 @@ class MotionGrid {
   Surroundings surroundingsOf(const Vector& point, double distance) const;
   CellState stateOf(const CellData& cell) const;
   bool isStatic(const CellData* cell) const;
-  CellMotion classify(const GridRay<D>& ray) const;
+  CellMotion classify(const GridRay<D>& ray, const CellData* own) const;
   CellData* addMoving(const Index& index);
   void updateHit(const GridRay<D>& ray, std::size_t number);
   void protectSurface(const std::vector<GridRay<D>>& rays);
+  void protectAround(const Index& index);
   void protectCell(const Index& index);
   void clearAlong(const std::vector<GridRay<D>>& rays);
   void updateMiss(const GridRay<D>& ray, float from);
+  void passAlong(const Vector& from, const Vector& to, bool presumed);
   void passCell(CellData& cell, bool presumed) const;
   bool isNew(const CellData& cell) const;
   bool hasStopped(const CellData& cell) const;
@@ -172,33 +174,43 @@ class MotionGrid {
   double time_ = 0.0;
 };
 
-/// Calls `visit(index)` for every cell from the one of `from` to the one before that of `to`, in
-/// order, until it returns false [Amanatides 1987]. Coordinates in cells.
+/// The cells from the one of `from` to the one of `to`, in order [Amanatides 1987]. Coordinates in
+/// cells.
+template <int D>
+struct CellWalk {
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
+  int index[D], last[D], step[D];
+  double next[D], per_cell[D];  // shares of the way: of the next border, and between two of them
+  int remaining = 0;            // steps to the last cell
+
+  CellWalk(const Eigen::Matrix<float, D, 1>& from, const Eigen::Matrix<float, D, 1>& to) {
+    for (int i = 0; i < D; ++i) {
+      index[i] = floorToInt(from(i));
+      last[i] = floorToInt(to(i));
+      const double difference = static_cast<double>(to(i)) - static_cast<double>(from(i));
+      step[i] = difference > 0.0 ? 1 : -1;
+      per_cell[i] = 1.0 / std::abs(difference);
+      const double border = index[i] + (step[i] > 0 ? 1.0 : 0.0);
+      next[i] = index[i] != last[i] ? (border - static_cast<double>(from(i))) / difference : kNever;
+      remaining += std::abs(last[i] - index[i]);
+    }
+  }
+};
+
+/// Calls `visit(index)` for every cell of a walk but the last, until it returns false.
 template <int D, typename Visit>
 void traverse(const Eigen::Matrix<float, D, 1>& from, const Eigen::Matrix<float, D, 1>& to,
               Visit visit) {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
-  int index[D], last[D], step[D];
-  double next[D], per_cell[D];  // shares of the way: of the next border, and between two of them
-  int remaining = 0;
-  for (int i = 0; i < D; ++i) {
-    index[i] = floorToInt(from(i));
-    last[i] = floorToInt(to(i));
-    const double difference = static_cast<double>(to(i)) - static_cast<double>(from(i));
-    step[i] = difference > 0.0 ? 1 : -1;
-    per_cell[i] = 1.0 / std::abs(difference);
-    const double border = index[i] + (step[i] > 0 ? 1.0 : 0.0);
-    next[i] = index[i] != last[i] ? (border - static_cast<double>(from(i))) / difference : kNever;
-    remaining += std::abs(last[i] - index[i]);
-  }
-  for (; remaining > 0; --remaining) {
-    if (!visit(GridIndex<D>(Eigen::Map<const GridIndex<D>>(index)))) return;
+  CellWalk<D> walk(from, to);
+  for (; walk.remaining > 0; --walk.remaining) {
+    if (!visit(GridIndex<D>(Eigen::Map<const GridIndex<D>>(walk.index)))) return;
     int axis = 0;
     for (int i = 1; i < D; ++i) {
-      if (next[i] < next[axis]) axis = i;
+      if (walk.next[i] < walk.next[axis]) axis = i;
     }
-    index[axis] += step[axis];
-    next[axis] = index[axis] != last[axis] ? next[axis] + per_cell[axis] : kNever;
+    walk.index[axis] += walk.step[axis];
+    walk.next[axis] = walk.index[axis] != walk.last[axis] ? walk.next[axis] + walk.per_cell[axis]
+                                                          : CellWalk<D>::kNever;
   }
 }
 

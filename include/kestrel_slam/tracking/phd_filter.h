@@ -155,6 +155,7 @@ class PhdFilter {
   struct Prepared {
     ExpectedObservation<N, M> expected;
     double detection;
+    Eigen::Matrix<double, M, M> covariance;  ///< of the expected value
   };
   struct Candidate {
     std::size_t prior;  ///< in `components_`
