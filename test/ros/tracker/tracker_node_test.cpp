@@ -24,13 +24,17 @@ class TrackerNodeTest : public testing::Test {
   /// A subscriber knows its publisher before the publisher knows it, and tf tells nothing. So scans
   /// are sent until everything has come back. They are so old that the tracker then starts anew.
   void SetUp() override {
+    scans_ = nh_.advertise<kestrel_slam::PlanarScan>("planar_scan", 200);
     const Pose2 pose;
     for (int i = 0; i < kWarmUp && !isConnected(); ++i) {
       sendScan(i - 2 * kWarmUp, pose, {});
       sendPose(i - 2 * kWarmUp, pose);
       spinFor(0.1);
     }
-    ASSERT_TRUE(isConnected());
+    ASSERT_TRUE(isConnected()) << tracks_.all.size() << " tracks, " << markers_.all.size()
+                               << " markers, " << points_.all.size() << " points, "
+                               << grid_.all.size() << " grids, " << diagnostics_.all.size()
+                               << " diagnostics";
     spinFor(0.5);  // what is still on its way
     tracks_.all.clear();
     markers_.all.clear();
