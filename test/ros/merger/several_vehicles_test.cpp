@@ -256,18 +256,19 @@ void SeveralVehicles::checkInWorld() {
   const std::vector<Pose2> way = vehicle.way;
   vehicle.way.insert(vehicle.way.end(), way.rbegin(), way.rend());
   std::size_t found = 0;
-  double largest = 0.0;
   while (vehicle.flown < vehicle.way.size() && found < 20) {
     ASSERT_TRUE(fly(vehicle, vehicle.flown + 1));
     if (!vehicle.client->waitFor([this] { return in_world_.header.stamp == stamp_; }, kSoon))
       continue;
     ++found;
     const Pose2 truth = vehicles_[0].way[0].between(vehicle.way[vehicle.flown - 1]);
-    largest = std::max(largest, truth.between(poseOf(in_world_.pose.pose)).distance());
+    const Pose2 pose = poseOf(in_world_.pose.pose);
+    EXPECT_LT(truth.between(pose).distance(), 0.15)
+        << "scan " << vehicle.flown << ": " << pose.x << ' ' << pose.y << ' ' << pose.yaw
+        << " instead of " << truth.x << ' ' << truth.y << ' ' << truth.yaw;
   }
   EXPECT_EQ(found, 20U);
   EXPECT_EQ(in_world_.header.frame_id, "world");
-  EXPECT_LT(largest, 0.15);
 }
 
 TEST_F(SeveralVehicles, OneMapThoughAVehicleAndTheMergerAreRestarted) {
