@@ -46,9 +46,10 @@ job_count() {
 # Compilers run behind ccache where that is installed: the core is compiled once, though both builds
 # need it. That works because the build folders are equally deep: paths in them are relative.
 # Precompiled headers are for builds without ccache, which does not know them well.
+PRECOMPILE=ON
 use_ccache() {
   command -v ccache >/dev/null || return 0
-  CACHE_OPTIONS=(-DKESTREL_PRECOMPILE_HEADERS=OFF)
+  PRECOMPILE=OFF
   export CMAKE_CXX_COMPILER_LAUNCHER=ccache
   export CCACHE_DIR=${CCACHE_DIR:-$BUILD/ccache} CCACHE_BASEDIR=$ROOT CCACHE_NOHASHDIR=1
 }
@@ -57,9 +58,9 @@ use_ccache() {
 configure() {
   local folder=$BUILD/$1
   shift
-  local CACHE_OPTIONS=(-DKESTREL_PRECOMPILE_HEADERS=ON)
   use_ccache
-  cmake -S "$ROOT" -B "$folder" -DPYTHON_EXECUTABLE=/usr/bin/python3 "${CACHE_OPTIONS[@]}" "$@"
+  cmake -S "$ROOT" -B "$folder" -DPYTHON_EXECUTABLE=/usr/bin/python3 \
+    -DKESTREL_PRECOMPILE_HEADERS="$PRECOMPILE" "$@"
 }
 
 # build FOLDER TARGET...: builds the targets, all where none is named

@@ -103,9 +103,7 @@ MapperResult Localizer::search(const PlanarScan& scan, const std::optional<Pose2
     finder_.reset();
   } else if (!result.blank) {
     finder_.add(scan, result.pose);
-    const double seconds = time_ ? scan.time - *time_ : 0.0;
-    finder_.advance(
-        std::clamp(static_cast<std::int64_t>(kWorkPerSecond * seconds), kLeastWork, kMostWork));
+    finder_.advance(workFor(scan));
     if (const std::optional<Pose2> map_T_local = finder_.mapTLocal()) {
       if (const auto found = confirm(scan, odom_T_base, *map_T_local * result.pose)) return *found;
       finder_.reset();

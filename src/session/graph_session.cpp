@@ -125,7 +125,7 @@ class Restoration {
       LocalKeyframe& keyframe = record_.keyframes[place.last - 1];
       if (keyframe.submap == kNone) keyframe.submap = place.submap;
     }
-    // Version 0.2.0 wrote submaps without a keyframe of their own, too.
+    // Older files have submaps without a keyframe of their own, too.
     if (submap.finished && hasOwnKeyframe(place, record_.keyframes))
       record_.places.push_back(place);
   }
