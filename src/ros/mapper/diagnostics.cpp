@@ -85,10 +85,11 @@ void Diagnostics::fillScans(Status& status) const {
     status.summaryf(DiagnosticStatus::WARN, "%zu scans dropped recently, the last one: %s",
                     report_.dropped_lately, report_.last_reason.c_str());
   }
+  if (!silence_.empty()) status.summary(DiagnosticStatus::WARN, silence_);
+  // The transform is still missing when the scans stay away.
   if (!report_.waiting_for.empty()) {
     status.summary(DiagnosticStatus::ERROR, report_.waiting_for);
   }
-  if (!silence_.empty()) status.summary(DiagnosticStatus::WARN, silence_);
   status.add("topic", scan_topic_);
   status.add("received", report_.received);
   status.add("used", report_.used);

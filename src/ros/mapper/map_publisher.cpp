@@ -230,6 +230,7 @@ bool MapPublisher::saveMap(kestrel_slam::SaveMap::Request& request,
   response.success = false;
   try {
     const std::string stem = save_folder_.stemOf(request.path);
+    mapper_.waitForGraph();  // all scans that came before are in the map
     refresh();
     writeMap(stem, replica_.snapshot());
     response.success = true;

@@ -118,6 +118,10 @@ GraphSnapshot SharedMapper::graphSnapshot() {
   return graph_->snapshot();
 }
 
+void SharedMapper::waitForGraph() {
+  if (graph_) graph_->snapshot();
+}
+
 void SharedMapper::localizeInGrown(GraphRecord record) {
   requireGraph();
   const auto [config, loops] = parameters();

@@ -58,6 +58,8 @@ class SharedMapper {
 
   /// A copy of the graph. Throws std::runtime_error if there is none.
   GraphSnapshot graphSnapshot();
+  /// Returns when the graph and its map have all scans that came before. Nothing without a graph.
+  void waitForGraph();
 
   /// From now on the vehicle is only localized in this map, which does not change.
   void localizeIn(Submap map);
