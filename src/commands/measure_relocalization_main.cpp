@@ -23,7 +23,7 @@ struct Options {
   std::string trials;
   bool search = true, localize = true;
   std::size_t kidnappings = 100;
-  std::size_t strangers = 0;
+  std::size_t strangers = 0, gaps = 0;
 };
 
 struct Log {
@@ -196,6 +196,30 @@ void printKidnapping(const Log& log, const RelocalizationMap& map, std::size_t c
   std::fflush(stdout);
 }
 
+/// Leaves out the scans of 0.2 to 4 s at places of the second half.
+void printGaps(const Log& log, std::size_t count) {
+  const RelocalizationMap map(log.scans, 0, log.scans.size() / 2);
+  const std::size_t half = log.scans.size() / 2, room = half - half / 8;
+  std::size_t trials = 0, wrong_trials = 0;
+  GapTrial sum;
+  for (std::size_t n = 0; trials < count && n < 50 * count; ++n) {
+    const std::size_t from = half + n * 7919 % room + 1;
+    if (!map.isKnown(log.scans[from])) continue;
+    const GapTrial trial =
+        map.followOverGap(log.scans, from, 0.2 * static_cast<double>(1 + trials % 20));
+    ++trials;
+    wrong_trials += trial.wrong > 0 ? 1 : 0;
+    sum.scans += trial.scans;
+    sum.lost += trial.lost;
+    sum.wrong += trial.wrong;
+  }
+  std::printf(
+      "%s: %zu gaps of 0.2 to 4 s: of %zu scans after them %zu lost, %zu wrong and not "
+      "said to be lost, after %zu gaps\n",
+      log.name.c_str(), trials, sum.scans, sum.lost, sum.wrong, wrong_trials);
+  std::fflush(stdout);
+}
+
 void measureLocalization(const Options& options, const Log& log, const std::string& path) {
   const RelocalizationMap map(log.scans, 0, log.scans.size() / 2);
   std::string relations = path.substr(0, path.rfind(".clf")) + ".relations";
@@ -224,6 +248,7 @@ void run(const Options& options) {
     measureStrangers(options, logs[m], logs, trials);
   for (std::size_t m = 0; m < maps && options.localize; ++m)
     measureLocalization(options, logs[m], options.recordings[m]);
+  for (std::size_t m = 0; m < maps && options.gaps > 0; ++m) printGaps(logs[m], options.gaps);
   if (trials != nullptr) std::fclose(trials);
 }
 
@@ -265,6 +290,8 @@ int main(int argc, char** argv) {
                  "file with the ending .relations beside the recording")
       ->capture_default_str();
   app.add_option("--kidnappings", options.kidnappings, "how often the vehicle is carried away")
+      ->capture_default_str();
+  app.add_option("--gaps", options.gaps, "how often the scans of 0.2 to 4 s are left out")
       ->capture_default_str();
   return runTool("measure_relocalization", app, argc, argv, [&] { run(options); });
 }

@@ -215,4 +215,26 @@ KidnapTrial RelocalizationMap::kidnap(const std::vector<PlacedScan>& scans, std:
   return trial;
 }
 
+GapTrial RelocalizationMap::followOverGap(const std::vector<PlacedScan>& scans, std::size_t from,
+                                          double gap_s) const {
+  constexpr double kAfterS = 3.0;
+  GapTrial trial;
+  Localizer localizer(config_, mapOfScans(scans_, first_, last_, config_.grid));
+  localizer.setPose(scans[from].pose);
+  std::size_t i = from;
+  for (; i < from + kFollowedScans && i < scans.size(); ++i) localizer.process(scans[i].scan);
+  const double begin = scans[i - 1].scan.time + gap_s;
+  for (; i < scans.size() && scans[i].scan.time < begin + kAfterS; ++i) {
+    if (scans[i].scan.time < begin) continue;
+    const MapperResult result = localizer.process(scans[i].scan);
+    ++trial.scans;
+    if (result.state == MatchState::kLost) {
+      ++trial.lost;
+    } else if (scans[i].pose.between(result.pose).distance() > kRightM) {
+      ++trial.wrong;
+    }
+  }
+  return trial;
+}
+
 }  // namespace kestrel

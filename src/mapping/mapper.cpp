@@ -119,7 +119,7 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
     result.match.ambiguous = true;
     result.state = request.lost ? MatchState::kLost : MatchState::kDegraded;
   }
-  settle(result);
+  settle(motion.isOutOfReach(scan, odom_T_base), result);
   const bool lost = result.state == MatchState::kLost;
   if (lost) {
     motion_check.clear();
@@ -293,6 +293,10 @@ void Mapper::setPose(const Pose2& map_T_base) {
   state_->motion.setPose(map_T_base);
   state_->laser_odometry.stop();
   state_->unsettled_scans = 0;
+}
+
+bool Mapper::isOutOfReach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const {
+  return state_->motion.isOutOfReach(scan, odom_T_base);
 }
 
 const Pose2& Mapper::pose() const { return state_->motion.pose(); }

@@ -70,7 +70,7 @@ struct Mapper::State {
                 const PredictionError& error);
   MatchState judge(const MatchResult& match, const MatchRequest& request,
                    const PredictionError& error);
-  void settle(MapperResult& result);
+  void settle(bool out_of_reach, MapperResult& result);
   void insert(const PlanarScan& scan, bool has_odometry, MapperResult& result);
   bool movedEnough() const;
   bool isRepeated(const MapperResult& result) const;

@@ -15,13 +15,15 @@ namespace {
 constexpr double kSureKnownShare = 0.5, kFoundScore = 0.5, kKnownFoundScore = 0.7,
                  kFoundKnownShare = 0.3;
 constexpr double kFoundSigmas = 3.0;
-/// After a lost or ambiguous pose this many scans must fit before the state is ok.
+/// After a lost or ambiguous pose, and after a gap in which the vehicle may have left the search
+/// window, this many scans must fit before the state is ok.
 constexpr int kSettlingScans = 10;
 
 }  // namespace
 
 /// After a pose that may be wrong, the state is degraded until some scans in a row fit.
-void Mapper::State::settle(MapperResult& result) {
+void Mapper::State::settle(bool out_of_reach, MapperResult& result) {
+  if (out_of_reach) unsettled_scans = kSettlingScans;
   if (result.state == MatchState::kLost || result.match.ambiguous ||
       result.match.impossible_motion) {
     unsettled_scans = kSettlingScans;

@@ -9,9 +9,6 @@
 namespace kestrel {
 namespace {
 
-/// Maximum motion between two scans, m. After a larger one (the vehicle was carried, or its pose
-/// jumped) the motion is not used for the prediction.
-constexpr double kMaxStepM = 1.0;
 /// Largest factor of the search windows after a long time in the lost state.
 constexpr double kMaxSearchScale = 8.0;
 /// A pose that is farther from the prediction than this speed explains must have a much better
@@ -32,9 +29,6 @@ constexpr double kMaxPredicted_s = 10.0;
 constexpr double kMaxPredictedSpeed = 10.0;  // m/s
 /// The error of a prediction does not grow longer, s: nothing is known then.
 constexpr double kMaxErrorTime = 600.0;
-/// Scans are missing if an interval is this many times the typical one.
-constexpr double kLongInterval = 5.0;
-constexpr double kIntervalGain = 0.1;
 /// A prediction with a smaller error is accurate: the local match converges from it.
 constexpr double kAccurateM = 0.05;
 /// The windows of the search cover this many standard deviations.
@@ -65,7 +59,7 @@ MotionModel::MotionModel(const MapperConfig& config, const Pose2& map_T_base)
 /// corridor slightly in the same direction.
 std::vector<Pose2> MotionModel::initialGuesses(const PlanarScan& scan,
                                                const std::optional<Pose2>& odom_T_base) const {
-  const Pose2 continued = pose_ * continuedMotion(scan);
+  const Pose2 continued = pose_ * continued_.predict(std::max(0.0, scan.time - time_));
   std::vector<Pose2> result = {continued, pose_, halfway(pose_, continued)};
   if (const std::optional<double> turn = yawChangeSince(scan)) {
     // The gyro measures the rotation better than a motion model. At typical scan rates the smoothed
@@ -122,25 +116,20 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
   return result;
 }
 
-bool MotionModel::isGap(double seconds) const {
-  return typical_s_ > 0.0 && seconds > kLongInterval * typical_s_;
-}
-
 bool MotionModel::isWide(const PredictionError& error) const {
   return kSigmas * error.position_m() > near_window_.linear_m ||
          kSigmas * error.yaw_rad() > near_window_.angular_rad;
 }
 
+bool MotionModel::isOutOfReach(const PlanarScan& scan,
+                               const std::optional<Pose2>& odom_T_base) const {
+  return !placed_ && isGap(scan.time - time_) &&
+         kSigmas * errorAt(scan, odom_T_base).position_m() > kMaxSearchScale * wide_window_m_;
+}
+
 /// True if the last scan that was matched is much longer ago than usual.
 bool MotionModel::isLongAgo(const PlanarScan& scan) const {
   return lost_scans_ == 0 && !placed_ && (carried_ || isGap(scan.time - time_));
-}
-
-/// The motion between the last two scans. Only a part of it, if they were much farther apart.
-Pose2 MotionModel::continuedMotion(const PlanarScan& scan) const {
-  const double seconds = std::max(0.0, scan.time - time_);
-  if (interval_s_ <= gap_s_ || seconds >= interval_s_) return motion_;
-  return interpolate(Pose2(), motion_, seconds / interval_s_);
 }
 
 /// The pose if the velocity stays constant. The gyro and the accelerometer measure its changes.
@@ -162,19 +151,25 @@ Pose2 MotionModel::predict(const PlanarScan& scan, const std::optional<Pose2>& o
   if (placed_) return pose_;
   if (const std::optional<Pose2> moved = filterMotionSince(scan)) return pose_ * *moved;
   if (const std::optional<Pose2> moved = odometryMotion(odom_T_base)) return pose_ * *moved;
-  return movedWithVelocity(scan);
+  const Pose2 moved = movedWithVelocity(scan);
+  if (!isOutOfReach(scan, odom_T_base)) return moved;
+  // The last pose must be in the search window, too: most of the map is there.
+  const double farthest = 0.5 * kMaxSearchScale * wide_window_m_;
+  const double distance = pose_.between(moved).distance();
+  return distance > farthest ? interpolate(pose_, moved, farthest / distance) : moved;
 }
 
 PredictionError MotionModel::errorAt(const PlanarScan& scan,
                                      const std::optional<Pose2>& odom_T_base) const {
   PredictedStep step;
   step.seconds = std::clamp(scan.time - time_, 0.0, kMaxErrorTime);
-  step.motion = pose_.inverse() * predict(scan, odom_T_base);
   step.source = predictionSourceOf(scan, odom_T_base);
   step.yaw_measured =
       step.source == PredictionSource::kOdometry || filterMotionSince(scan) || yawChangeSince(scan);
-  if (step.source == PredictionSource::kOdometry)
+  if (step.source == PredictionSource::kOdometry) {
+    step.motion = *odometryMotion(odom_T_base);
     step.odometry = odometry_.errorOf(odom_->inverse() * *odom_T_base);
+  }
   PredictionError result = error_;
   result.grow(step);
   return result;
@@ -239,9 +234,12 @@ void MotionModel::move(const Pose2& found, const Pose2& predicted, bool lost,
   const Pose2 next = !lost ? found : isUsable(predicted) ? predicted : pose_;
   updateVelocity(next, scan, lost);
   along_.setZero();
-  motion_ = lost || placed_ ? Pose2() : pose_.inverse() * next;
-  // The last step was a correction of the prediction, too.
-  if (carried_ || lost_scans_ > 0 || motion_.distance() > kMaxStepM) motion_ = Pose2();
+  // After a lost or predicted pose the step is a correction, too.
+  if (lost || placed_ || carried_ || lost_scans_ > 0) {
+    continued_.stop();
+  } else {
+    continued_.add(pose_.inverse() * next, scan.time - time_);
+  }
   pose_ = next;
   lost_scans_ = lost ? lost_scans_ + 1 : 0;
   placed_ = carried_ = false;
@@ -282,7 +280,7 @@ void MotionModel::carry(const PlanarScan& scan, const std::optional<Pose2>& odom
   velocity_ += velocityChangeSince(scan);
   if (!yawChangeSince(scan)) velocity_ = Eigen::Rotation2Dd(next.yaw - pose_.yaw) * velocity_;
   pose_ = next;
-  motion_ = Pose2();
+  continued_.stop();
   carried_ = true;
 }
 
@@ -300,10 +298,8 @@ void MotionModel::remember(const PlanarScan& scan, const std::optional<Pose2>& o
   integrated_acceleration_ = scan.integrated_acceleration;
   error_ = error.value_or(PredictionError());
   if (!error) {
-    interval_s_ = scan.time - found_time_;
-    const double usual_s = std::min(interval_s_, kLongInterval * typical_s_);
-    typical_s_ =
-        typical_s_ > 0.0 ? typical_s_ + kIntervalGain * (usual_s - typical_s_) : interval_s_;
+    if (has_match_) continued_.addInterval(scan.time - found_time_);
+    has_match_ = true;
     found_time_ = measured_time_ = scan.time;
   }
   time_ = scan.time;
@@ -311,7 +307,7 @@ void MotionModel::remember(const PlanarScan& scan, const std::optional<Pose2>& o
 
 void MotionModel::setPose(const Pose2& map_T_base) {
   pose_ = map_T_base;
-  motion_ = Pose2();
+  continued_.stop();
   odom_.reset();
   filter_pose_.reset();
   integrated_yaw_.reset();

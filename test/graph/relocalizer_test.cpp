@@ -192,6 +192,27 @@ TEST(Localizer, TakesThePoseOfAUserAnyNumberOfTimes) {
   }
 }
 
+/// The vehicle flies towards an equal room, and turns back while no scan arrives.
+TEST(Localizer, IsLostAfterAGapInWhichTheVehicleMayHaveMovedFar) {
+  constexpr double kRooms = 20.0, kClock = 1.7e9, kStep = 0.5;
+  Submap map = room::map();
+  insertAt(kRooms, moved(room::walls(), kRooms), map);
+  Localizer localizer(MapperConfig(), std::move(map));
+  Pose2 truth(-1.0, -1.0, 0.0);
+  double time = kClock, speed = 0.0;
+  localizer.setPose(truth);
+  for (int i = 0; i < 5; ++i, truth.x += kStep) {
+    const MapperResult result = process(localizer, truth, time += 0.1);
+    ASSERT_LT(truth.between(result.pose).distance(), 0.05);
+    speed = result.velocity.x();
+  }
+  time += kRooms / speed;
+  for (int i = 0; i < 10; ++i) {
+    const MapperResult result = process(localizer, truth, time += 0.1);
+    EXPECT_EQ(result.state, MatchState::kLost) << result.pose.x << " instead of " << truth.x;
+  }
+}
+
 TEST(PictureMap, AVehicleIsFoundInThePicture) {
   const Submap built = room::map();
   const Scene scene(submapOf(built.grid().snapshot(), OccupancyGridConfig()));

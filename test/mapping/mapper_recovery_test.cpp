@@ -91,6 +91,22 @@ TEST(MapperRecovery, RecoversAfterSecondsWithoutScans) {
   EXPECT_NEAR((truth.inverse() * result.pose).distance(), 0.0, 0.03);
 }
 
+/// A fast vehicle stops while no scan arrives: it is not where the velocity leads.
+TEST(MapperRecovery, GoesOnAfterAPauseOfTwentySeconds) {
+  constexpr double kClock = 1.7e9, kPeriod = 0.1, kStepM = 0.25;
+  Mapper mapper{MapperConfig()};
+  mapper.reset(Pose2(-1.5, 0, 0));
+  double time = kClock;
+  Pose2 truth(-1.5, 0, 0);
+  for (int i = 0; i < 10; ++i, truth.x += kStepM) mapper.process(freeScan(truth, time += kPeriod));
+  time += 20.0;
+  for (int i = 0; i < 3; ++i, truth.x += 0.1) {
+    const MapperResult result = mapper.process(freeScan(truth, time += kPeriod));
+    EXPECT_EQ(result.state, MatchState::kDegraded) << i;
+    EXPECT_NEAR((truth.inverse() * result.pose).distance(), 0.0, 0.05) << i;
+  }
+}
+
 TEST(MapperRecovery, DoesNotMatchAnotherRoom) {
   double time = 0.0;
   Mapper mapper = mapperInRoom(time);

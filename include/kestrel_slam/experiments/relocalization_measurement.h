@@ -61,6 +61,12 @@ struct KidnapTrial {
   double travel_m = 0.0;   ///< until it was found
 };
 
+/// A vehicle whose scans stayed away for some time.
+struct GapTrial {
+  std::size_t scans = 0, lost = 0;  ///< after the gap; lost: the pose was said to be unknown
+  std::size_t wrong = 0;            ///< a pose farther than kRightM from the truth
+};
+
 /// A map in which vehicles are searched for.
 class RelocalizationMap {
  public:
@@ -86,6 +92,10 @@ class RelocalizationMap {
   /// goes on from the scan `to` for `travel_m`.
   KidnapTrial kidnap(const std::vector<PlacedScan>& scans, std::size_t from, std::size_t to,
                      double covered_s, double travel_m) const;
+  /// Follows the vehicle from the scan `from`, leaves out the scans of `gap_s`, and goes on for
+  /// three seconds.
+  GapTrial followOverGap(const std::vector<PlacedScan>& scans, std::size_t from,
+                         double gap_s) const;
 
  private:
   void compare(const PlacedScan& scan, RelocalizationTrial& trial) const;

@@ -21,8 +21,8 @@ class Localizer {
   Localizer(const MapperConfig& config, Submap map,
             const RelocalizationConfig& relocalization = RelocalizationConfig());
 
-  /// As Mapper::process. The state is lost while the pose is unknown; then the pose of the result
-  /// is a guess.
+  /// As Mapper::process. The state is lost while the pose is unknown, also after a gap in which the
+  /// vehicle may have moved far; then the pose of the result is a guess.
   MapperResult process(const PlanarScan& scan,
                        const std::optional<Pose2>& odom_T_base = std::nullopt);
 

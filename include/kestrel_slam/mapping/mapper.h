@@ -88,6 +88,10 @@ class Mapper {
   /// `map_T_base` is not finite or too large.
   void setPose(const Pose2& map_T_base);
 
+  /// Whether scans are missing before `scan` for so long that the vehicle may be outside of the
+  /// largest search window around the prediction.
+  bool isOutOfReach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
+
   const Pose2& pose() const;
   const MapperConfig& config() const;
   /// What scans are matched against.

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "kestrel_slam/mapping/continued_motion.h"
 #include "kestrel_slam/mapping/mapper_config.h"
 #include "kestrel_slam/mapping/odometry_model.h"
 #include "kestrel_slam/mapping/prediction_error.h"
@@ -50,6 +51,10 @@ class MotionModel {
   /// True if the vehicle may be outside of the near search window around a prediction.
   bool isWide(const PredictionError& error) const;
 
+  /// Whether scans are missing for so long that the vehicle may be outside of the largest search
+  /// window.
+  bool isOutOfReach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
+
   /// The source of the motion prediction for the next scan.
   PredictionSource predictionSourceOf(const PlanarScan& scan,
                                       const std::optional<Pose2>& odom_T_base) const;
@@ -78,7 +83,7 @@ class MotionModel {
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base);
 
   /// Whether scans are missing in this time since the last one, s.
-  bool isGap(double seconds) const;
+  bool isGap(double seconds) const { return continued_.isGap(seconds); }
 
   /// Moves to the pose by the laser odometry; the scan at `scan` does not fit the map.
   void follow(const Pose2& pose, const PlanarScan& scan);
@@ -99,7 +104,6 @@ class MotionModel {
                                      const PredictionError& error, const PlanarScan& scan) const;
   bool isLongAgo(const PlanarScan& scan) const;
   std::optional<Pose2> odometryMotion(const std::optional<Pose2>& odom_T_base) const;
-  Pose2 continuedMotion(const PlanarScan& scan) const;
   Pose2 movedWithVelocity(const PlanarScan& scan) const;
   std::optional<double> yawChangeSince(const PlanarScan& scan) const;
   std::optional<Pose2> filterMotionSince(const PlanarScan& scan) const;
@@ -110,7 +114,7 @@ class MotionModel {
   SearchWindow near_window_;
   double wide_window_m_;
   Pose2 pose_;
-  Pose2 motion_;                          ///< between the last two scans
+  ContinuedMotion continued_;
   std::optional<Pose2> odom_;             ///< odom_T_base of the last scan
   std::optional<Pose2> filter_pose_;      ///< odom_T_base of a pose filter at the last scan
   std::optional<double> integrated_yaw_;  ///< integrated yaw of the gyro at the last scan, rad
@@ -121,10 +125,9 @@ class MotionModel {
   double yaw_rate_ = 0.0;                            ///< smoothed, rad/s
   PredictionError error_;                            ///< of the pose, since the last match
   OdometryModel odometry_;
+  bool has_match_ = false;          ///< a scan was matched
   bool last_well_matched_ = false;  ///< the last scan was matched well in every direction
   double time_ = 0.0;
-  double typical_s_ = 0.0;      ///< smoothed interval between two matched scans, s
-  double interval_s_ = 0.0;     ///< between the last two matched scans, s
   double found_time_ = 0.0;     ///< time of the last matched scan, s
   double measured_time_ = 0.0;  ///< time of the last pose that was not only predicted, s
   int lost_scans_ = 0;          ///< consecutive lost scans

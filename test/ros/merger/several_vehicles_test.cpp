@@ -112,7 +112,8 @@ class SeveralVehicles : public testing::Test {
     return vehicles_[0].client->waitFor(condition, kLong);
   }
 
-  /// Each scan is sent when the one before was matched.
+  /// Each scan is sent when the vehicle's mapper has matched the one before. The node that finds
+  /// uav2 in the map of all may have missed some.
   bool fly(Vehicle& vehicle, std::size_t until) {
     static const building::Walls walls = building::walls();
     for (; vehicle.flown < std::min(until, vehicle.way.size()); ++vehicle.flown) {
@@ -196,6 +197,9 @@ class SeveralVehicles : public testing::Test {
               [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
     return all;
   }
+
+  /// ATE of all trajectories in world, m.
+  double error() { return evaluateReference(inWorld(), truth()).ate_statistics.translation_m.rmse; }
 
   void checkServices();
   void checkInWorld();
@@ -295,11 +299,11 @@ TEST_F(SeveralVehicles, OneMapThoughAVehicleAndTheMergerAreRestarted) {
     EXPECT_TRUE(waitFor([&] { return vehicles_[0].client->parents[frame].count("world") > 0; }));
     EXPECT_EQ(vehicles_[0].client->parents[frame].size(), 1U);
   }
-  const ReferenceEvaluation errors = evaluateReference(inWorld(), truth());
-  EXPECT_LT(errors.ate_statistics.translation_m.rmse, 0.05);
-  RecordProperty("ate_mm", static_cast<int>(1e3 * errors.ate_statistics.translation_m.rmse));
+  RecordProperty("ate_mm", static_cast<int>(1e3 * error()));
+  EXPECT_LT(error(), 0.05);
   checkServices();
   checkInWorld();
+  EXPECT_LT(error(), 0.05) << "after the vehicle was separated and joined again";
 }
 
 }  // namespace

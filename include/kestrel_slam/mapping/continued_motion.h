@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "kestrel_slam/geometry/pose2.h"
+
+namespace kestrel {
+
+/// The motion between the last two scans, continued to the next one [Xie 2010, eq. 5-6].
+///
+/// Where scans are missing, the motion goes on in proportion to the time. But in a log with a scan
+/// per meter the time says nothing, and if a driver delivers two scans at once, neither do the
+/// stamps: then the last step is repeated. What was nearer to the matches so far is used.
+class ContinuedMotion {
+ public:
+  /// The motion from the last scan to the next one, `seconds` later.
+  Pose2 predict(double seconds) const;
+
+  /// The step from the scan before to the last one, both of which were matched.
+  void add(const Pose2& step, double seconds);
+
+  /// The motion is unknown.
+  void stop() { step_ = Pose2(); }
+
+  /// The time between two matched scans, s.
+  void addInterval(double seconds);
+
+  /// Whether scans are missing in this time, s.
+  bool isGap(double seconds) const;
+
+ private:
+  Pose2 inProportion(double seconds) const;
+  double periodsIn(double seconds) const;
+
+  Pose2 step_;
+  double periods_ = 1.0;    ///< of the laser in the last step
+  double typical_s_ = 0.0;  ///< smoothed interval between two matched scans, s; 0: unknown
+  double proportion_error_ = 0.0, repetition_error_ = 0.0;  ///< weighted sums, m + rad
+};
+
+}  // namespace kestrel

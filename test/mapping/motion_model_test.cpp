@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kestrel_slam/mapping/motion_model.h"
+
+#include <gtest/gtest.h>
+
+namespace kestrel {
+namespace {
+
+constexpr double kClock = 1.7e9;  // s: a stamp of ROS
+constexpr double kPeriod = 0.1, kSpeed = 2.5;
+
+PlanarScan scanAt(double time) {
+  PlanarScan scan;
+  scan.stamp = scan.time = time;
+  return scan;
+}
+
+/// A vehicle that flies along x. The laser measures at the periods from 0 on.
+class Flight {
+ public:
+  void match(double period) { matchAt(kClock + kPeriod * period, kPeriod * period * kSpeed); }
+  void matchAt(double time, double x) {
+    const PlanarScan scan = scanAt(time);
+    model_.move(Pose2(x, 0, 0), Pose2(x, 0, 0), false, scan);
+    model_.remember(scan, std::nullopt, std::nullopt);
+  }
+  /// The first guess for the next scan, m.
+  double predict(double period) const { return predictAt(kClock + kPeriod * period); }
+  double predictAt(double time) const {
+    return model_.request(Points(), scanAt(time), std::nullopt).initial_guesses.front().x;
+  }
+  bool isOutOfReach(double period) const {
+    return model_.isOutOfReach(scanAt(kClock + kPeriod * period), std::nullopt);
+  }
+  const MotionModel& model() const { return model_; }
+
+ private:
+  MotionModel model_{MapperConfig()};
+};
+
+TEST(MotionModel, AGapIsSeenFromTheThirdScanOn) {
+  Flight flight;
+  flight.match(0);
+  flight.match(1);
+  EXPECT_FALSE(flight.model().isGap(4 * kPeriod));
+  EXPECT_TRUE(flight.model().isGap(6 * kPeriod));
+}
+
+TEST(MotionModel, MissingScansDoNotChangeThePredictedSpeed) {
+  Flight flight;
+  for (int i = 0; i < 6; ++i) flight.match(i);
+  EXPECT_NEAR(flight.predict(6), 6 * kPeriod * kSpeed, 1e-6);
+  EXPECT_NEAR(flight.predict(8), 8 * kPeriod * kSpeed, 1e-6);
+  flight.match(8);
+  EXPECT_NEAR(flight.predict(9), 9 * kPeriod * kSpeed, 1e-6);
+}
+
+TEST(MotionModel, TwoScansThatAreDeliveredAtOnceDoNotChangeThePredictedMotion) {
+  Flight flight;
+  constexpr double kStep = kPeriod * kSpeed, kSoon = 0.01;
+  for (int i = 0; i < 4; ++i) flight.match(i);
+  for (int i = 4; i < 12; i += 2) {
+    flight.matchAt(kClock + kPeriod * i, kStep * i);
+    EXPECT_NEAR(flight.predictAt(kClock + kPeriod * i + kSoon), kStep * (i + 1), 1e-3);
+    flight.matchAt(kClock + kPeriod * i + kSoon, kStep * (i + 1));
+  }
+}
+
+TEST(MotionModel, AScanPerMeterIsAStepOfOneMeterWhateverTheTime) {
+  Flight flight;
+  double time = kClock;
+  for (int i = 0; i < 12; ++i) {
+    time += i % 3 == 0 ? 1.0 : 2.2;
+    if (i > 6) {
+      EXPECT_NEAR(flight.predictAt(time), i, 1e-3) << i;
+    }
+    flight.matchAt(time, i);
+  }
+}
+
+TEST(MotionModel, AfterALongGapTheVehicleMayBeAnywhere) {
+  Flight flight;
+  for (int i = 0; i < 6; ++i) flight.match(i);
+  EXPECT_FALSE(flight.isOutOfReach(8));
+  EXPECT_FALSE(flight.isOutOfReach(13));
+  EXPECT_TRUE(flight.isOutOfReach(40));
+}
+
+}  // namespace
+}  // namespace kestrel
