@@ -7,15 +7,20 @@ set(KESTREL_LIBRARIES)
 set(COMMON_HEADERS <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU>
   <algorithm> <array> <cmath> <filesystem> <functional> <map> <memory> <optional> <set> <sstream>
   <stdexcept> <string> <unordered_map> <vector>)
-# precompile(TARGET): reads the headers from the file that was compiled for kestrel_geometry
-function(precompile target)
+# All who read the file of the headers must define the same as Boost::iostreams.
+add_compile_definitions(BOOST_ALL_NO_LIB)
+set(ROS_HEADERS <diagnostic_msgs/DiagnosticArray.h> <geometry_msgs/PoseWithCovarianceStamped.h>
+  <nav_msgs/OccupancyGrid.h> <nav_msgs/Odometry.h> <ros/ros.h> <sensor_msgs/Imu.h> <sensor_msgs/LaserScan.h>
+  <sensor_msgs/PointCloud2.h> <sensor_msgs/Range.h> <tf2_msgs/TFMessage.h>)
+# precompile(TARGET FIRST HEADER...): FIRST compiles the headers, the other targets read its file.
+function(precompile target first)
   if(NOT KESTREL_PRECOMPILE_HEADERS)
     return()
   endif()
-  if(target STREQUAL kestrel_geometry)
-    target_precompile_headers(${target} PRIVATE ${COMMON_HEADERS})
+  if(target STREQUAL first)
+    target_precompile_headers(${target} PRIVATE ${COMMON_HEADERS} ${ARGN})
   else()
-    target_precompile_headers(${target} REUSE_FROM kestrel_geometry)
+    target_precompile_headers(${target} REUSE_FROM ${first})
   endif()
 endfunction()
 
@@ -32,7 +37,13 @@ function(kestrel_library folder)
   target_link_libraries(${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE})
   # Set as compile options, because kestrel_warnings is not exported and cannot be linked here.
   target_compile_options(${name} PRIVATE $<TARGET_PROPERTY:kestrel_warnings,INTERFACE_COMPILE_OPTIONS>)
-  precompile(${name})
+  if(name STREQUAL "kestrel_commands")
+    precompile(${name} ${name} <CLI/CLI.hpp>)
+  elseif(KESTREL_WITH_ROS AND name MATCHES "^kestrel_(messages|recording|ros)")
+    precompile(${name} kestrel_messages ${ROS_HEADERS})
+  else()
+    precompile(${name} kestrel_geometry)
+  endif()
   string(REPLACE "/" "_" export_name ${folder})
   set_target_properties(${name} PROPERTIES EXPORT_NAME ${export_name})
   add_library(kestrel_slam::${export_name} ALIAS ${name})

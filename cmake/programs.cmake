@@ -15,6 +15,9 @@ file(GLOB COMMANDS CONFIGURE_DEPENDS src/commands/*_main.cpp)
 if(NOT KESTREL_WITH_ROS)
   list(FILTER COMMANDS EXCLUDE REGEX "/(carmen_to_bag|simulate_flight)_main\\.cpp$")
 endif()
+# The first one compiles the headers for all.
+list(PREPEND COMMANDS ${PROJECT_SOURCE_DIR}/src/commands/map_recording_main.cpp)
+list(REMOVE_DUPLICATES COMMANDS)
 set(PAGES ${PROJECT_BINARY_DIR}/pages)
 file(MAKE_DIRECTORY ${PAGES}/man ${PAGES}/completions)
 foreach(main ${COMMANDS})
@@ -24,9 +27,10 @@ foreach(main ${COMMANDS})
     set(experiments kestrel_experiments)
   endif()
   kestrel_program(${main} kestrel_commands ${experiments} CLI11::CLI11)
-  # Man page and completion come from the options of the program.
   get_filename_component(name ${main} NAME_WE)
   string(REGEX REPLACE "_main$" "" name ${name})
+  precompile(${name} map_recording <CLI/CLI.hpp>)
+  # Man page and completion come from the options of the program.
   add_custom_command(TARGET ${name} POST_BUILD
     COMMAND ${name} --man-page > ${PAGES}/man/${name}.1
     COMMAND ${name} --bash-completion > ${PAGES}/completions/${name})

@@ -101,11 +101,9 @@ MotionModel<2 * D + 1> constantTurn(double acceleration_sigma, double turn_accel
 
 template MotionModel<4> standing<4, 2>(double, double);
 template MotionModel<5> standing<5, 2>(double, double);
-template MotionModel<6> standing<6, 3>(double, double);
 template MotionModel<7> standing<7, 3>(double, double);
 template MotionModel<4> constantVelocity<4, 2>(double, double);
 template MotionModel<5> constantVelocity<5, 2>(double, double);
-template MotionModel<6> constantVelocity<6, 3>(double, double);
 template MotionModel<7> constantVelocity<7, 3>(double, double);
 template MotionModel<5> constantTurn<2>(double, double);
 template MotionModel<7> constantTurn<3>(double, double);

@@ -6,9 +6,9 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "../../src/tracking/mixture_reduction.h"
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/random.h"
+#include "kestrel_slam/tracking/mixture_reduction.h"
 
 namespace kestrel {
 namespace {
