@@ -8,7 +8,9 @@ set(COMMON_HEADERS <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geom
   <algorithm> <array> <cmath> <filesystem> <functional> <map> <memory> <optional> <set> <sstream>
   <stdexcept> <string> <unordered_map> <vector>)
 # All who read the file of the headers must define the same as Boost::iostreams.
-add_compile_definitions(BOOST_ALL_NO_LIB)
+if(KESTREL_PRECOMPILE_HEADERS)
+  add_compile_definitions(BOOST_ALL_NO_LIB)
+endif()
 set(ROS_HEADERS <diagnostic_msgs/DiagnosticArray.h> <geometry_msgs/PoseWithCovarianceStamped.h>
   <nav_msgs/OccupancyGrid.h> <nav_msgs/Odometry.h> <ros/ros.h> <sensor_msgs/Imu.h> <sensor_msgs/LaserScan.h>
   <sensor_msgs/PointCloud2.h> <sensor_msgs/Range.h> <tf2_msgs/TFMessage.h>)
