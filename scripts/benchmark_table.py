@@ -113,7 +113,7 @@ def perturbation_table(columns):
 
 
 def accuracy_table(build, data, output, quick):
-    print("\n== accuracy: all scans, default parameters, no loop closure", flush=True)
+    print("\n== accuracy: all scans, default parameters, loops are closed", flush=True)
     header(["recording", "prediction", "scans lost", "error, m (mean ± std, max)", "error, deg",
             "worst of 10 runs, m", "lost of 10 runs", "ms per scan, mean / p99",
             "median ms, first / last quarter", "peak MB"])
