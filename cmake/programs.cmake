@@ -15,7 +15,7 @@ file(GLOB COMMANDS CONFIGURE_DEPENDS src/commands/*_main.cpp)
 if(NOT KESTREL_WITH_ROS)
   list(FILTER COMMANDS EXCLUDE REGEX "/(carmen_to_bag|simulate_flight)_main\\.cpp$")
 endif()
-# The first one compiles the headers for all.
+# map_recording compiles the headers for all.
 list(PREPEND COMMANDS ${PROJECT_SOURCE_DIR}/src/commands/map_recording_main.cpp)
 list(REMOVE_DUPLICATES COMMANDS)
 set(PAGES ${PROJECT_BINARY_DIR}/pages)

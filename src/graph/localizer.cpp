@@ -45,6 +45,7 @@ Localizer::Localizer(const MapperConfig& config, Submap map,
       finder_(global_, config.matcher, relocalization) {}
 
 MapperResult Localizer::process(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {
+  // A search near the prediction could find an equal room.
   if (!lost_ && tracker_.isOutOfReach(scan, odom_T_base)) lose(tracker_.pose());
   MapperResult result = lost_ ? search(scan, odom_T_base) : track(scan, odom_T_base);
   time_ = scan.time;
