@@ -8,6 +8,7 @@
 #include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/mapping/motion_model.h"
+#include "kestrel_slam/matching/ambiguity.h"
 #include "kestrel_slam/matching/matcher.h"
 
 namespace kestrel {
@@ -87,17 +88,13 @@ bool LaserOdometry::carry(const PlanarScan& scan, PredictionSource source,
   return true;
 }
 
-bool LaserOdometry::agrees(const MatchRequest& request, const Pose2& found) const {
+bool LaserOdometry::agrees(const MatchRequest& request, const MatchResult& found) const {
   if (request.lost || request.prior || !begins_at_match_ || !first_scan_) return true;
-  const auto is_near = [&](const Pose2& pose) {
-    return (pose.inverse() * found).distance() <= config_.matcher.near_window.linear_m;
-  };
-  if (is_near(request.initial_guesses.front())) return true;
+  const double near_m = config_.matcher.near_window.linear_m;
+  if ((request.initial_guesses.front().inverse() * found.pose).distance() <= near_m) return true;
   Submap last(config_.grid, submapOptions(config_.matcher));
   last.insert(*first_scan_, first_pose_);
-  MatchRequest local = request;
-  local.wide = false;
-  return is_near(makeMatcher(config_.matcher)->match(last, local).pose);
+  return !secondExplanation(last, request, found, config_.matcher, config_.matcher.jump_margin);
 }
 
 std::optional<PredictionError> LaserOdometry::errorAfter(const MapperResult& result,

@@ -115,7 +115,7 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   if ((request.lost || request.wide) && result.state != MatchState::kLost &&
       (secondExplanation(map.current(), request, result.match, config.matcher) ||
        (prediction_source == PredictionSource::kVelocity &&
-        !laser_odometry.agrees(request, result.match.pose)))) {
+        !laser_odometry.agrees(request, result.match)))) {
     result.match.ambiguous = true;
     result.state = request.lost ? MatchState::kLost : MatchState::kDegraded;
   }

@@ -8,14 +8,13 @@
 #include "hybrid_matcher.h"
 #include "kestrel_slam/matching/thinned.h"
 #include "rough_search.h"
+#include "sketch.h"
 
 namespace kestrel {
 namespace {
 
 /// Poses that differ by less than this are one explanation.
 constexpr double kSameM = 0.5, kSameRad = 0.35;
-/// The second explanation is nearly as good if its score is lower by less than this.
-constexpr double kClearlyBetter = 0.1;
 
 /// How well the points fit at poses: without the penalty of the motion, because the question is
 /// only how well the scan fits.
@@ -61,18 +60,18 @@ RoughWindow windowOf(const MatchRequest& request, const MatchResult& found,
 }  // namespace
 
 std::optional<Pose2> secondExplanation(const Submap& map, const MatchRequest& request,
-                                       const MatchResult& found, const MatcherConfig& config) {
+                                       const MatchResult& found, const MatcherConfig& config,
+                                       double margin) {
   const RoughWindow window = windowOf(request, found, config);
   const Comparison comparison(map.surface(), request, config);
   WorkBudget budget(kSearchWork);
-  Hypotheses hypotheses = searchRoughly(map.surface(), request.points, window, budget);
+  const Hypotheses hypotheses = searchRoughly(map.surface(), request.points, window, budget);
   const double first = comparison.scoreAt(found.pose);
   // What was not searched may hold a pose that fits as well.
-  double least = hypotheses.complete ? first - kClearlyBetter : -1.0;
+  double least = hypotheses.complete ? first - margin : -1.0;
   std::optional<Pose2> second;
-  for (const Pose2& hypothesis : hypotheses.poses) {
-    if (!budget.take(sketchWork(comparison.points()))) break;
-    const Pose2 pose = sketch(map.surface(), comparison.points(), hypothesis);
+  for (const Pose2& pose :
+       sketches(map.surface(), comparison.points(), hypotheses.poses, 1, budget)) {
     const double score = comparison.scoreAt(pose);
     if (score <= least || isNear(window.excluded, pose)) continue;
     least = score;

@@ -12,6 +12,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/matching/thinned.h"
 #include "point_bounds.h"
+#include "sketch.h"
 
 namespace kestrel {
 namespace {

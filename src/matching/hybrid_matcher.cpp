@@ -10,20 +10,12 @@
 #include "kestrel_slam/matching/thinned.h"
 #include "kestrel_slam/matching/weak_motion.h"
 #include "rough_search.h"
+#include "sketch.h"
 
 namespace kestrel {
 namespace {
 
-/// Cauchy scales of the stages, m. A wide scale has a large basin of convergence; the last one only
-/// uses points close to a wall. With 0.1 m as the last scale the error of the recordings is 10 %
-/// larger, with 0.2 m 30 %.
-constexpr std::array<float, kMatchStages> kStageScales = {0.3F, 0.12F, 0.05F};
-/// The early stages only have to reach the basin of convergence of the next stage.
-constexpr double kCoarseStepM = 0.01, kCoarseStepRad = 0.005;
 constexpr std::size_t kLastStage = kMatchStages - 1;
-/// Information of the prior at the initial guess, relative to that of the points across a wall. It
-/// only has an effect in unobservable directions.
-constexpr float kPriorWeight = 1e-3F;
 /// Lower limit for the residuals, because map and sensor have noise.
 constexpr double kMinResidualM = 0.01;
 /// The errors of neighboring beams are correlated: n beams count as n / kBeamCorrelation.
@@ -50,7 +42,6 @@ constexpr double kConstrainedShare = 0.4, kConstrainedSigmaM = 0.03, kConstraine
 
 /// This many of the hypotheses of a search are refined with all points.
 constexpr std::size_t kRefined = 4;
-constexpr int kSketchIterations = 6;
 /// Work to refine a hypothesis.
 std::int64_t refineWork(const Points& points) {
   constexpr std::int64_t kPerPoint = 400, kCoarseStages = 150'000;
@@ -215,18 +206,16 @@ std::vector<Pose2> HybridMatcher::mostLikely(const Submap& map, const MatchReque
                                              const std::vector<Pose2>& hypotheses,
                                              WorkBudget& budget) const {
   const Points sample = sampled(request.points, kSketchPoints);
-  std::vector<std::pair<double, Pose2>> sketches;  // negative score, pose
-  for (const Pose2& hypothesis : hypotheses) {
-    if (!budget.take(sketchWork(sample))) break;
-    const Pose2 pose = sketch(map.surface(), sample, hypothesis);
+  std::vector<std::pair<double, Pose2>> ranking;  // negative score, pose
+  for (const Pose2& pose : sketches(map.surface(), sample, hypotheses, kRefined, budget)) {
     const Fit fit = fitOf(map, sample, pose, config_.score_scale_m);
     const double penalized = penalizedScore(request, fit, pose, config_.correlative);
-    sketches.emplace_back(-allPointsScore(fit, penalized), pose);
+    ranking.emplace_back(-allPointsScore(fit, penalized), pose);
   }
-  std::stable_sort(sketches.begin(), sketches.end(),
+  std::stable_sort(ranking.begin(), ranking.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Pose2> result;
-  for (const auto& [score, pose] : sketches) {
+  for (const auto& [score, pose] : ranking) {
     const bool affordable = budget.take(refineWork(request.points));
     if (result.size() == kRefined || (!affordable && !result.empty())) break;
     result.push_back(pose);
@@ -263,22 +252,6 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   result.penalized_score = penalizedScore(request, result.fit, pose, config_.correlative);
   result.jumped = leftBasin(few, initial_guess, pose);
   return result;
-}
-
-Pose2 sketch(const SurfelField& surface, const Points& sample, const Pose2& hypothesis) {
-  GaussNewtonConfig config;
-  config.max_iterations = kSketchIterations;
-  config.min_step_m = kCoarseStepM;
-  config.min_step_rad = kCoarseStepRad;
-  const Eigen::Vector3f pull =
-      Eigen::Vector3f::Constant(kPriorWeight * static_cast<float>(sample.size()));
-  Pose2 pose = hypothesis;
-  for (std::size_t stage = 0; stage < kLastStage; ++stage) {
-    pose = descend(pose, config, pull, [&](const Pose2& at) {
-             return linearizeDistance(surface, sample, at, kStageScales[stage]);
-           }).pose;
-  }
-  return pose;
 }
 
 void fillStages(const Submap& map, const Points& points,

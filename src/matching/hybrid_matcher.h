@@ -53,20 +53,19 @@ std::vector<SearchWindow> searchWindows(const MatcherConfig& config, const Match
 /// Minimum increase of the penalized score that is needed to accept `pose`.
 double jumpMargin(const MatcherConfig& config, const MatchRequest& request, const Pose2& pose);
 
+/// Cauchy scales of the stages, m. A wide scale has a large basin of convergence; the last one only
+/// uses points close to a wall. With 0.1 m as the last scale the error of the recordings is 10 %
+/// larger, with 0.2 m 30 %.
+constexpr std::array<float, kMatchStages> kStageScales = {0.3F, 0.12F, 0.05F};
+/// The early stages only have to reach the basin of convergence of the next stage.
+constexpr double kCoarseStepM = 0.01, kCoarseStepRad = 0.005;
+/// Information of the prior at the initial guess, relative to that of the points across a wall. It
+/// only has an effect in unobservable directions.
+constexpr float kPriorWeight = 1e-3F;
 /// Number of points for the coarse stages.
 constexpr std::size_t kCoarsePoints = 150;
 /// Work for the searches of one scan.
 constexpr std::int64_t kSearchWork = 10'000'000;
-/// Number of points for a sketch.
-constexpr std::size_t kSketchPoints = 100;
-
-/// A short descent from a hypothesis with a sample of the points, to see whether the scan fits.
-Pose2 sketch(const SurfelField& surface, const Points& sample, const Pose2& hypothesis);
-inline std::int64_t sketchWork(const Points& sample) {
-  constexpr std::int64_t kPerPoint = 1000;
-  return kPerPoint * static_cast<std::int64_t>(sample.size());
-}
-
 /// The penalty of a motion for this request: smaller if nothing was seen for some time.
 CorrelativeConfig preferencesFor(const MatchRequest& request, const CorrelativeConfig& config);
 

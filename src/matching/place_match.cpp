@@ -9,6 +9,7 @@
 #include "kestrel_slam/matching/thinned.h"
 #include "kestrel_slam/matching/work_budget.h"
 #include "rough_search.h"
+#include "sketch.h"
 
 namespace kestrel {
 namespace {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rough_grid.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/matching/thinned.h"
 
 namespace kestrel {
@@ -47,6 +49,22 @@ int layerFor(double pixels) {
   return layer;
 }
 
+/// Extends `box` by the arc of a point that is rotated by `yaw` ± `turn`, rad.
+void extendByArc(const Eigen::Vector2f& point, double yaw, double turn, Eigen::AlignedBox2d& box) {
+  const auto range = static_cast<double>(point.norm());
+  const double middle =
+      yaw + std::atan2(static_cast<double>(point.y()), static_cast<double>(point.x()));
+  const auto extend = [&](double angle) {
+    box.extend(Eigen::Vector2d(range * std::cos(angle), range * std::sin(angle)));
+  };
+  extend(middle - turn);
+  extend(middle + turn);
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    const double extreme = quarter * 0.5 * kPi;
+    if (std::abs(normalizeAngle(extreme - middle)) <= turn) extend(extreme);
+  }
+}
+
 }  // namespace
 
 RoughGrid::RoughGrid(const SurfelField& surface, const Points& points, const RoughWindow& window,
@@ -62,10 +80,10 @@ RoughGrid::RoughGrid(const SurfelField& surface, const Points& points, const Rou
   angular_step_ =
       std::clamp(pixel_m_ / std::max(median, 1e-3), kLeastStep * share, kMostStep * share);
   angular_steps_ = static_cast<int>(std::ceil(window.size.angular_rad / angular_step_ - 1e-6));
-  double range = 0.0;
+  Eigen::AlignedBox2d reached;  // relative to the center of the window, m
   for (const Eigen::Vector2f& p : sample) {
     const auto r = static_cast<double>(p.norm());
-    range = std::max(range, r);
+    extendByArc(p, window.center.yaw, angular_steps_ * angular_step_, reached);
     const int layer = layerFor(0.5 * angular_step_ * r / pixel_m_);
     layers_ = std::max(layers_, layer + 1);
     points_.push_back({p / static_cast<float>(pixel_m_), layer});
@@ -73,10 +91,11 @@ RoughGrid::RoughGrid(const SurfelField& surface, const Points& points, const Rou
   pixels_.resize(points_.size());
   score_of_one_ = 1.0 / (WallImage::kWall * static_cast<double>(points_.size()));
   // One more block of columns may be read beside the window.
-  const double reach = range + (linear_steps_ + RoughPart::kSide + 2) * pixel_m_;
+  const double reach = (linear_steps_ + RoughPart::kSide + 2) * pixel_m_;
   const auto cell = [&](double x) { return static_cast<int>(std::floor(x / cell_m)); };
-  box_ = {{cell(window.center.x - reach), cell(window.center.y - reach)},
-          {cell(window.center.x + reach), cell(window.center.y + reach)}};
+  const Pose2& center = window.center;
+  box_ = {{cell(center.x + reached.min().x() - reach), cell(center.y + reached.min().y() - reach)},
+          {cell(center.x + reached.max().x() + reach), cell(center.y + reached.max().y() + reach)}};
 }
 
 Pose2 RoughGrid::pose(int k, int dx, int dy) const {

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <type_traits>
 
 #include "kestrel_slam/geometry/pose2.h"
@@ -16,6 +18,21 @@ namespace kestrel {
 /// Four floats in one vector register on x86-64 and ARM, without special compiler flags.
 using Lanes = Eigen::Array<float, 4, 1>;
 constexpr std::size_t kLanes = 4;
+
+/// The largest integers not above four values, as floorToInt.
+inline std::array<std::int32_t, kLanes> floorToInt(const Lanes& values) {
+  // Vector types of GCC and Clang: Eigen has no vector instructions for this without SSE 4.
+  using Floats = float __attribute__((vector_size(16)));
+  using Integers = std::int32_t __attribute__((vector_size(16)));
+  Floats floats;
+  std::memcpy(&floats, values.data(), sizeof(floats));
+  const Integers truncated = __builtin_convertvector(floats, Integers);
+  // A comparison is -1 where it is true.
+  const Integers floors = truncated + (floats < __builtin_convertvector(truncated, Floats));
+  std::array<std::int32_t, kLanes> result;
+  std::memcpy(result.data(), &floors, sizeof(floors));
+  return result;
+}
 
 /// Four points of a scan with their nearest surfels, for sums over a scan. A point without a surfel
 /// within reach, and lanes past the end of the scan, have a surfel of zeros.
@@ -43,31 +60,36 @@ inline void forEachLanes(const SurfelField& surface, const Points& points, const
   const auto c = static_cast<float>(std::cos(map_T_base.yaw));
   const auto s = static_cast<float>(std::sin(map_T_base.yaw));
   const auto x = static_cast<float>(map_T_base.x), y = static_cast<float>(map_T_base.y);
+  const float cells_per_m = surface.cellsPerMeter();
   SurfelLanes lanes;
-  Lanes sx = Lanes::Zero(), sy = Lanes::Zero(), mx, my;  // scan points, walls
   const auto gather = [&](std::size_t first, auto count) {
-    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(count); ++i) {
-      const Eigen::Vector2f& p = points[first + static_cast<std::size_t>(i)];
-      sx[i] = p.x();
-      sy[i] = p.y();
-    }
+    // Lanes past the end repeat the last point, but they have no surfel.
+    const auto x_of = [&](std::size_t i) {
+      return points[first + std::min<std::size_t>(i, count - 1)].x();
+    };
+    const auto y_of = [&](std::size_t i) {
+      return points[first + std::min<std::size_t>(i, count - 1)].y();
+    };
+    const Lanes sx(x_of(0), x_of(1), x_of(2), x_of(3)), sy(y_of(0), y_of(1), y_of(2), y_of(3));
     lanes.rx = c * sx - s * sy;
     lanes.ry = s * sx + c * sy;
     lanes.px = x + lanes.rx;
     lanes.py = y + lanes.ry;
-    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(kLanes); ++i) {
-      const bool is_point = i < static_cast<Eigen::Index>(count);
-      const Surfel* surfel = is_point ? surface.nearest({lanes.px[i], lanes.py[i]}) : nullptr;
-      if (surfel == nullptr) surfel = &kNoSurfel;
-      lanes.surfels[static_cast<std::size_t>(i)] = surfel;
-      mx[i] = surfel->on_wall.x();
-      my[i] = surfel->on_wall.y();
-      lanes.a11[i] = surfel->a11;
-      lanes.a12[i] = surfel->a12;
-      lanes.a22[i] = surfel->a22;
-    }
-    lanes.ex = lanes.px - mx;
-    lanes.ey = lanes.py - my;
+    const auto columns = floorToInt(Lanes(lanes.px * cells_per_m));
+    const auto rows = floorToInt(Lanes(lanes.py * cells_per_m));
+    const auto nearest = [&](std::size_t i) {
+      return i < count ? surface.nearestOr(&kNoSurfel, Cell{columns[i], rows[i]}) : &kNoSurfel;
+    };
+    lanes.surfels = {nearest(0), nearest(1), nearest(2), nearest(3)};
+    const auto values = [&](auto of) {
+      return Lanes(of(*lanes.surfels[0]), of(*lanes.surfels[1]), of(*lanes.surfels[2]),
+                   of(*lanes.surfels[3]));
+    };
+    lanes.ex = lanes.px - values([](const Surfel& surfel) { return surfel.on_wall.x(); });
+    lanes.ey = lanes.py - values([](const Surfel& surfel) { return surfel.on_wall.y(); });
+    lanes.a11 = values([](const Surfel& surfel) { return surfel.a11; });
+    lanes.a12 = values([](const Surfel& surfel) { return surfel.a12; });
+    lanes.a22 = values([](const Surfel& surfel) { return surfel.a22; });
   };
   for (std::size_t first = 0; first < points.size(); first += kLanes) {
     const std::size_t count = std::min(kLanes, points.size() - first);

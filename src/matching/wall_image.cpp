@@ -13,7 +13,7 @@ constexpr int kMargin = 2 * kReach;
 /// Work per pixel of each layer, and per tile of the map.
 constexpr std::int64_t kWorkPerPixel = 2, kWorkPerWallTile = 100;
 
-using Bytes = std::vector<std::uint8_t>;
+using Bytes = WallImage::Bytes;
 
 /// The maximum of every byte and of those `step` bytes before and after it, which are divided by
 /// 2^shift. Plain pointers and a known shift, so that the compiler uses vector instructions.
@@ -40,8 +40,10 @@ WallImage::WallImage(const SurfelField& surface, const CellBox& box, int shift, 
   for (Bytes& layer : layers_) layer.assign(size, 0);
   surface.forEachTile(box.low, box.high,
                       [this](const Cell& corner, const auto& rows) { mark(corner, rows); });
-  soften();
-  for (int n = 1; n < layers; ++n) spread(n, n == 1 ? 1 : 1 << (n - 2));
+  // Its first and last bytes are not written: like the margin of every layer, they stay zero.
+  Bytes buffer(size, 0);
+  soften(buffer);
+  for (int n = 1; n < layers; ++n) spread(n, n == 1 ? 1 : 1 << (n - 2), buffer);
 }
 
 std::int64_t WallImage::workFor(const CellBox& box, int shift, int layers) {
@@ -72,15 +74,13 @@ void WallImage::mark(const Cell& tile_corner, const SurfelField::OccupiedRows& r
   }
 }
 
-void WallImage::soften() {
-  Bytes buffer(layers_[0].size(), 0);
+void WallImage::soften(Bytes& buffer) {
   takeMaximum<1>(layers_[0], 1, buffer);
   takeMaximum<1>(buffer, width_, layers_[0]);
 }
 
 /// Makes a layer from the one before it, which is extended by `pixels` in all directions.
-void WallImage::spread(int layer, int pixels) {
-  Bytes buffer(layers_[0].size(), 0);
+void WallImage::spread(int layer, int pixels, Bytes& buffer) {
   takeMaximum<0>(layers_[static_cast<std::size_t>(layer - 1)], pixels, buffer);
   takeMaximum<0>(buffer, static_cast<std::ptrdiff_t>(pixels) * width_,
                  layers_[static_cast<std::size_t>(layer)]);

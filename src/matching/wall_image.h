@@ -20,6 +20,7 @@ class WallImage {
  public:
   static constexpr int kMostLayers = 5;
   static constexpr int kWall = 63;
+  using Bytes = std::vector<std::uint8_t>;
 
   /// Covers the cells of `box`.
   WallImage(const SurfelField& surface, const CellBox& box, int shift, int layers);
@@ -34,13 +35,13 @@ class WallImage {
 
  private:
   void mark(const Cell& tile_corner, const SurfelField::OccupiedRows& rows);
-  void soften();
-  void spread(int layer, int pixels);
+  void soften(Bytes& buffer);
+  void spread(int layer, int pixels, Bytes& buffer);
 
   int shift_;
   Cell low_;  ///< in pixels
   int width_, height_;
-  std::vector<std::vector<std::uint8_t>> layers_;
+  std::vector<Bytes> layers_;
 };
 
 }  // namespace kestrel

@@ -84,12 +84,15 @@ class SurfelField {
 
   /// The surfel nearest to the cell of `point` (map frame, m), or nullptr if none is within reach.
   const Surfel* nearest(const Eigen::Vector2f& point) const {
-    const Cell cell{floorToInt(point.x() * inverse_resolution_),
-                    floorToInt(point.y() * inverse_resolution_)};
+    return nearestOr(nullptr, Cell{floorToInt(point.x() * inverse_resolution_),
+                                   floorToInt(point.y() * inverse_resolution_)});
+  }
+  /// The surfel nearest to `cell`, or `none` if there is none within reach.
+  const Surfel* nearestOr(const Surfel* none, const Cell& cell) const {
     const Tile* tile = tiles_.find(cell);
-    if (tile == nullptr) return nullptr;
+    if (tile == nullptr) return none;
     const std::uint32_t id = tile->nearest[offsetInTile(cell)];
-    return id == kNone ? nullptr : &surfels_[id];
+    return id == kNone ? none : &surfels_[id];
   }
 
   /// All surfels with their mean in `area` (map frame, m), in the order of the tiles.
@@ -133,6 +136,7 @@ class SurfelField {
 
   void clear();
   float resolution() const { return resolution_; }
+  float cellsPerMeter() const { return inverse_resolution_; }
   std::size_t size() const { return surfels_.size() - free_.size(); }
   std::size_t memoryBytes() const {
     return tiles_.memoryBytes() + surfels_.capacity() * sizeof(Surfel);

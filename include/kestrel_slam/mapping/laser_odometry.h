@@ -48,9 +48,10 @@ class LaserOdometry {
   bool carry(const PlanarScan& scan, PredictionSource source, const PredictionError& predicted,
              MotionModel& motion, PoseUncertainty& uncertainty, MapperResult& result);
 
-  /// False if the match with the map is far from the prediction, and a match with only the scan
-  /// before does not confirm it. Then one is wrong: this match with the map, or those before.
-  bool agrees(const MatchRequest& request, const Pose2& found) const;
+  /// False if the match with the map is far from the prediction, and the scan before alone is
+  /// explained better by another motion. Then one is wrong: this match with the map, or those
+  /// before.
+  bool agrees(const MatchRequest& request, const MatchResult& found) const;
 
   /// The error of the pose of a scan that was not matched with the map, since the last match. It is
   /// that of the motion that the scans show, or else `predicted`. Nothing for a match.

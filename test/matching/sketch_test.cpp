@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sketches: many hypotheses are compared with little work, and the right one stays.
+
+#include "../../src/matching/sketch.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "../../src/matching/surfel_lanes.h"
+#include "kestrel_slam/map/tile_map.h"
+#include "kestrel_slam/matching/thinned.h"
+#include "kestrel_slam/sensor/planar_scan.h"
+#include "room.h"
+
+namespace kestrel {
+namespace {
+
+constexpr std::int64_t kEnough = 1'000'000'000;
+const Pose2 kTruth(0.3, -0.2, 0.4);
+
+Points sampleAt(const Pose2& pose) { return sampled(hitsOf(room::scanFrom(pose)), kSketchPoints); }
+
+/// `count` poses; only the one with index `right` is near the truth.
+std::vector<Pose2> hypotheses(int count, int right) {
+  std::vector<Pose2> poses;
+  for (int i = 0; i < count; ++i) {
+    const double yaw = kTruth.yaw + 0.7 + 0.15 * i;
+    poses.emplace_back(kTruth.x + 0.6 * std::cos(2.0 * i), kTruth.y + 0.6 * std::sin(2.0 * i), yaw);
+  }
+  poses[static_cast<std::size_t>(right)] = kTruth * Pose2(0.15, -0.1, 0.05);
+  return poses;
+}
+
+bool isAtTruth(const Pose2& pose) {
+  const Pose2 error = kTruth.inverse() * pose;
+  return error.distance() < 0.03 && std::abs(error.yaw) < 0.02;
+}
+
+TEST(Sketch, TheRightHypothesisIsInTheHalfThatGoesOn) {
+  const Submap map = room::map();
+  const Points sample = sampleAt(kTruth);
+  for (int right = 0; right < 32; ++right) {
+    WorkBudget budget(kEnough);
+    const std::vector<Pose2> poses =
+        sketches(map.surface(), sample, hypotheses(32, right), 4, budget);
+    EXPECT_EQ(poses.size(), 16U);
+    EXPECT_EQ(std::count_if(poses.begin(), poses.end(), isAtTruth), 1) << right;
+  }
+}
+
+TEST(Sketch, FewHypothesesAllGoOn) {
+  const Submap map = room::map();
+  WorkBudget budget(kEnough);
+  EXPECT_EQ(sketches(map.surface(), sampleAt(kTruth), hypotheses(4, 1), 4, budget).size(), 4U);
+  EXPECT_TRUE(sketches(map.surface(), sampleAt(kTruth), {}, 4, budget).empty());
+}
+
+TEST(Sketch, TheBudgetLimitsTheHypotheses) {
+  const Submap map = room::map();
+  const Points sample = sampleAt(kTruth);
+  WorkBudget whole(kEnough);
+  sketches(map.surface(), sample, hypotheses(1, 0), 4, whole);
+  WorkBudget budget(3 * whole.used());
+  EXPECT_EQ(sketches(map.surface(), sample, hypotheses(32, 0), 4, budget).size(), 3U);
+}
+
+TEST(Sketch, PointsThatAreNotFiniteChangeNothing) {
+  const Submap map = room::map();
+  Points sample = sampleAt(kTruth);
+  sample.front().x() = std::numeric_limits<float>::quiet_NaN();
+  WorkBudget budget(kEnough);
+  for (const Pose2& pose : sketches(map.surface(), sample, hypotheses(8, 2), 4, budget))
+    EXPECT_TRUE(std::isfinite(pose.x) && std::isfinite(pose.yaw));
+}
+
+TEST(SurfelLanes, FourValuesAreRoundedDownLikeOne) {
+  const float most = std::numeric_limits<float>::max();
+  for (const float value : {0.0F, -0.0F, 0.5F, -0.5F, 1.0F, -1.0F, 7.999F, -7.001F, 16777216.0F,
+                            -16777217.0F, 1e9F, -1e9F, most, -most}) {
+    const Lanes values(value, -value, 1.5F, -1.5F);
+    const auto rounded = floorToInt(values);
+    for (std::size_t i = 0; i < kLanes; ++i)
+      EXPECT_EQ(rounded[i], floorToInt(values[static_cast<Eigen::Index>(i)])) << value;
+  }
+}
+
+}  // namespace
+}  // namespace kestrel
