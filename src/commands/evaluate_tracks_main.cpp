@@ -38,6 +38,10 @@ void print(const TrackEvaluation& e) {
   printRow("moving objects", e.moving);
   std::printf("%zu scans, OSPA %.3f m, GOSPA %.3f m, one identity %.1f %% of the time\n",
               e.all.frames, e.ospa, e.gospa, kPercent * e.identity_share);
+  std::printf(
+      "moving objects without a shown track: %zu without any, %zu not confirmed, %zu not known to "
+      "move, %zu not seen for too long\n",
+      e.losses.no_track, e.losses.tentative, e.losses.not_moving, e.losses.unseen);
   std::printf("position rmse %.3f m", e.position_rmse);
   if (e.speeds > 0) std::printf(", velocity rmse %.3f m/s (%zu values)", e.speed_rmse, e.speeds);
   std::printf("\n");
@@ -86,6 +90,10 @@ void run(Options& options) {
   if (options.json.empty()) return;
   const nlohmann::ordered_json json = {{"all", jsonOf(result.all)},
                                        {"moving", jsonOf(result.moving)},
+                                       {"lost_without_track", result.losses.no_track},
+                                       {"lost_tentative", result.losses.tentative},
+                                       {"lost_not_moving", result.losses.not_moving},
+                                       {"lost_unseen", result.losses.unseen},
                                        {"scans", result.all.frames},
                                        {"ospa_m", result.ospa},
                                        {"gospa_m", result.gospa},

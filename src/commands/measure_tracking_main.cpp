@@ -51,6 +51,11 @@ void printWalkers(const HardFlight& flight) {
               flight.trial.name.c_str(), kPercent * people.mota(), people.motp(), people.misses,
               people.false_tracks, people.switches, m.tracks.speed_rmse, m.with.ghost_cells,
               m.without.ghost_cells, m.with.ate_m, m.without.ate_m);
+  const LossCounts& lost = m.tracks.losses;
+  std::printf(
+      "\npeople without a shown track: %zu without any, %zu not confirmed, %zu not known to move, "
+      "%zu not seen for too long\n",
+      lost.no_track, lost.tentative, lost.not_moving, lost.unseen);
 }
 
 void runWalkers() {

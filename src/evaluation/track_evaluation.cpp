@@ -101,17 +101,25 @@ class Evaluator {
 
   /// The shown tracks of a scan that lie in the compared part of the view.
   std::vector<const TrackRow*> shownAt(double stamp) const {
-    std::vector<const TrackRow*> shown;
+    std::vector<const TrackRow*> shown = rowsAt(stamp);
     const Pose2 sensor_T_map = (poseOf(stamp) * options_.base_T_sensor).inverse();
+    const auto isLeftOut = [&](const TrackRow* row) {
+      const Eigen::Vector2d at = sensor_T_map * row->position;
+      const double bearing = std::atan2(at.y(), at.x());
+      return !row->shown || bearing < options_.min_bearing || bearing > options_.max_bearing;
+    };
+    shown.erase(std::remove_if(shown.begin(), shown.end(), isLeftOut), shown.end());
+    return shown;
+  }
+
+  std::vector<const TrackRow*> rowsAt(double stamp) const {
+    std::vector<const TrackRow*> rows;
     const auto first = std::lower_bound(tracks_.begin(), tracks_.end(), stamp - kStampTolerance,
                                         [](const TrackRow& a, double s) { return a.stamp < s; });
     for (auto row = first; row != tracks_.end() && row->stamp < stamp + kStampTolerance; ++row) {
-      const Eigen::Vector2d at = sensor_T_map * row->position;
-      const double bearing = std::atan2(at.y(), at.x());
-      const bool in_view = bearing >= options_.min_bearing && bearing <= options_.max_bearing;
-      if (row->shown && in_view) shown.push_back(&*row);
+      rows.push_back(&*row);
     }
-    return shown;
+    return rows;
   }
 
   bool moves(const Path& path, double stamp, const Eigen::Vector2d& position) const {
@@ -135,11 +143,30 @@ class Evaluator {
       frame.truth.push_back({id, {position->x(), position->y(), 0.0}, marked.has_value()});
       moving.truth.push_back(frame.truth.back());
       moving.truth.back().counts = marked && moves(path, stamp, *position);
+      if (moving.truth.back().counts) addLoss(stamp, *position);
       if (marked) addSpeed(path, stamp, *position, rows);
     }
     all_.add(frame);
     moving_.add(moving);
     addDistances(frame);
+  }
+
+  /// Shown tracks count wherever they are: a track beyond the border of the view is no loss.
+  void addLoss(double stamp, const Eigen::Vector2d& position) {
+    const TrackRow* nearest = nullptr;
+    double best = options_.max_distance_m;
+    for (const TrackRow* row : rowsAt(stamp)) {
+      const double distance = (row->position - position).norm();
+      if (row->shown && distance <= options_.max_distance_m) return;
+      if (distance > best) continue;
+      best = distance;
+      nearest = row;
+    }
+    LossCounts& losses = result_.losses;
+    ++(nearest == nullptr   ? losses.no_track
+       : nearest->tentative ? losses.tentative
+       : !nearest->moved    ? losses.not_moving
+                            : losses.unseen);
   }
 
   /// Error of the velocity of the nearest track.

@@ -50,6 +50,8 @@ TrackRow rowOf(const std::string& line) {
     row.stamp = std::stod(fields[0]);
     row.id = std::stol(fields[1]);
     row.shown = fields[22] == "1";
+    row.tentative = fields[2] == toString(TrackState::kTentative);
+    row.moved = fields[3] == "1";
     row.position = {std::stod(fields[5]), std::stod(fields[6])};
     row.velocity = {std::stod(fields[7]), std::stod(fields[8])};
   } catch (const std::logic_error&) {

@@ -27,7 +27,8 @@ class Observer {
     const double stamp = sweep.scan.stamp;
     path_.push_back({stamp, sweep.moving->pose()});
     for (const Track& track : sweep.moving->result().tracks) {
-      rows_.push_back({stamp, track.id, track.isShown(), track.position, track.velocity});
+      rows_.push_back({stamp, track.id, track.isShown(), track.position, track.velocity,
+                       track.state == TrackState::kTentative, track.moved});
     }
     addPeople(sweep.scan, sweep.moving->result().motion);
   }

@@ -28,6 +28,9 @@ constexpr double kStep = 0.6, kFast = 1.5;
 constexpr double kPathStep = 0.1;  ///< m, between the noted places of an object
 constexpr std::size_t kPathPlaces = 50;
 constexpr double kMissed = 1.5;  ///< periods between two observations, from which on one is missing
+/// A surface that is at least as long as a person is wide, and not deeper than this share of its
+/// length, is flat.
+constexpr double kFlat = 0.2;
 constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
 
 std::vector<GridIndex<2>> cellsOf(const ObjectCluster& object, const MotionGrid<2>& grid) {
@@ -37,6 +40,16 @@ std::vector<GridIndex<2>> cellsOf(const ObjectCluster& object, const MotionGrid<
     if (std::find(cells.begin(), cells.end(), cell) == cells.end()) cells.push_back(cell);
   }
   return cells;
+}
+
+/// A flat surface looks the same after a motion along itself: what has moved may be the part of it
+/// that gives returns.
+/// `length` (m): the largest that was seen of it.
+bool slides(const Eigen::Vector2d& way, const ObjectCluster& object, double length) {
+  const double c = std::cos(object.box.yaw), s = std::sin(object.box.yaw);
+  const double along = c * way.x() + s * way.y(), across = c * way.y() - s * way.x();
+  return length > kPersonWidth && object.box.size.y() < kFlat * length &&
+         std::abs(along) > std::abs(across);
 }
 
 }  // namespace
@@ -207,20 +220,24 @@ bool TrackList::hasLeft(const Entry& entry, const ObjectCluster& object,
   const double needed = std::max(config_.moved_m, 0.5 * entry.length);
   return std::any_of(entry.samples.begin(), entry.samples.end(), [&](const Sample& sample) {
     return distanceMoved(object.observation.value - sample.position, object) >= needed &&
-           isEmptyNow(sample, object, visibility, grid) && cameAfter(sample.time, object, grid);
+           isEmptyNow(sample, object, entry.length, visibility, grid) &&
+           cameAfter(sample.time, object, grid);
   });
 }
 
-bool TrackList::isEmptyNow(const Sample& place, const ObjectCluster& object,
+bool TrackList::isEmptyNow(const Sample& place, const ObjectCluster& object, double length,
                            const Visibility& visibility, const MotionGrid<2>& grid) {
   const double since = grid.time() - place.time;
   const double left_before = grid.time() - std::max(kLeftTime, kLeftShare * since);
+  const bool by_returns = slides(object.observation.value - place.position, object, length);
   std::size_t passed = 0, hidden = 0;
   for (const GridIndex<2>& cell : place.cells) {
     if (grid.lastReturn(cell) >= left_before) continue;
     const Eigen::Vector2d center = grid.centerOf(cell).cast<double>();
     const bool was_passed = grid.wasPassed(cell);
-    if (was_passed && visibility.isSeenThrough(center, grid.resolution())) {
+    const double width = grid.resolution();
+    if (was_passed && (by_returns ? visibility.isSeenThroughByReturns(center, width)
+                                  : visibility.isSeenThrough(center, width))) {
       ++passed;
     } else if (was_passed || visibility.isHidden(center)) {
       ++hidden;

@@ -80,7 +80,7 @@ class TrackList {
   static double distanceMoved(const Eigen::Vector2d& way, const ObjectCluster& object);
   bool hasLeft(const Entry& entry, const ObjectCluster& object, const Visibility& visibility,
                const MotionGrid<2>& grid) const;
-  static bool isEmptyNow(const Sample& place, const ObjectCluster& object,
+  static bool isEmptyNow(const Sample& place, const ObjectCluster& object, double length,
                          const Visibility& visibility, const MotionGrid<2>& grid);
   static bool cameAfter(double time, const ObjectCluster& object, const MotionGrid<2>& grid);
   void miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility);

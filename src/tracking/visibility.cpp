@@ -45,7 +45,8 @@ int Visibility::binOf(double bearing) {
   return bin;
 }
 
-Visibility::Visibility(const std::vector<GridRay<2>>& rays) : reach_(kBins, -1.0F) {
+Visibility::Visibility(const std::vector<GridRay<2>>& rays)
+    : reach_(kBins, -1.0F), returns_(kBins, -1.0F) {
   if (!rays.empty()) sensor_ = rays[rays.size() / 2].origin.cast<double>();
   std::vector<double> steps;
   steps.reserve(rays.size());
@@ -56,8 +57,9 @@ Visibility::Visibility(const std::vector<GridRay<2>>& rays) : reach_(kBins, -1.0
     if (!std::isfinite(bearing)) continue;
     if (i > 0) steps.push_back(turnBy(bearing - last));
     last = bearing;
-    float& reach = reach_[static_cast<std::size_t>(binOf(bearing))];
-    reach = std::max(reach, along.norm());
+    const auto bin = static_cast<std::size_t>(binOf(bearing));
+    reach_[bin] = std::max(reach_[bin], along.norm());
+    if (rays[i].hit) returns_[bin] = std::max(returns_[bin], along.norm());
   }
   beam_step_ = medianOf(std::move(steps));
 }
@@ -71,13 +73,14 @@ bool Visibility::isHiddenAt(double bearing, double range) const {
   return reach >= 0.0F && static_cast<double>(reach) < range - kOccluderGap;
 }
 
-bool Visibility::isSeenThrough(const Eigen::Vector2d& point, double width) const {
+bool Visibility::isPassed(const std::vector<float>& reach_of, const Eigen::Vector2d& point,
+                          double width) const {
   const double range = std::max(rangeOf(point), kNearestRange), middle = bearingOf(point);
   const double half = 0.5 * width / range + kBesideBeams * beam_step_;
   const int first = static_cast<int>(std::floor(-half / (2.0 * kPi) * kBins));
   bool measured = false;
   for (int i = first; i <= -first; ++i) {
-    const float reach = reach_[static_cast<std::size_t>(binOf(middle + i * 2.0 * kPi / kBins))];
+    const float reach = reach_of[static_cast<std::size_t>(binOf(middle + i * 2.0 * kPi / kBins))];
     if (reach < 0.0F) continue;
     if (static_cast<double>(reach) < range + 0.5 * width) return false;
     measured = true;

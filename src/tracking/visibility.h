@@ -25,7 +25,13 @@ class Visibility {
   }
   /// True if the beams toward the point and those beside it went farther: nothing is there. On a
   /// wall at a grazing angle, a beam passes closely before each part, and ends on the next part.
-  bool isSeenThrough(const Eigen::Vector2d& point, double width) const;
+  bool isSeenThrough(const Eigen::Vector2d& point, double width) const {
+    return isPassed(reach_, point, width);
+  }
+  /// The same by beams with a return only: glass, dark or grazed surfaces give none.
+  bool isSeenThroughByReturns(const Eigen::Vector2d& point, double width) const {
+    return isPassed(returns_, point, width);
+  }
   /// Angle between two neighboring beams, rad; 0 without beams.
   double beamStep() const { return beam_step_; }
   Eigen::Vector2d directionTo(const Eigen::Vector2d& point) const {
@@ -37,6 +43,7 @@ class Visibility {
   static constexpr int kBins = 1440;  ///< of a quarter of a degree
   static int binOf(double bearing);
   double bearingOf(const Eigen::Vector2d& point) const;
+  bool isPassed(const std::vector<float>& reach, const Eigen::Vector2d& point, double width) const;
   bool isHiddenAt(double bearing, double range) const;
   struct Beams {
     int measured = 0, visible = 0;
@@ -45,7 +52,8 @@ class Visibility {
   Beams countIn(int first, int count, double range) const;
 
   Eigen::Vector2d sensor_ = Eigen::Vector2d::Zero();
-  std::vector<float> reach_;  ///< farthest beam of each bin, m; negative: no beam
+  std::vector<float> reach_;    ///< farthest beam of each bin, m; negative: no beam
+  std::vector<float> returns_;  ///< the same of the beams with a return
   double beam_step_ = 0.0;
 };
 

@@ -29,8 +29,10 @@ Case movingObject(double error) {
     const Eigen::Vector2d at(0.1 * i, 4.0);
     result.trajectory.push_back({stamp, pose});
     result.truth.push_back({stamp + 0.01, 1, pose.inverse() * at});
-    result.rows.push_back({stamp, 7, true, at + Eigen::Vector2d(0.0, error), {1.0, 0.0}});
-    result.rows.push_back({stamp, 8, false, at, {0.0, 0.0}});  // not shown: does not count
+    result.rows.push_back(
+        {stamp, 7, true, at + Eigen::Vector2d(0.0, error), {1.0, 0.0}, false, true});
+    result.rows.push_back(
+        {stamp, 8, false, at, {0.0, 0.0}, false, false});  // not shown: does not count
   }
   return result;
 }
@@ -70,11 +72,33 @@ TEST(TrackEvaluation, TrackOnAnObjectThatWasNotMarkedIsNotFalse) {
   EXPECT_GT(e.all.false_tracks, 20U);
 }
 
+TEST(TrackEvaluation, LossesAreCountedByWhatTheNearestTrackLacks) {
+  Case c = movingObject(0.0);
+  // Every second row is the one that is not shown. The first 6 objects have not moved yet.
+  for (std::size_t i = 0; i < 50; ++i) {
+    TrackRow& shown = c.rows[2 * i];
+    TrackRow& other = c.rows[2 * i + 1];
+    other.position.y() += 0.1;
+    other.moved = true;
+    if (i < 10) continue;
+    shown.shown = false;
+    shown.tentative = i < 15;
+    shown.moved = i >= 22;
+    if (i >= 31) shown.position.y() = other.position.y() = 9.0;
+  }
+  const TrackEvaluation e = evaluateTracks(c.trajectory, c.rows, c.truth, {});
+  EXPECT_EQ(e.moving.misses, 40U);
+  EXPECT_EQ(e.losses.tentative, 5U);
+  EXPECT_EQ(e.losses.not_moving, 7U);
+  EXPECT_EQ(e.losses.unseen, 9U);
+  EXPECT_EQ(e.losses.no_track, 19U);
+}
+
 TEST(TrackEvaluation, TracksOutsideOfTheComparedViewAreIgnored) {
   Case c = movingObject(0.0);
   for (const StampedPose& scan : c.trajectory) {
     const Eigen::Vector2d behind(-3.0, 0.5);
-    c.rows.push_back({scan.stamp, 9, true, scan.pose * behind, {0.0, 0.0}});
+    c.rows.push_back({scan.stamp, 9, true, scan.pose * behind, {0.0, 0.0}, false, true});
   }
   std::stable_sort(c.rows.begin(), c.rows.end(),
                    [](const TrackRow& a, const TrackRow& b) { return a.stamp < b.stamp; });
@@ -113,6 +137,9 @@ TEST(TrackFile, WrittenTracksAreRead) {
   EXPECT_EQ(rows[0].id, 3);
   EXPECT_TRUE(rows[0].shown);
   EXPECT_FALSE(rows[1].shown);
+  EXPECT_TRUE(rows[0].moved);
+  EXPECT_FALSE(rows[1].moved);
+  EXPECT_FALSE(rows[0].tentative);
   EXPECT_NEAR(rows[0].stamp, 1.25, 1e-9);
   EXPECT_NEAR(rows[0].position.y(), -2.5, 1e-9);
   EXPECT_NEAR(rows[0].velocity.y(), 0.25, 1e-9);

@@ -8,7 +8,6 @@
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/random.h"
-#include "kestrel_slam/tracking/mixture_reduction.h"
 
 namespace kestrel {
 namespace {
@@ -234,45 +233,6 @@ TEST(PhdFilter, ForgottenLabelIsGone) {
   filter.forget(1);
   EXPECT_FALSE(filter.find(1));
   EXPECT_TRUE(filter.find(2));
-}
-
-TEST(MixtureReduction, MergingKeepsWeightMeanAndCovariance) {
-  Random random(6);
-  std::vector<PhdComponent<4>> mixture;
-  double weight = 0.0;
-  Vector4 mean = Vector4::Zero();
-  for (int i = 0; i < 5; ++i) {
-    mixture.push_back(componentAt(0.1 * random.gaussian(), 0.0, 0.0, 0.0, random.uniform()));
-    weight += mixture.back().weight;
-    mean += mixture.back().weight * mixture.back().mean;
-  }
-  mean /= weight;
-  Matrix4 covariance = Matrix4::Zero();
-  for (const auto& c : mixture) {
-    covariance +=
-        c.weight / weight * (c.covariance + (c.mean - mean) * (c.mean - mean).transpose());
-  }
-  const auto reduced =
-      reduceMixture(mixture, PhdLimits(), [](const auto&, const auto&) { return true; });
-  ASSERT_EQ(reduced.size(), 1U);
-  EXPECT_NEAR(reduced[0].weight, weight, 1e-12);
-  EXPECT_LT((reduced[0].mean - mean).norm(), 1e-12);
-  EXPECT_LT((reduced[0].covariance - covariance).norm(), 1e-12);
-}
-
-TEST(MixtureReduction, PrunesMergesAndCaps) {
-  PhdLimits limits;
-  limits.max_components = 2;
-  // 0.39 m are less than two standard deviations of 0.2 m, 0.41 m are more.
-  std::vector<PhdComponent<4>> mixture{componentAt(0.0, 0, 0, 0, 0.5),
-                                       componentAt(0.39, 0, 0, 0, 0.1),
-                                       componentAt(0.0, 0.41, 0, 0, 0.3),
-                                       componentAt(9, 0, 0, 0, 1e-6), componentAt(7, 0, 0, 0, 0.2)};
-  const auto reduced =
-      reduceMixture(mixture, limits, [](const auto&, const auto&) { return true; });
-  ASSERT_EQ(reduced.size(), 2U);
-  EXPECT_NEAR(reduced[0].weight, 0.6, 1e-12);
-  EXPECT_NEAR(reduced[1].weight, 0.3, 1e-12);
 }
 
 }  // namespace

@@ -28,12 +28,22 @@ struct TrackEvaluationOptions {
   double moved_m = 0.5, moved_within_s = 5.0;
 };
 
+/// Why true objects that move have no shown track within the distance of a match: what the nearest
+/// track that is not shown lacks.
+struct LossCounts {
+  std::size_t no_track = 0;    ///< nothing was observed there, or the filter did not follow it
+  std::size_t tentative = 0;   ///< the track is not confirmed
+  std::size_t not_moving = 0;  ///< the track is not known to move
+  std::size_t unseen = 0;      ///< the track was not observed for too long
+};
+
 /// Tracks that are shown, compared with true objects, scan by scan from the first to the last true
 /// position.
 struct TrackEvaluation {
   ClearMot all;  ///< over all true objects
   ClearMot
       moving;  ///< only those that move count; tracks of the others are neither right nor wrong
+  LossCounts losses;               ///< of `moving`
   double ospa = 0.0, gospa = 0.0;  ///< means over the scans, m
   double position_rmse = 0.0;      ///< of the matches, m
   double speed_rmse = 0.0;         ///< of the velocity vector, of matches with a true velocity, m/s

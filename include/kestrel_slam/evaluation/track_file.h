@@ -22,6 +22,7 @@ struct TrackRow {
   long id = 0;
   bool shown = false;  ///< see Track::isShown()
   Eigen::Vector2d position = Eigen::Vector2d::Zero(), velocity = Eigen::Vector2d::Zero();
+  bool tentative = false, moved = false;  ///< see Track
 };
 
 /// One line for each track and scan: the content of tracks.csv.

@@ -56,7 +56,7 @@ struct CloudTrackerConfig {
   double detection = 0.9;                ///< probability of detection if nothing is in between
   double clutter_per_m3 = 1e-4;          ///< false clusters in one sweep
   double birth_weight = 0.02;  ///< expected new objects at an observation without a target
-  PhdLimits phd{1e-4, 4.0, 300, true};
+  PhdLimits phd{1e-4, 4.0, 1000, true};
 
   // Tracks.
   double coast_s = 1.0;       ///< a visible track without observation is deleted after this time

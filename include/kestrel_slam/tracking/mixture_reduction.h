@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -30,9 +32,58 @@ PhdComponent<N> mergedOf(const std::vector<const PhdComponent<N>*>& parts) {
   return merged;
 }
 
+/// Squared Mahalanobis distances to Gaussians of one covariance C [Vo 2006, table II]. C may be
+/// singular, as that of a target that stands, whose turn rate is exactly zero: in the directions
+/// that it spans, the distance is that of its generalized inverse (the limit of C + e I for e ->
+/// 0); beyond them, the target cannot be, and the distance is infinite.
+///
+/// Factors C = L D L' column by column. A column of a semidefinite C is zero where its entry of D
+/// is, so that the equation of this row says whether the offset lies in the span.
+template <int N>
+class GaussianDistance {
+ public:
+  explicit GaussianDistance(const Eigen::Matrix<double, N, N>& covariance) {
+    for (int k = 0; k < N; ++k) {
+      double rest = covariance(k, k);
+      for (int j = 0; j < k; ++j) rest -= lower_(k, j) * lower_(k, j) * diagonal_(j);
+      diagonal_(k) = rest > kRounding * covariance(k, k) ? rest : 0.0;
+      for (int i = k + 1; i < N; ++i) {
+        double entry = covariance(i, k);
+        for (int j = 0; j < k; ++j) entry -= lower_(i, j) * lower_(k, j) * diagonal_(j);
+        lower_(i, k) = diagonal_(k) > 0.0 ? entry / diagonal_(k) : 0.0;
+      }
+    }
+  }
+
+  /// Between the places `a` and `b`.
+  double squared(const Eigen::Matrix<double, N, 1>& a, const Eigen::Matrix<double, N, 1>& b) const {
+    Eigen::Matrix<double, N, 1> solved;
+    double sum = 0.0;
+    for (int k = 0; k < N; ++k) {
+      solved(k) = a(k) - b(k);
+      double terms = std::abs(a(k)) + std::abs(b(k));
+      for (int j = 0; j < k; ++j) {
+        solved(k) -= lower_(k, j) * solved(j);
+        terms += std::abs(lower_(k, j) * solved(j));
+      }
+      if (diagonal_(k) > 0.0) {
+        sum += solved(k) * solved(k) / diagonal_(k);
+      } else if (std::abs(solved(k)) > kRounding * terms) {
+        return std::numeric_limits<double>::infinity();
+      }
+    }
+    return sum;
+  }
+
+ private:
+  /// Of what a difference of nearly equal numbers loses: a rest that is smaller is zero.
+  static constexpr double kRounding = 1e-10;
+  Eigen::Matrix<double, N, N> lower_ = Eigen::Matrix<double, N, N>::Zero();  ///< without diagonal
+  Eigen::Matrix<double, N, 1> diagonal_;
+};
+
 /// A lower bound of the squared Mahalanobis distance to a Gaussian: the one of its first two
-/// coordinates. It decides most pairs without the factors of the covariance. Nothing exceeds it if
-/// the Gaussian is flat, as the turn rate of what stands: there the factors decide.
+/// coordinates. It decides most pairs without the factors of the covariance.
 template <int N>
 struct PlaneBound {
   double x, y;
@@ -41,12 +92,10 @@ struct PlaneBound {
   explicit PlaneBound(const PhdComponent<N>& c) : x(c.mean(0)), y(c.mean(1)) {
     constexpr double kSingular = 1e-6;  // rounding would decide
     const double xx = c.covariance(0, 0), yx = c.covariance(1, 0), yy = c.covariance(1, 1);
-    inverse_xx = 1.0 / xx;
-    slope = yx / xx;
+    inverse_xx = xx > 0.0 ? 1.0 / xx : 0.0;
+    slope = yx * inverse_xx;
     const double rest = yy - slope * yx;
-    const bool is_flat = !(c.covariance.diagonal().minCoeff() > 0.0);
-    if (is_flat) inverse_xx = 0.0;
-    inverse_rest = !is_flat && rest > kSingular * yy ? 1.0 / rest : 0.0;
+    inverse_rest = rest > kSingular * yy ? 1.0 / rest : 0.0;
   }
   bool exceeds(double limit, const PlaneBound& other) const {
     const double dx = x - other.x;
@@ -78,7 +127,7 @@ std::vector<PhdComponent<N>> reduceMixture(const std::vector<PhdComponent<N>>& m
   std::vector<PlaneBound<N>> bounds;
   bounds.reserve(order.size());
   for (const Component* component : order) bounds.emplace_back(*component);
-  std::vector<std::optional<Eigen::LLT<Eigen::Matrix<double, N, N>>>> factors(order.size());
+  std::vector<std::optional<GaussianDistance<N>>> distances(order.size());
   std::vector<char> merged(order.size(), 0);
   std::vector<Component> kept;
   kept.reserve(order.size());
@@ -91,9 +140,9 @@ std::vector<PhdComponent<N>> reduceMixture(const std::vector<PhdComponent<N>>& m
           !may_merge(*order[i], *order[j])) {
         continue;
       }
-      if (!factors[j]) factors[j].emplace(order[j]->covariance);
-      const Eigen::Matrix<double, N, 1> offset = order[j]->mean - order[i]->mean;
-      if (factors[j]->matrixL().solve(offset).squaredNorm() > limits.merge_distance) continue;
+      if (!distances[j]) distances[j].emplace(order[j]->covariance);
+      const double distance2 = distances[j]->squared(order[j]->mean, order[i]->mean);
+      if (!(distance2 <= limits.merge_distance)) continue;
       merged[j] = 1;
       parts.push_back(order[j]);
     }
