@@ -45,7 +45,9 @@ Points spread(const Points& points) {
     };
     if (taken.insert(square(p.x()) * (1LL << 32) + square(p.y())).second) result.push_back(p);
   }
-  return sampled(result, kPoints);
+  result = sampled(result, kPoints);
+  result.resize(result.size() - result.size() % StripBounds::kTogether);
+  return result;
 }
 
 }  // namespace

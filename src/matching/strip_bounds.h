@@ -22,11 +22,14 @@ struct RotatedPoint {
 class StripBounds {
  public:
   static constexpr int kLanes = BoundImages::kTileBlocks;
+  /// The bounds of so many points are added in a byte.
+  static constexpr std::size_t kTogether = 4;
+  static_assert(kTogether * BoundImages::kMax <= 0xFF, "the sum fits into a byte");
   static constexpr std::size_t kMostPoints = 500;
   static_assert(kMostPoints * BoundImages::kMax < 0x7FFF, "the sum of all points fits");
 
   /// The blocks at the cells (x, y), (x + 4, y), …; bit n of `lanes` is set if block n counts.
-  /// At most kMostPoints points.
+  /// The number of points is a multiple of kTogether and at most kMostPoints.
   void set(const BoundImages& images, const std::vector<RotatedPoint>& points, int x, int y,
            unsigned lanes);
 
@@ -45,28 +48,25 @@ class StripBounds {
  private:
   /// One value for each lane. The compiler adds and compares 16 bytes in one instruction.
   using Row = std::uint8_t __attribute__((vector_size(kLanes)));
-  using HalfRow = std::uint8_t __attribute__((vector_size(kLanes / 2)));
-  using HalfSums = std::int16_t __attribute__((vector_size(kLanes)));
+  using Words = std::uint16_t __attribute__((vector_size(kLanes)));
+  static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
+                "the first of two bytes is the lower one");
+  /// A sum for each lane; -1 for a lane that does not count. Even and odd lanes are apart.
   struct Sums {
-    HalfSums low{}, high{};
+    Words even{}, odd{};
     void add(const Row& row);
     void subtract(const Row& row);
     void ignore(std::size_t lane);
     bool reach(int limit) const;
   };
-  /// The bounds of so many points are added in a byte.
-  static constexpr std::size_t kTogether = 4;
-  static_assert(kTogether * BoundImages::kMax <= 0xFF, "the sum fits into a byte");
-
-  static std::array<HalfRow, 2> halvesOf(const Row& row);
-  static Row sumOf(const std::array<const std::uint8_t*, kTogether>& rows);
+  static Row rowOf(const std::uint8_t* values);
   static std::array<std::int16_t, kLanes> values(const Sums& sums);
   void sort(std::size_t lane);
 
   std::vector<const std::uint8_t*> rows_;  ///< the bounds of the points in the blocks
   std::vector<std::uint32_t> order_;       ///< of the points
   std::vector<Row> groups_;                ///< the sums of the bounds of kTogether points in order
-  Sums whole_;                             ///< of the blocks; -1: does not count
+  Sums whole_;                             ///< of the blocks
   std::array<std::int16_t, kLanes> sums_{};
   std::int64_t lookups_ = 0;
 };
