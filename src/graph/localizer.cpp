@@ -46,7 +46,11 @@ Localizer::Localizer(const MapperConfig& config, Submap map,
 
 MapperResult Localizer::process(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {
   // A search near the prediction could find an equal room.
-  if (!lost_ && tracker_.isOutOfReach(scan, odom_T_base)) lose(tracker_.pose());
+  if (!lost_ && tracker_.isOutOfReach(scan, odom_T_base)) {
+    const MapRegion region{tracker_.pose().translation(), tracker_.reach(scan, odom_T_base)};
+    lose(tracker_.pose());
+    finder_.limitTo(region);
+  }
   MapperResult result = lost_ ? search(scan, odom_T_base) : track(scan, odom_T_base);
   time_ = scan.time;
   return result;

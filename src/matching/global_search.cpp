@@ -9,19 +9,14 @@
 #include "bound_images.h"
 #include "hybrid_matcher.h"
 #include "kestrel_slam/geometry/angles.h"
-#include "kestrel_slam/matching/thinned.h"
 #include "search_node.h"
+#include "spread_points.h"
 #include "strip_bounds.h"
 #include "tile_bounds.h"
 
 namespace kestrel {
 namespace {
 
-/// Number of points. Those in the same square of this side are one: a wall that is near has more
-/// beams than one that is far away, but it does not say more.
-constexpr std::size_t kPoints = 160;
-constexpr double kSquareM = 0.1;
-constexpr float kFarthestM = 60.0F;
 /// Half of a yaw step moves the median point by this, and the farthest one at most by this, cells.
 constexpr double kMedianReach = 1.0, kMostReach = 8.0;
 constexpr std::size_t kMostNodes = 1'000'000;
@@ -34,21 +29,6 @@ constexpr double kDescentGain = 0.1;
 constexpr std::int64_t kWorkPerRow = 12, kWorkPerTile = 2000, kWorkPerLookup = 6, kWorkPerNode = 60;
 /// A descent costs so many look-ups for each point.
 constexpr std::int64_t kSketchLookups = 40;
-
-Points spread(const Points& points) {
-  std::unordered_set<std::int64_t> taken;
-  Points result;
-  for (const Eigen::Vector2f& p : points) {
-    if (!(p.norm() <= kFarthestM)) continue;  // also if it is not finite
-    const auto square = [](float x) {
-      return static_cast<std::int64_t>(std::floor(static_cast<double>(x) / kSquareM));
-    };
-    if (taken.insert(square(p.x()) * (1LL << 32) + square(p.y())).second) result.push_back(p);
-  }
-  result = sampled(result, kPoints);
-  result.resize(result.size() - result.size() % StripBounds::kTogether);
-  return result;
-}
 
 }  // namespace
 
@@ -71,6 +51,7 @@ struct GlobalSearch::State {
   void push(const SearchNode& node);
   void cut();
 
+  bool isInRegion(int x, int y, int side) const;
   Pose2 poseOf(const SearchNode& node) const;
   const std::vector<RotatedPoint>& rotated(int level, int k);
   double scoreAt(const Pose2& pose) const;
@@ -92,8 +73,9 @@ struct GlobalSearch::State {
   const BoundImages& images;
   GlobalSearchConfig config;
   Points points;
-  Points cells;  ///< the points in cells
-  int yaws = 1;  ///< of the coarsest level
+  Points cells;                          ///< the points in cells
+  std::vector<BoundImages::Tile> tiles;  ///< with poses in the region
+  int yaws = 1;                          ///< of the coarsest level
   int next_yaw = 0;
   std::size_t next_tile = 0;
   std::array<std::vector<std::vector<RotatedPoint>>, BoundImages::kLevels> rotations;
@@ -109,8 +91,11 @@ struct GlobalSearch::State {
 };
 
 GlobalSearch::State::State(const GlobalMap& m, const Points& all, const GlobalSearchConfig& c)
-    : map(m), images(m.images()), config(c), points(spread(all)) {
-  done = points.empty() || images.tiles().empty();
+    : map(m), images(m.images()), config(c), points(spreadPoints(all, StripBounds::kTogether)) {
+  for (const BoundImages::Tile& tile : images.tiles()) {
+    if (isInRegion(tile.x, tile.y, BoundImages::kTileCells)) tiles.push_back(tile);
+  }
+  done = points.empty() || tiles.empty();
   if (done) return;
   std::vector<float> ranges;
   for (const Eigen::Vector2f& p : points) {
@@ -188,15 +173,24 @@ bool GlobalSearch::State::fillBatch() {
   return !batch.empty();
 }
 
+/// Whether the square of cells from (x, y) on may touch the region.
+bool GlobalSearch::State::isInRegion(int x, int y, int side) const {
+  if (!config.region) return true;
+  const double half = 0.5 * side * images.cell();
+  const Eigen::Vector2d middle =
+      images.corner() + Eigen::Vector2d(x, y) * images.cell() + Eigen::Vector2d::Constant(half);
+  return (middle - config.region->center).norm() <= config.region->radius_m + std::sqrt(2.0) * half;
+}
+
 /// The bounds of all blocks of the coarsest level. Returns whether all are known.
 bool GlobalSearch::State::bounds(WorkBudget& budget) {
   const auto additions = static_cast<std::int64_t>(points.size() / 4 + 4);
   const std::int64_t work = kWorkPerTile + kWorkPerRow * additions * BoundImages::kTileBlocks;
   for (; next_yaw < yaws; ++next_yaw) {
     const std::vector<RotatedPoint>& turned = rotated(0, next_yaw);
-    for (; next_tile < images.tiles().size(); ++next_tile) {
+    for (; next_tile < tiles.size(); ++next_tile) {
       if (!budget.take(work)) return false;
-      boundTile(turned, images.tiles()[next_tile]);
+      boundTile(turned, tiles[next_tile]);
     }
     next_tile = 0;
   }
@@ -212,7 +206,8 @@ void GlobalSearch::State::boundTile(const std::vector<RotatedPoint>& turned,
     SearchNode node{0, next_yaw, tile.x, tile.y + 4 * row, 0, 0};
     for (int column = 0; column < kSide; ++column) {
       const int sum = sums[static_cast<std::size_t>(row * kSide + column)];
-      if (sum < limit || !images.isFree(tile.x + 4 * column, node.y)) continue;
+      const int x = tile.x + 4 * column;
+      if (sum < limit || !images.isFree(x, node.y) || !isInRegion(x, node.y, 4)) continue;
       node.sum = std::max(node.sum, sum);
       node.lanes = static_cast<std::uint16_t>(node.lanes | 1U << column);
     }
