@@ -13,8 +13,8 @@ constexpr double kDoubtAfter = 0.3, kLostAfter = 0.7;
 /// A scan fits if this share of it is in the known part of the map, and if it fits there.
 constexpr double kFitScore = 0.5, kFitKnown = 0.3;
 /// Work of the search for each second between two scans, and its limits for one scan.
-constexpr double kWorkPerSecond = 4e8;
-constexpr std::int64_t kLeastWork = 2'000'000, kMostWork = 50'000'000;
+constexpr double kWorkPerSecond = 5e8;
+constexpr std::int64_t kLeastWork = 2'000'000, kMostWork = 80'000'000;
 /// The match of the current scan must confirm the pose that was found, m.
 constexpr double kConfirmM = 0.5;
 /// Standard deviations of an unknown pose.
@@ -46,7 +46,11 @@ Localizer::Localizer(const MapperConfig& config, Submap map,
 
 MapperResult Localizer::process(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {
   // A search near the prediction could find an equal room.
-  if (!lost_ && tracker_.isOutOfReach(scan, odom_T_base)) lose(tracker_.pose());
+  if (!lost_ && tracker_.isOutOfReach(scan, odom_T_base)) {
+    const MapRegion region{tracker_.pose().translation(), tracker_.reach(scan, odom_T_base)};
+    lose(tracker_.pose());
+    finder_.limitTo(region);
+  }
   MapperResult result = lost_ ? search(scan, odom_T_base) : track(scan, odom_T_base);
   time_ = scan.time;
   return result;

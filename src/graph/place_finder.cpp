@@ -2,6 +2,7 @@
 #include "kestrel_slam/graph/place_finder.h"
 
 #include <cmath>
+#include <utility>
 
 namespace kestrel {
 namespace {
@@ -11,6 +12,8 @@ constexpr double kKeepM = 0.25, kKeepRad = 0.35;
 constexpr std::size_t kMostParts = 16;
 /// The next search begins after this motion.
 constexpr double kAgainM = 0.4, kAgainRad = 0.6;
+/// After this motion the searches are not limited any longer.
+constexpr double kLimitedM = 3.0;
 
 bool hasMoved(const Pose2& from, const Pose2& to, double linear_m, double angular_rad) {
   const Pose2 motion = from.between(to);
@@ -22,11 +25,24 @@ bool hasMoved(const Pose2& from, const Pose2& to, double linear_m, double angula
 void PlaceFinder::add(const PlanarScan& scan, const Pose2& local_T_base) {
   last_ = local_T_base;
   keep(scan, local_T_base);
+  if (limit_ && !limit_->local_T_base) limit_->local_T_base = local_T_base;
   if (waiting_) return;
-  if (asked_ && !hasMoved(*asked_, local_T_base, kAgainM, kAgainRad)) return;
+  if (asked_ && !search_all_ && !hasMoved(*asked_, local_T_base, kAgainM, kAgainRad)) return;
   asked_ = local_T_base;
   waiting_ = true;
-  relocalizer_.begin(query(scan, local_T_base));
+  RelocalizationQuery next = query(scan, local_T_base);
+  if (!search_all_) next.region = region(local_T_base);
+  is_limited_ = next.region.has_value();
+  search_all_ = false;
+  relocalizer_.begin(std::move(next));
+}
+
+/// Where the vehicle may be at this pose.
+std::optional<MapRegion> PlaceFinder::region(const Pose2& local_T_base) const {
+  if (!limit_) return std::nullopt;
+  const double moved = limit_->local_T_base->between(local_T_base).distance();
+  if (moved > kLimitedM) return std::nullopt;
+  return MapRegion{limit_->region.center, limit_->region.radius_m + moved};
 }
 
 void PlaceFinder::keep(const PlanarScan& scan, const Pose2& local_T_base) {
@@ -52,6 +68,7 @@ bool PlaceFinder::advance(std::int64_t work) {
   if (answer.state == RelocalizationState::kSearching) return false;
   answer_ = answer;
   answered_ = asked_;
+  search_all_ = is_limited_ && answer.state == RelocalizationState::kUnknown;
   waiting_ = false;
   return true;
 }
@@ -73,6 +90,8 @@ void PlaceFinder::reset() {
   asked_.reset();
   answered_.reset();
   answer_ = {};
+  limit_.reset();
+  search_all_ = false;
   waiting_ = false;
 }
 

@@ -80,6 +80,7 @@ void Relocalizer::begin(RelocalizationQuery query) {
   GlobalSearchConfig config;
   config.min_score = kSearchScore;
   config.margin = kSearchMargin;
+  config.region = query_.region;
   search_.emplace(map_, points_, config);
 }
 

@@ -299,6 +299,10 @@ bool Mapper::isOutOfReach(const PlanarScan& scan, const std::optional<Pose2>& od
   return state_->motion.isOutOfReach(scan, odom_T_base);
 }
 
+double Mapper::reach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const {
+  return state_->motion.reach(scan, odom_T_base);
+}
+
 const Pose2& Mapper::pose() const { return state_->motion.pose(); }
 const MapperConfig& Mapper::config() const { return state_->config; }
 const Submap& Mapper::map() const { return state_->map.current(); }

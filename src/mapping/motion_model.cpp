@@ -127,6 +127,13 @@ bool MotionModel::isOutOfReach(const PlanarScan& scan,
          kSigmas * errorAt(scan, odom_T_base).position_m() > kMaxSearchScale * wide_window_m_;
 }
 
+double MotionModel::reach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const {
+  const double seconds = std::max(0.0, scan.time - time_);
+  const std::optional<Pose2> measured = odometryMotion(odom_T_base);
+  const double moved = measured ? measured->distance() : seconds * velocity_.norm();
+  return moved + kSigmas * errorAt(scan, odom_T_base).position_m();
+}
+
 /// True if the last scan that was matched is much longer ago than usual.
 bool MotionModel::isLongAgo(const PlanarScan& scan) const {
   return lost_scans_ == 0 && !placed_ && (carried_ || isGap(scan.time - time_));

@@ -43,6 +43,13 @@ class BoundImages {
   const std::uint8_t* at(int image, int x, int y) const {
     return images_[static_cast<std::size_t>(image)].data() + offset(x, y);
   }
+  /// The values of kTileBlocks cells, from (x, y) on, 4 apart; or nullptr if they reach out of the
+  /// image: then all are unknown, because the image has a margin.
+  const std::uint8_t* stripAt(int image, int x, int y) const {
+    const bool inside = static_cast<unsigned>(x) < static_cast<unsigned>(width_ - kTileCells + 4) &&
+                        static_cast<unsigned>(y) < static_cast<unsigned>(height_);
+    return inside ? at(image, x, y) : nullptr;
+  }
   /// The likelihood in a cell.
   int likelihood(int x, int y) const { return valueAt(0, x, y); }
   int valueAt(int image, int x, int y) const {

@@ -4,27 +4,24 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
 #include <unordered_set>
 
 #include "bound_images.h"
-#include "hybrid_matcher.h"
 #include "kestrel_slam/geometry/angles.h"
-#include "kestrel_slam/matching/thinned.h"
-#include "point_bounds.h"
+#include "search_node.h"
 #include "sketch.h"
+#include "spread_points.h"
+#include "strip_bounds.h"
+#include "tile_bounds.h"
 
 namespace kestrel {
 namespace {
 
-/// Number of points. Those in the same square of this side are one: a wall that is near has more
-/// beams than one that is far away, but it does not say more.
-constexpr std::size_t kPoints = 160;
-constexpr double kSquareM = 0.1;
-constexpr float kFarthestM = 60.0F;
 /// Half of a yaw step moves the median point by this, and the farthest one at most by this, cells.
 constexpr double kMedianReach = 1.0, kMostReach = 8.0;
 constexpr std::size_t kMostNodes = 1'000'000;
+/// Nodes are divided in batches, which grow as the search goes on.
+constexpr std::size_t kLeastBatch = 16, kMostBatch = 16384;
 constexpr double kTwoPi = 2.0 * kPi;
 /// The score may rise by this from a pose of the grid to the optimum beside it.
 constexpr double kDescentGain = 0.1;
@@ -32,31 +29,6 @@ constexpr double kDescentGain = 0.1;
 constexpr std::int64_t kWorkPerRow = 12, kWorkPerTile = 2000, kWorkPerLookup = 6, kWorkPerNode = 60;
 /// A descent costs so many look-ups for each point.
 constexpr std::int64_t kSketchLookups = 40;
-constexpr std::size_t kTogether = 4;
-static_assert(kTogether * BoundImages::kMax <= 0xFF, "the sum of four fits into a byte");
-
-Points spread(const Points& points) {
-  std::unordered_set<std::int64_t> taken;
-  Points result;
-  for (const Eigen::Vector2f& p : points) {
-    if (!(p.norm() <= kFarthestM)) continue;  // also if it is not finite
-    const auto square = [](float x) {
-      return static_cast<std::int64_t>(std::floor(static_cast<double>(x) / kSquareM));
-    };
-    if (taken.insert(square(p.x()) * (1LL << 32) + square(p.y())).second) result.push_back(p);
-  }
-  return sampled(result, kPoints);
-}
-
-/// A block of poses: 4 >> level cells from (x, y) on, and the yaw interval k of its level.
-struct Node {
-  std::int32_t sum;  ///< of the bounds of all points
-  std::int32_t level, k, x, y;
-};
-
-bool isWorse(const Node& a, const Node& b) {
-  return std::tie(a.sum, a.level, b.k, b.y, b.x) < std::tie(b.sum, b.level, a.k, a.y, a.x);
-}
 
 }  // namespace
 
@@ -69,15 +41,18 @@ struct GlobalSearch::State {
 
   bool run(WorkBudget& budget);
   bool bounds(WorkBudget& budget);
+  bool fillBatch();
   void boundTile(const std::vector<RotatedPoint>& rotated, const BoundImages::Tile& tile);
-  void expand(const Node& node);
-  void look(const Node& node);
+  void expand(const SearchNode& node);
+  void divide(const SearchNode& node, int k, int x, int y, int limit);
+  void look(const SearchNode& node);
   void add(const Pose2& pose, double score);
   bool isKnown(const Pose2& pose) const;
-  void push(const Node& node);
+  void push(const SearchNode& node);
   void cut();
 
-  Pose2 poseOf(const Node& node) const;
+  bool isInRegion(int x, int y, int side) const;
+  Pose2 poseOf(const SearchNode& node) const;
   const std::vector<RotatedPoint>& rotated(int level, int k);
   double scoreAt(const Pose2& pose) const;
   int sumFor(double score) const {
@@ -98,22 +73,29 @@ struct GlobalSearch::State {
   const BoundImages& images;
   GlobalSearchConfig config;
   Points points;
-  Points cells;  ///< the points in cells
-  int yaws = 1;  ///< of the coarsest level
+  Points cells;                          ///< the points in cells
+  std::vector<BoundImages::Tile> tiles;  ///< with poses in the region
+  int yaws = 1;                          ///< of the coarsest level
   int next_yaw = 0;
   std::size_t next_tile = 0;
   std::array<std::vector<std::vector<RotatedPoint>>, BoundImages::kLevels> rotations;
-  std::vector<Node> nodes;       ///< a heap as soon as all bounds are known
-  int dropped = 0;               ///< largest sum of the nodes that were left out
-  PointBounds bounds_of_points;  ///< in the block that is being divided
-  std::int64_t lookups = 0;      ///< that are not yet counted as work
+  std::vector<SearchNode> nodes;           ///< a heap as soon as all bounds are known
+  std::vector<SearchNode> batch;           ///< the next ones, in reverse order
+  std::size_t divided = 0;                 ///< nodes so far
+  int dropped = 0;                         ///< largest sum of the nodes that were left out
+  StripBounds strip;                       ///< that is being divided
+  std::int64_t lookups = 0;                ///< that are not yet counted as work
+  std::unordered_set<std::int64_t> tried;  ///< places from which there was a descent
   bool is_heap = false, done = false;
   std::vector<GlobalHypothesis> found;
 };
 
 GlobalSearch::State::State(const GlobalMap& m, const Points& all, const GlobalSearchConfig& c)
-    : map(m), images(m.images()), config(c), points(spread(all)) {
-  done = points.empty() || images.tiles().empty();
+    : map(m), images(m.images()), config(c), points(spreadPoints(all, StripBounds::kTogether)) {
+  for (const BoundImages::Tile& tile : images.tiles()) {
+    if (isInRegion(tile.x, tile.y, BoundImages::kTileCells)) tiles.push_back(tile);
+  }
+  done = points.empty() || tiles.empty();
   if (done) return;
   std::vector<float> ranges;
   for (const Eigen::Vector2f& p : points) {
@@ -155,12 +137,15 @@ bool GlobalSearch::State::run(WorkBudget& budget) {
     std::make_heap(nodes.begin(), nodes.end(), isWorse);
     is_heap = true;
   }
-  while (!nodes.empty() && nodes.front().sum >= least()) {
+  while (fillBatch()) {
+    const SearchNode node = batch.back();
+    if (node.sum < least()) {
+      batch.pop_back();
+      continue;
+    }
     if (!budget.take(kWorkPerNode + kWorkPerLookup * lookups)) return false;
     lookups = 0;
-    std::pop_heap(nodes.begin(), nodes.end(), isWorse);
-    const Node node = nodes.back();
-    nodes.pop_back();
+    batch.pop_back();
     if (node.level + 1 == BoundImages::kLevels) {
       look(node);
     } else {
@@ -172,15 +157,40 @@ bool GlobalSearch::State::run(WorkBudget& budget) {
   return done = true;
 }
 
+/// Takes the best nodes from the heap. So that what one needs is still in the cache for the next
+/// one, they are sorted by place. Returns whether there are nodes of interest.
+bool GlobalSearch::State::fillBatch() {
+  if (!batch.empty()) return true;
+  const std::size_t size = std::clamp(divided / 2, kLeastBatch, kMostBatch);
+  while (batch.size() < size && !nodes.empty() && nodes.front().sum >= least()) {
+    std::pop_heap(nodes.begin(), nodes.end(), isWorse);
+    batch.push_back(nodes.back());
+    nodes.pop_back();
+  }
+  divided += batch.size();
+  // The last one is the first to be used.
+  std::sort(batch.begin(), batch.end(), isAfter);
+  return !batch.empty();
+}
+
+/// Whether the square of cells from (x, y) on may touch the region.
+bool GlobalSearch::State::isInRegion(int x, int y, int side) const {
+  if (!config.region) return true;
+  const double half = 0.5 * side * images.cell();
+  const Eigen::Vector2d middle =
+      images.corner() + Eigen::Vector2d(x, y) * images.cell() + Eigen::Vector2d::Constant(half);
+  return (middle - config.region->center).norm() <= config.region->radius_m + std::sqrt(2.0) * half;
+}
+
 /// The bounds of all blocks of the coarsest level. Returns whether all are known.
 bool GlobalSearch::State::bounds(WorkBudget& budget) {
-  const auto additions = static_cast<std::int64_t>(points.size() / kTogether + kTogether);
+  const auto additions = static_cast<std::int64_t>(points.size() / 4 + 4);
   const std::int64_t work = kWorkPerTile + kWorkPerRow * additions * BoundImages::kTileBlocks;
   for (; next_yaw < yaws; ++next_yaw) {
     const std::vector<RotatedPoint>& turned = rotated(0, next_yaw);
-    for (; next_tile < images.tiles().size(); ++next_tile) {
+    for (; next_tile < tiles.size(); ++next_tile) {
       if (!budget.take(work)) return false;
-      boundTile(turned, images.tiles()[next_tile]);
+      boundTile(turned, tiles[next_tile]);
     }
     next_tile = 0;
   }
@@ -189,49 +199,23 @@ bool GlobalSearch::State::bounds(WorkBudget& budget) {
 
 void GlobalSearch::State::boundTile(const std::vector<RotatedPoint>& turned,
                                     const BoundImages::Tile& tile) {
-  constexpr int kSide = BoundImages::kTileBlocks, kCells = BoundImages::kTileCells;
-  std::array<std::uint16_t, static_cast<std::size_t>(kSide * kSide)> sums{};
-  std::vector<const std::uint8_t*> windows;
-  windows.reserve(turned.size());
-  for (const RotatedPoint& p : turned) {
-    const int x = tile.x + p.x, y = tile.y + p.y;
-    if (images.contains(x, y) && images.contains(x + kCells - 1, y + kCells - 1))
-      windows.push_back(images.at(p.image, x, y));
-  }
-  const std::size_t outside = turned.size() - windows.size();
-  sums.fill(static_cast<std::uint16_t>(outside * BoundImages::kUnknown));
-  const std::ptrdiff_t step = 4 * static_cast<std::ptrdiff_t>(images.width());
-  std::size_t n = 0;
-  for (; n + kTogether <= windows.size(); n += kTogether) {
-    const std::uint8_t *a = windows[n], *b = windows[n + 1], *c = windows[n + 2],
-                       *d = windows[n + 3];
-    std::uint16_t* sum = sums.data();
-    for (int row = 0; row < kSide; ++row, sum += kSide) {
-      for (int i = 0; i < kSide; ++i) {
-        const auto four = static_cast<std::uint8_t>(a[i] + b[i] + c[i] + d[i]);
-        sum[i] = static_cast<std::uint16_t>(sum[i] + four);
-      }
-      a += step, b += step, c += step, d += step;
-    }
-  }
-  for (; n < windows.size(); ++n) {
-    const std::uint8_t* a = windows[n];
-    std::uint16_t* sum = sums.data();
-    for (int row = 0; row < kSide; ++row, sum += kSide, a += step) {
-      for (int i = 0; i < kSide; ++i) sum[i] = static_cast<std::uint16_t>(sum[i] + a[i]);
-    }
-  }
+  constexpr int kSide = BoundImages::kTileBlocks;
+  const TileSums sums = boundsIn(images, turned, tile);
   const int limit = std::max(sumFor(config.min_score), dropped);
   for (int row = 0; row < kSide; ++row) {
+    SearchNode node{0, next_yaw, tile.x, tile.y + 4 * row, 0, 0};
     for (int column = 0; column < kSide; ++column) {
       const int sum = sums[static_cast<std::size_t>(row * kSide + column)];
-      const int x = tile.x + 4 * column, y = tile.y + 4 * row;
-      if (sum >= limit && images.isFree(x, y)) push({sum, 0, next_yaw, x, y});
+      const int x = tile.x + 4 * column;
+      if (sum < limit || !images.isFree(x, node.y) || !isInRegion(x, node.y, 4)) continue;
+      node.sum = std::max(node.sum, sum);
+      node.lanes = static_cast<std::uint16_t>(node.lanes | 1U << column);
     }
+    if (node.lanes != 0) push(node);
   }
 }
 
-void GlobalSearch::State::push(const Node& node) {
+void GlobalSearch::State::push(const SearchNode& node) {
   nodes.push_back(node);
   if (is_heap) {
     std::push_heap(nodes.begin(), nodes.end(), isWorse);
@@ -244,28 +228,38 @@ void GlobalSearch::State::push(const Node& node) {
 void GlobalSearch::State::cut() {
   const auto half = nodes.begin() + static_cast<std::ptrdiff_t>(nodes.size() / 2);
   std::nth_element(nodes.begin(), half, nodes.end(),
-                   [](const Node& a, const Node& b) { return isWorse(b, a); });
+                   [](const SearchNode& a, const SearchNode& b) { return isWorse(b, a); });
   dropped = std::max(dropped, half->sum);
   nodes.erase(half, nodes.end());
 }
 
-void GlobalSearch::State::expand(const Node& node) {
-  const int level = node.level + 1, side = 4 >> level, limit = least();
-  bounds_of_points.set(images, rotated(node.level, node.k), node.x, node.y);
-  for (int half = 0; half < 2; ++half) {
-    const int k = 2 * node.k + half;
-    const std::vector<RotatedPoint>& turned = rotated(level, k);
+void GlobalSearch::State::expand(const SearchNode& node) {
+  const int side = 2 >> node.level, limit = least();
+  strip.set(images, rotated(node.level, node.k), node.x, node.y, node.lanes);
+  for (int k = 2 * node.k; k < 2 * node.k + 2; ++k) {
     for (int y = node.y; y < node.y + 2 * side; y += side) {
-      for (int x = node.x; x < node.x + 2 * side; x += side) {
-        const int sum = std::min(node.sum, bounds_of_points.within(images, turned, x, y, limit));
-        if (sum >= limit) push({sum, level, k, x, y});
-      }
+      for (int x = node.x; x < node.x + 2 * side; x += side) divide(node, k, x, y, limit);
     }
   }
-  lookups += bounds_of_points.takeLookups();
+  lookups += strip.takeLookups();
 }
 
-Pose2 GlobalSearch::State::poseOf(const Node& node) const {
+/// The parts of a strip from (x, y) on.
+void GlobalSearch::State::divide(const SearchNode& node, int k, int x, int y, int limit) {
+  const int level = node.level + 1;
+  const unsigned lanes = strip.within(images, rotated(level, k), x, y, limit);
+  if (lanes == 0) return;
+  SearchNode part{0, k, x, y, static_cast<std::uint16_t>(level), static_cast<std::uint16_t>(lanes)};
+  for (int i = 0; i < StripBounds::kLanes; ++i) {
+    if ((lanes >> i & 1U) == 0) continue;
+    const int sum = std::min<int>(node.sum, strip.sums()[static_cast<std::size_t>(i)]);
+    if (level + 1 == BoundImages::kLevels) push({sum, k, x + 4 * i, y, part.level, 1});
+    part.sum = std::max(part.sum, sum);
+  }
+  if (level + 1 < BoundImages::kLevels) push(part);
+}
+
+Pose2 GlobalSearch::State::poseOf(const SearchNode& node) const {
   const double step = kTwoPi / (static_cast<double>(yaws) * (1 << node.level));
   return {images.corner().x() + node.x * images.cell(),
           images.corner().y() + node.y * images.cell(), normalizeAngle((node.k + 0.5) * step)};
@@ -289,12 +283,17 @@ bool GlobalSearch::State::isKnown(const Pose2& pose) const {
 }
 
 /// A single pose of the grid: the optimum beside it may be an explanation.
-void GlobalSearch::State::look(const Node& node) {
+void GlobalSearch::State::look(const SearchNode& node) {
   const Pose2 pose = poseOf(node);
   if (isKnown(pose)) return;
   const double score = scoreAt(pose);
   lookups += static_cast<std::int64_t>(points.size());
   if (score + kDescentGain < leastScore()) return;
+  // From poses beside each other the descent ends at the same place. The best comes first.
+  const int blocks = 2 * images.width();
+  const std::int64_t place =
+      (static_cast<std::int64_t>(node.k >> 2) * blocks + node.y / 4) * blocks + node.x / 4;
+  if (score < leastScore() && !tried.insert(place).second) return;
   lookups += kSketchLookups * static_cast<std::int64_t>(points.size());
   const Pose2 better = sketch(map.map().surface(), points, pose);
   const double improved = scoreAt(better);
@@ -330,7 +329,8 @@ bool GlobalSearch::isComplete() const { return state_->done && state_->dropped <
 const std::vector<GlobalHypothesis>& GlobalSearch::hypotheses() const { return state_->found; }
 
 std::size_t GlobalSearch::memoryBytes() const {
-  std::size_t bytes = sizeof(State) + state_->nodes.capacity() * sizeof(Node);
+  std::size_t bytes =
+      sizeof(State) + (state_->nodes.capacity() + state_->batch.capacity()) * sizeof(SearchNode);
   for (const auto& level : state_->rotations) {
     for (const auto& points : level) bytes += points.capacity() * sizeof(RotatedPoint);
   }

@@ -213,6 +213,43 @@ TEST(Localizer, IsLostAfterAGapInWhichTheVehicleMayHaveMovedFar) {
   }
 }
 
+/// An equal room that the vehicle cannot have reached is no second explanation.
+TEST(Localizer, AfterAGapOnlyPlacesInReachAreExplanations) {
+  constexpr double kFar = 100.0, kGap = 3.0;
+  Submap map = room::map();
+  insertAt(kFar, moved(room::walls(), kFar), map);
+  Localizer localizer(MapperConfig(), std::move(map));
+  Pose2 truth(-1.0, -1.0, 0.0);
+  double time = 1.7e9;
+  localizer.setPose(truth);
+  for (int i = 0; i < 10; ++i, truth.x += 0.05) process(localizer, truth, time += 0.1);
+  truth = Pose2(1.5, 0.8, 2.0);
+  time += kGap;
+  const MapperResult result = stand(localizer, truth, time, 20);
+  ASSERT_NE(result.state, MatchState::kLost) << localizer.answer().reason;
+  EXPECT_LT(truth.between(result.pose).distance(), 0.05);
+}
+
+/// The vehicle was carried away farther than it can fly in the gap.
+TEST(Localizer, AfterAGapTheWholeMapIsSearchedIfThePlacesInReachDoNotFit) {
+  constexpr double kFar = 100.0;
+  Submap map = room::map();
+  insertAt(kFar, moved(otherRoom(), kFar), map);
+  Localizer localizer(MapperConfig(), std::move(map));
+  double time = 1.7e9;
+  localizer.setPose({1, -1, 2.1});
+  for (int i = 0; i < 10; ++i) process(localizer, {1, -1, 2.1}, time += 0.1);
+  const Pose2 truth(kFar - 0.5, 0.3, 1.1);
+  time += 3.0;
+  MapperResult result;
+  for (int i = 0; i < 40; ++i) {
+    result = process(localizer, truth, time += 0.1, moved(otherRoom(), kFar));
+    if (result.state != MatchState::kLost) break;
+  }
+  ASSERT_NE(result.state, MatchState::kLost) << localizer.answer().reason;
+  EXPECT_LT(truth.between(result.pose).distance(), 0.05);
+}
+
 TEST(PictureMap, AVehicleIsFoundInThePicture) {
   const Submap built = room::map();
   const Scene scene(submapOf(built.grid().snapshot(), OccupancyGridConfig()));

@@ -32,6 +32,8 @@ struct RelocalizationQuery {
     PlanarScan scan;
   };
   std::vector<Part> parts;
+  /// The vehicle is in this part of the map; what fits elsewhere is no explanation. None: anywhere.
+  std::optional<MapRegion> region = std::nullopt;
 };
 
 /// A pose where the vehicle may be.

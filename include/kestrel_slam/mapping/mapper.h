@@ -92,6 +92,9 @@ class Mapper {
   /// largest search window around the prediction.
   bool isOutOfReach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
 
+  /// How far the vehicle may be from pose() at `scan`, m, see MotionModel::reach.
+  double reach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
+
   const Pose2& pose() const;
   const MapperConfig& config() const;
   /// What scans are matched against.

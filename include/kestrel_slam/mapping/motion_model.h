@@ -55,6 +55,10 @@ class MotionModel {
   /// window.
   bool isOutOfReach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
 
+  /// How far the vehicle may be from pose() at `scan`, m: by its motion so far, and by the error of
+  /// its continuation.
+  double reach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
+
   /// The source of the motion prediction for the next scan.
   PredictionSource predictionSourceOf(const PlanarScan& scan,
                                       const std::optional<Pose2>& odom_T_base) const;

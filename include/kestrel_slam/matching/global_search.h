@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "kestrel_slam/map/submap.h"
@@ -31,12 +33,21 @@ class GlobalMap {
   std::unique_ptr<BoundImages> images_;
 };
 
+/// A part of a map: the positions around a place.
+struct MapRegion {
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();  ///< in the map frame, m
+  double radius_m = 0.0;
+};
+
 struct GlobalSearchConfig {
   double min_score = 0.4;  ///< poses with a lower score are not of interest
   double margin = 0.15;    ///< neither are those that are so much worse than the best pose
   /// Poses that differ by less than this are one explanation.
   double same_m = 0.6, same_rad = 0.35;
   std::size_t most = 48;  ///< only so many of the best explanations are kept
+  /// Only poses with a position in this region count, to the size of a block of the search: a fifth
+  /// of a meter or so.
+  std::optional<MapRegion> region;
 };
 
 /// A pose at which the points fit.
