@@ -8,6 +8,7 @@
 
 #include "bound_images.h"
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/matching/correlative.h"
 #include "search_node.h"
 #include "sketch.h"
 #include "spread_points.h"

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "hybrid_matcher.h"
-#include "kestrel_slam/matching/thinned.h"
 
 namespace kestrel {
 namespace {
@@ -55,11 +54,10 @@ Pose2 sketch(const SurfelField& surface, const Points& sample, const Pose2& hypo
 std::vector<Pose2> sketches(const SurfelField& surface, const Points& sample,
                             const std::vector<Pose2>& hypotheses, std::size_t least,
                             WorkBudget& budget) {
-  const Points half = sampled(sample, (sample.size() + 1) / 2);
   std::vector<Descent> descents;
   for (const Pose2& hypothesis : hypotheses) {
     if (!budget.take(sketchWork(sample))) break;
-    descents.push_back(stageOf(surface, half, hypothesis, 0));
+    descents.push_back(stageOf(surface, sample, hypothesis, 0));
   }
   halve(descents, least);
   std::vector<Pose2> poses;

@@ -15,9 +15,9 @@ constexpr std::size_t kSketchPoints = 100;
 /// A short descent from a hypothesis with a sample of the points, to see whether the scan fits.
 Pose2 sketch(const SurfelField& surface, const Points& sample, const Pose2& hypothesis);
 
-/// Sketches of as many hypotheses as the budget allows, in their order. The first stage uses half
-/// of the points for all of them; only the half that fits best then goes on (successive halving
-/// [Jamieson and Talwalkar 2016]), if more than `least` remain.
+/// Sketches of as many hypotheses as the budget allows, in their order. After the first stage only
+/// the half that fits best goes on, at least `least` of them (successive halving [Jamieson and
+/// Talwalkar 2016]).
 std::vector<Pose2> sketches(const SurfelField& surface, const Points& sample,
                             const std::vector<Pose2>& hypotheses, std::size_t least,
                             WorkBudget& budget);
