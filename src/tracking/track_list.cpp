@@ -43,8 +43,7 @@ std::vector<GridIndex<2>> cellsOf(const ObjectCluster& object, const MotionGrid<
 }
 
 /// A flat surface looks the same after a motion along itself: what has moved may be the part of it
-/// that gives returns.
-/// `length` (m): the largest that was seen of it.
+/// that gives returns. `length` (m): the largest that was seen of it.
 bool slides(const Eigen::Vector2d& way, const ObjectCluster& object, double length) {
   const double c = std::cos(object.box.yaw), s = std::sin(object.box.yaw);
   const double along = c * way.x() + s * way.y(), across = c * way.y() - s * way.x();

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "component_at.h"
 #include "kestrel_slam/geometry/random.h"
 
 namespace kestrel {
@@ -17,14 +18,6 @@ using Vector5 = Eigen::Matrix<double, 5, 1>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
 constexpr auto anyPair = [](const auto&, const auto&) { return true; };
-
-PhdComponent<4> componentAt(double x, double y, double vx, double vy, double weight = 1.0) {
-  PhdComponent<4> component;
-  component.weight = weight;
-  component.mean << x, y, vx, vy;
-  component.covariance.diagonal() << 0.04, 0.04, 1.0, 1.0;
-  return component;
-}
 
 /// A target that stands after one step of its motion model: it has no turn rate.
 PhdComponent<5> standingAt(double x, double y, double weight) {

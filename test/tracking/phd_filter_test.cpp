@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "component_at.h"
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/random.h"
 
@@ -24,14 +25,6 @@ PhdModel<4, 2> modelWith(double detection, double survival, double clutter) {
   model.clutter = [clutter](const Vector2&) { return clutter; };
   model.expect = expectPosition<4, 2>;
   return model;
-}
-
-PhdComponent<4> componentAt(double x, double y, double vx, double vy, double weight = 1.0) {
-  PhdComponent<4> component;
-  component.weight = weight;
-  component.mean << x, y, vx, vy;
-  component.covariance.diagonal() << 0.04, 0.04, 1.0, 1.0;
-  return component;
 }
 
 Observation<2> observationAt(double x, double y, double sigma = 0.1) {

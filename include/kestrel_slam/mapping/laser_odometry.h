@@ -48,9 +48,9 @@ class LaserOdometry {
   bool carry(const PlanarScan& scan, PredictionSource source, const PredictionError& predicted,
              MotionModel& motion, PoseUncertainty& uncertainty, MapperResult& result);
 
-  /// False if the match with the map is far from the prediction, and the scan before alone is
-  /// explained better by another motion. Then one is wrong: this match with the map, or those
-  /// before.
+  /// False if the match with the map is far from the prediction, and in the scan before, alone,
+  /// another motion explains the scan better or nearly as well. Then one may be wrong: this match
+  /// with the map, or those before.
   bool agrees(const MatchRequest& request, const MatchResult& found) const;
 
   /// The error of the pose of a scan that was not matched with the map, since the last match. It is
