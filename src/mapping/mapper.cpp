@@ -78,20 +78,31 @@ void Mapper::State::follow(const Points& points, const PlanarScan& scan,
   if (contradicts) result.state = MatchState::kDegraded;
 }
 
-/// Along a weak direction: the prediction, and what little the scan shows.
-void Mapper::State::followAlong(const Points& points, const PlanarScan& scan,
-                                const Pose2& motion_prediction, PredictionSource source,
-                                MatchResult& match) {
-  constexpr double kSigmas = 3.0;
+/// Compares match and prediction along the weakest direction.
+void Mapper::State::compareAlong(const Points& points, const PlanarScan& scan,
+                                 const Pose2& motion_prediction, PredictionSource source,
+                                 MatchResult& match) {
   const double seconds = motion.secondsSince(scan);
   const double moved = (motion.pose().inverse() * match.pose).distance();
   const AlongError error = uncertainty.alongError(match, seconds, moved, source);
+  if (isWeak(match, source))
+    return followAlong(points, seconds, motion_prediction, source, error, match);
+  const Eigen::Vector2d away = motion_prediction.translation() - match.pose.translation();
+  const double along = match.degenerate_direction.dot(away);
+  const double sigma = std::sqrt(error.covariance(0, 0));
+  checkAlong(map.current(), points, along, sigma, source, match);
+}
+
+/// Along a weak direction: the prediction, and what little the scan shows.
+void Mapper::State::followAlong(const Points& points, double seconds,
+                                const Pose2& motion_prediction, PredictionSource source,
+                                const AlongError& error, MatchResult& match) {
+  constexpr double kSigmas = 3.0;
   const double variance = error.covariance(0, 0);
   const bool unobservable = isUnobservable(match, source);
   const double matched_m = keepPredictionAlong(motion_prediction, match);
   AlongFit fit = fitAlong(map.current(), points, match.pose, weakMotionOf(match),
-                          kSigmas * std::sqrt(variance),
-                          source == PredictionSource::kOdometry ? Beams::kAll : Beams::kCertain);
+                          kSigmas * std::sqrt(variance), beamsOf(source));
   if (!unobservable) fit = combined(fit, matched_m);
   correctAlong(fit, variance, seconds, match);
   if (source == PredictionSource::kVelocity)
@@ -106,8 +117,8 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   const std::optional<Pose2> motion_prediction =
       motion.motionPrediction(request, scan, odom_T_base);
   result.match = matcher->match(map.current(), request);
-  if (motion_prediction && isWeak(result.match, prediction_source))
-    followAlong(points, scan, *motion_prediction, prediction_source, result.match);
+  if (motion_prediction)
+    compareAlong(points, scan, *motion_prediction, prediction_source, result.match);
   result.match.impossible_motion = prediction_source == PredictionSource::kVelocity &&
                                    motion_check.isImpossible(positionOf(result.match, scan));
   result.evaluation = evaluationFunction(result.match, config.evaluation);

@@ -54,8 +54,10 @@ struct Mapper::State {
               MapperResult& result);
   void match(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
-  void followAlong(const Points& points, const PlanarScan& scan, const Pose2& motion_prediction,
-                   PredictionSource source, MatchResult& match);
+  void compareAlong(const Points& points, const PlanarScan& scan, const Pose2& motion_prediction,
+                    PredictionSource source, MatchResult& match);
+  void followAlong(const Points& points, double seconds, const Pose2& motion_prediction,
+                   PredictionSource source, const AlongError& error, MatchResult& match);
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
   bool isCarried(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,

@@ -2,6 +2,7 @@
 #include "unobservable_motion.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 
@@ -30,8 +31,27 @@ bool isUnobservable(const MatchResult& match, PredictionSource source) {
          (source != PredictionSource::kVelocity || match.constraint < kNoConstraint);
 }
 
+Beams beamsOf(PredictionSource source) {
+  return source == PredictionSource::kOdometry ? Beams::kAll : Beams::kCertain;
+}
+
 WeakMotion weakMotionOf(const MatchResult& match) {
   return {match.degenerate_direction, match.degenerate_turn, match.constraint};
+}
+
+void checkAlong(const Submap& map, const Points& points, double away_m, double sigma_m,
+                PredictionSource source, MatchResult& match) {
+  constexpr double kNoiseM = 0.02;  // of a match
+  constexpr double kClearSigmas = 2.0;
+  if (std::abs(away_m) <= kNoiseM + sigma_m) return;
+  const double sigmas =
+      evidenceAgainst(map, points, match.pose, weakMotionOf(match), away_m, beamsOf(source));
+  if (sigmas >= kClearSigmas) return;
+  match.unclear_along = true;
+  const double other_is_right = 0.5 * std::erfc(sigmas / std::sqrt(2.0));
+  const Eigen::Vector2d& along = match.degenerate_direction;
+  match.covariance.topLeftCorner<2, 2>() +=
+      other_is_right * away_m * away_m * along * along.transpose();
 }
 
 double keepPredictionAlong(const Pose2& motion_prediction, MatchResult& match) {

@@ -16,7 +16,16 @@ bool isWeak(const MatchResult& match, PredictionSource source);
 /// of whole buildings do not close.
 bool isUnobservable(const MatchResult& match, PredictionSource source);
 
+/// The beams that count along the weakest direction.
+Beams beamsOf(PredictionSource source);
+
 WeakMotion weakMotionOf(const MatchResult& match);
+
+/// Checks whether the scan shows clearly that the vehicle is not where it was predicted along the
+/// weakest direction, `away_m` from the match, with the standard deviation `sigma_m`. A part of a
+/// wall that looks like another one can move the match by decimeters, and the scan fits there.
+void checkAlong(const Submap& map, const Points& points, double away_m, double sigma_m,
+                PredictionSource source, MatchResult& match);
 
 /// Replaces the match along the weakest direction by the motion prediction. Returns the distance
 /// from there to the match, m.

@@ -248,4 +248,19 @@ AlongFit fitAlong(const Submap& map, const Points& points, const Pose2& start,
   return result;
 }
 
+double evidenceAgainst(const Submap& map, const Points& points, const Pose2& map_T_base,
+                       const WeakMotion& motion, double distance_m, Beams which) {
+  double sum = 0.0, squares = 0.0;
+  for (const Beam& beam :
+       fittingBeams(map.surface(), points, map_T_base, which, kMostDistanceM)) {
+    const auto here = distance2(map, map_T_base, beam, motion, 0.0, which);
+    const auto there = distance2(map, map_T_base, beam, motion, distance_m, which);
+    if (!here || !there) continue;
+    const double worse = *there - *here;
+    sum += worse;
+    squares += worse * worse;
+  }
+  return squares > 0.0 ? sum / std::sqrt(kCorrelatedBeams * squares) : 0.0;
+}
+
 }  // namespace kestrel

@@ -221,7 +221,7 @@ class Runner {
     entry.uncertain = result.uncertain;
     entry.known = result.match.known;
     entry.constraint = result.match.constraint;
-    if (result.match.degenerate || result.match.mostly_predicted)
+    if (result.match.degenerate || result.match.mostly_predicted || result.match.unclear_along)
       entry.degenerate_direction = result.match.degenerate_direction;
     entry.carried = result.carried;
     entry.ambiguous = result.match.ambiguous;

@@ -44,4 +44,10 @@ struct AlongFit {
 AlongFit fitAlong(const Submap& map, const Points& points, const Pose2& start,
                   const WeakMotion& motion, double limit_m, Beams which = Beams::kCertain);
 
+/// How clearly the scan shows that the vehicle is at `map_T_base` and not `distance_m` from there
+/// along `motion`, in standard deviations: the squared distances of the same beams to their walls
+/// are compared at both places. Negative: it fits better there. 0: no beam shows a difference.
+double evidenceAgainst(const Submap& map, const Points& points, const Pose2& map_T_base,
+                       const WeakMotion& motion, double distance_m, Beams which = Beams::kCertain);
+
 }  // namespace kestrel
