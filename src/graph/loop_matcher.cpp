@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "kestrel_slam/geometry/symmetric_axes.h"
+#include "kestrel_slam/graph/wall_agreement.h"
 #include "kestrel_slam/matching/place_match.h"
 #include "kestrel_slam/matching/thinned.h"
 
@@ -22,6 +23,8 @@ constexpr std::size_t kQueryPoints = 1000, kLoopScanPoints = 360;
 constexpr double kLoopPlaceM = 0.015, kLoopPlaceRad = 0.004, kLoopMatchFactor = 4.0;
 /// A single scan agrees if it fits at the same place up to this.
 constexpr double kSameLoopM = 0.15, kSameLoopRad = 0.035, kSingleLoopFit = 0.6, kSingleKnown = 0.4;
+/// Beams of a query whose walls are compared with those of the place.
+constexpr std::size_t kComparedBeams = 4000;
 /// A scan with fewer hits says nothing.
 constexpr std::size_t kLeastLoopHits = 10;
 /// Limits where the graph already expects the place.
@@ -61,6 +64,20 @@ Eigen::Matrix3d covarianceOf(const MatchResult& match, double min_constraint) {
       axes.eigenvectors.col(1) * kLoopPlaceM * min_constraint / constraint;
   result.topLeftCorner<2, 2>() += weakest * weakest.transpose();
   return result;
+}
+
+/// The walls of the query and of the place, if the middle keyframe is at `local_T_found`.
+WallAgreement wallsAt(const Submap& map, const std::vector<LocalKeyframe>& keyframes,
+                      const LoopQuery& query, const Pose2& local_T_found) {
+  const Pose2 found_T_local = local_T_found * keyframes[query.middle()].local_T_base.inverse();
+  std::vector<PlanarScan> scans(query.last - query.first);
+  std::vector<ScanInMap> placed;
+  for (std::size_t i = query.first; i < query.last; ++i) {
+    PlanarScan& scan = scans[i - query.first];
+    scan.rays = keyframes[i].keyframe->scan.rays();
+    placed.push_back({found_T_local * keyframes[i].local_T_base, &scan});
+  }
+  return compareWalls(map, placed, kComparedBeams);
 }
 
 /// `away` without the part along an unobservable direction.
@@ -128,8 +145,11 @@ Loop LoopMatcher::search(const Submap& map, const KnownPlace& place,
   loop.reason = problemOf(loop);
   if (!loop.reason.empty()) return loop;
   loop.agreement = agreementAt(map, keyframes, query, found.match);
+  const WallAgreement walls = wallsAt(map, keyframes, query, found.match.pose);
   if (loop.agreement < config_.min_agreement) {
     loop.reason = "its scans do not agree";
+  } else if (walls.possibleContradiction() > config_.max_contradiction) {
+    loop.reason = "its walls contradict the place";
   } else {
     loop.state = LoopState::kPending;
   }

@@ -86,6 +86,25 @@ TEST(LoopMatcher, ACorridorIsRefused) {
   EXPECT_EQ(loop.reason, "a direction is unobservable");
 }
 
+/// Most hits fit, but the beams pass through a wall and a box of the place: it is another room.
+TEST(LoopMatcher, BeamsThroughTheWallsOfThePlaceAreRefused) {
+  std::vector<room::Segment> with_walls = room::walls();
+  with_walls.push_back({1.3, -3, 1.3, 3});
+  loop_world::addBox(with_walls, -1.5, 0.5, 1.0, 1.0);
+  Scene scene(with_walls, thereAndBack(), 13);
+  for (std::size_t i = scene.query.first; i < scene.query.last; ++i) {
+    auto other = std::make_shared<Keyframe>();
+    other->scan = CompactScan(room::scanFrom(scene.keyframes[i].local_T_base).rays);
+    scene.keyframes[i].keyframe = other;
+  }
+  const Pose2 truth = scene.keyframes[scene.query.middle()].local_T_base;
+  const Loop loop =
+      LoopMatcher(MatcherConfig(), LoopConfig())
+          .search(scene.map, scene.place, scene.keyframes, scene.query, truth, 2.0, 0.4);
+  EXPECT_EQ(loop.state, LoopState::kRefused);
+  EXPECT_EQ(loop.reason, "its walls contradict the place");
+}
+
 TEST(LoopMatcher, AScanInAnotherRoomDoesNotFit) {
   Scene scene(room::walls(), thereAndBack(), 13);
   auto other = std::make_shared<Keyframe>();

@@ -28,6 +28,9 @@ TEST(MatchReason, OfScansThatAreMatched) {
   MapperResult corridor = resultOf(MatchState::kDegraded, 0.5);
   corridor.match.degenerate = true;
   EXPECT_EQ(reason(corridor), "direction unobservable");
+  MapperResult unclear = resultOf(MatchState::kDegraded);
+  unclear.match.unclear_along = true;
+  EXPECT_EQ(reason(unclear), "direction unclear");
   MapperResult two_places = resultOf(MatchState::kDegraded);
   two_places.match.ambiguous = true;
   EXPECT_EQ(reason(two_places), "ambiguous");

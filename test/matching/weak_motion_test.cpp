@@ -36,6 +36,22 @@ TEST(WeakMotion, TheEndOfACorridorShowsThePosition) {
   EXPECT_NEAR(sign * fit.distance_m, -0.15, 0.03);
 }
 
+TEST(WeakMotion, AWallIsClearEvidenceAndAPoleIsNot) {
+  constexpr double kClear = 2.0, kAwayM = 0.2;
+  const auto evidence = [](const std::vector<room::Segment>& walls) {
+    Submap map{OccupancyGridConfig()};
+    const PlanarScan scan = room::scanFrom(Pose2(), walls, 360, 20.0);
+    map.insert(scan, Pose2());
+    const WeakMotion along{Eigen::Vector2d::UnitX(), 0.0, 0.0};
+    return evidenceAgainst(map, hitsOf(scan), Pose2(), along, kAwayM);
+  };
+  EXPECT_GT(evidence(corridorUpTo(1.5)), kClear);
+  std::vector<room::Segment> with_pole = room::corridor();
+  with_pole.push_back({3.0, -0.1, 3.0, 0.1});
+  EXPECT_LT(evidence(with_pole), kClear);
+  EXPECT_NEAR(evidence(room::corridor()), 0.0, 0.1);
+}
+
 TEST(WeakMotion, ALineThatAppearsInFreeSpaceDoesNot) {
   // A tilted laser sees the floor as a line across the corridor, which moves with the vehicle.
   Submap map{OccupancyGridConfig()};

@@ -6,6 +6,7 @@
 
 #include "kestrel_slam/geometry/pose_covariance.h"
 #include "kestrel_slam/graph/pose_graph.h"
+#include "kestrel_slam/graph/wall_agreement.h"
 
 namespace kestrel {
 
@@ -25,6 +26,7 @@ struct LoopConfig {
   double min_constraint = 0.04;
   double min_margin = 0.08;    ///< by which the fit is better than anywhere else in the window
   double min_agreement = 0.7;  ///< share of the single scans that fit at the same place
+  double max_contradiction = kMostContradiction;  ///< share of the walls
 };
 
 /// What became of a loop that was found.

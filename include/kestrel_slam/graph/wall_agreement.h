@@ -31,6 +31,10 @@ struct WallAgreement {
   double variance() const;
 };
 
+/// At the right place the possible contradiction is smaller than this, although furniture moved
+/// and doors were opened. Above it, another place is more likely.
+constexpr double kMostContradiction = 0.27;
+
 /// A scan at a pose in the map.
 struct ScanInMap {
   Pose2 map_T_scan;
