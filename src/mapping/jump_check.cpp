@@ -14,13 +14,18 @@ constexpr int kAgreeingScans = 3;
 
 }  // namespace
 
-bool JumpCheck::accepts(const Pose2& predicted, const Pose2& found, const PredictionError& error) {
+bool JumpCheck::isJump(const Pose2& predicted, const Pose2& found, const PredictionError& error) {
   const Pose2 jump = predicted.between(found);
-  if (jump.distance() <= kJumpM + kJumpSigmas * error.position_m() &&
-      std::abs(jump.yaw) <= kJumpRad + kJumpSigmas * error.yaw_rad()) {
+  return jump.distance() > kJumpM + kJumpSigmas * error.position_m() ||
+         std::abs(jump.yaw) > kJumpRad + kJumpSigmas * error.yaw_rad();
+}
+
+bool JumpCheck::accepts(const Pose2& predicted, const Pose2& found, const PredictionError& error) {
+  if (!isJump(predicted, found, error)) {
     agreeing_ = 0;
     return true;
   }
+  const Pose2 jump = predicted.between(found);
   const Pose2 change = jump_.between(jump);
   const bool same = change.distance() < kSameM && std::abs(change.yaw) < kSameRad;
   agreeing_ = agreeing_ > 0 && same ? agreeing_ + 1 : 1;

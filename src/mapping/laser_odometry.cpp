@@ -90,8 +90,9 @@ bool LaserOdometry::carry(const PlanarScan& scan, PredictionSource source,
 
 bool LaserOdometry::agrees(const MatchRequest& request, const MatchResult& found) const {
   if (request.lost || request.prior || !begins_at_match_ || !first_scan_) return true;
-  const double near_m = config_.matcher.near_window.linear_m;
-  if ((request.initial_guesses.front().inverse() * found.pose).distance() <= near_m) return true;
+  const SearchWindow& near = config_.matcher.near_window;
+  const Pose2 moved = request.initial_guesses.front().between(found.pose);
+  if (moved.distance() <= near.linear_m && std::abs(moved.yaw) <= near.angular_rad) return true;
   Submap last(config_.grid, submapOptions(config_.matcher));
   last.insert(*first_scan_, first_pose_);
   return !secondExplanation(last, request, found, config_.matcher, config_.matcher.jump_margin);

@@ -81,16 +81,15 @@ void Mapper::State::follow(const Points& points, const PlanarScan& scan,
 /// Compares match and prediction along the weakest direction.
 void Mapper::State::compareAlong(const Points& points, const PlanarScan& scan,
                                  const Pose2& motion_prediction, PredictionSource source,
-                                 MatchResult& match) {
+                                 const PredictionError& predicted, MatchResult& match) {
   const double seconds = motion.secondsSince(scan);
   const double moved = (motion.pose().inverse() * match.pose).distance();
   const AlongError error = uncertainty.alongError(match, seconds, moved, source);
   if (isWeak(match, source))
     return followAlong(points, seconds, motion_prediction, source, error, match);
   const Eigen::Vector2d away = motion_prediction.translation() - match.pose.translation();
-  const double along = match.degenerate_direction.dot(away);
-  const double sigma = std::sqrt(error.covariance(0, 0));
-  checkAlong(map.current(), points, along, sigma, source, match);
+  checkAlong(map.current(), points, match.degenerate_direction.dot(away), predicted.position_m(),
+             source, match);
 }
 
 /// Along a weak direction: the prediction, and what little the scan shows.
@@ -118,7 +117,7 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
       motion.motionPrediction(request, scan, odom_T_base);
   result.match = matcher->match(map.current(), request);
   if (motion_prediction)
-    compareAlong(points, scan, *motion_prediction, prediction_source, result.match);
+    compareAlong(points, scan, *motion_prediction, prediction_source, error, result.match);
   result.match.impossible_motion = prediction_source == PredictionSource::kVelocity &&
                                    motion_check.isImpossible(positionOf(result.match, scan));
   result.evaluation = evaluationFunction(result.match, config.evaluation);
@@ -129,6 +128,13 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
         !laser_odometry.agrees(request, result.match)))) {
     result.match.ambiguous = true;
     result.state = request.lost ? MatchState::kLost : MatchState::kDegraded;
+  }
+  // The scan before shows a jump best: it needs no map, which may look the same elsewhere.
+  if (!request.lost && !request.wide && prediction_source == PredictionSource::kVelocity &&
+      JumpCheck::isJump(request.initial_guesses.front(), result.match.pose, error) &&
+      !laser_odometry.agrees(request, result.match)) {
+    result.match.ambiguous = true;
+    result.state = MatchState::kLost;
   }
   settle(motion.isOutOfReach(scan, odom_T_base), result);
   const bool lost = result.state == MatchState::kLost;

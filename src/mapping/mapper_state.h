@@ -55,7 +55,7 @@ struct Mapper::State {
   void match(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
   void compareAlong(const Points& points, const PlanarScan& scan, const Pose2& motion_prediction,
-                    PredictionSource source, MatchResult& match);
+                    PredictionSource source, const PredictionError& predicted, MatchResult& match);
   void followAlong(const Points& points, double seconds, const Pose2& motion_prediction,
                    PredictionSource source, const AlongError& error, MatchResult& match);
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,

@@ -58,7 +58,8 @@ MatchState Mapper::State::judge(const MatchResult& match, const MatchRequest& re
   if (match.score < config.lost_score || match.known < config.min_known_share ||
       !isLikely(match, request, error))
     return MatchState::kLost;
-  const bool clear = !match.degenerate && !match.mostly_predicted && !match.unclear_along;
+  const bool clear =
+      !match.degenerate && !match.mostly_predicted && !match.unclear_along && !match.ambiguous;
   const bool good = match.score >= config.matcher.search_score && clear;
   return good && !match.impossible_motion ? MatchState::kOk : MatchState::kDegraded;
 }

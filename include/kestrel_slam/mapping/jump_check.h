@@ -10,6 +10,9 @@ namespace kestrel {
 /// changes from scan to scan. If the prediction is wrong, all scans agree.
 class JumpCheck {
  public:
+  /// Whether `found` is farther from `predicted` than its error explains.
+  static bool isJump(const Pose2& predicted, const Pose2& found, const PredictionError& error);
+
   /// `error`: of the prediction. A jump is taken if the scans before agree with it.
   bool accepts(const Pose2& predicted, const Pose2& found, const PredictionError& error);
 
