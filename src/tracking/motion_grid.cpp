@@ -47,12 +47,15 @@ const typename MotionGrid<D>::Result& MotionGrid<D>::insert(const std::vector<Gr
   result_.moving.clear();
   result_.motion.assign(rays.size(), CellMotion::kNone);
   result_.was_free.assign(rays.size(), false);
+  result_.has_come.assign(rays.size(), false);
   // All returns are classified by the grids of the last scan before the first cell changes.
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (!rays[i].hit || !isUsable(rays[i])) continue;
     const CellData* own = cells_.find(indexOf(rays[i].end));
     result_.motion[i] = classify(rays[i], own);
     result_.was_free[i] = own != nullptr && stateOf(*own) == CellState::kFree;
+    result_.has_come[i] =
+        result_.was_free[i] || (own != nullptr && own->has_come && hasStopped(*own));
   }
   ++scan_;
   time_ += std::max(seconds, 0.0);
@@ -105,6 +108,7 @@ void MotionGrid<D>::updateHit(const GridRay<D>& ray, std::size_t number) {
   if (cell->last_hit < 0.0F || now - cell->last_hit > kEpisodeGap) cell->first_hit = now;
   cell->last_hit = now;
   cell->is_clear = false;
+  cell->has_come = result_.has_come[number];
   cell->was_moving = is_moving || (cell->was_moving && motion == CellMotion::kStopped);
   const bool by_medium = is_moving || motion == CellMotion::kStopped;
   add(*cell, by_medium ? medium_ : high_, is_moving ? high_ : low_);

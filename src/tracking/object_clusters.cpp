@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "kestrel_slam/tracking/mean_shift.h"
@@ -93,6 +94,17 @@ ObjectCluster objectOf(std::vector<Eigen::Vector2d> points, const Visibility& vi
   return object;
 }
 
+/// Where most of a cluster has come into free space, that is the object: the rest was perhaps
+/// always there, as a post that the object uncovers. It would hold the middle back, and keep the
+/// track when the object goes on.
+std::vector<std::size_t> movingPart(const std::vector<std::size_t>& cluster,
+                                    const std::vector<MovingPoint>& moving, std::size_t needed) {
+  std::vector<std::size_t> come;
+  std::copy_if(cluster.begin(), cluster.end(), std::back_inserter(come),
+               [&](std::size_t i) { return moving[i].has_come; });
+  return 2 * come.size() > cluster.size() && come.size() >= needed ? come : cluster;
+}
+
 }  // namespace
 
 std::vector<ObjectCluster> findObjects(const std::vector<MovingPoint>& moving,
@@ -105,16 +117,18 @@ std::vector<ObjectCluster> findObjects(const std::vector<MovingPoint>& moving,
       joinConnected<2>(points, meanShift<2>(points, config.bandwidth_m), config.join_gap_m);
   for (const PointCluster<2>& cluster : clusters) {
     const double range = visibility.rangeOf(cluster.mode);
-    if (cluster.points.size() < pointsNeeded(range, visibility, config)) continue;
+    const std::size_t needed = pointsNeeded(range, visibility, config);
+    if (cluster.points.size() < needed) continue;
     std::vector<Eigen::Vector2d> own;
-    double free = 0.0;
-    for (const std::size_t i : cluster.points) {
+    for (const std::size_t i : movingPart(cluster.points, moving, needed)) {
       own.push_back(points[i]);
-      if (moving[i].was_free) free += 1.0;
     }
+    const auto free = std::count_if(cluster.points.begin(), cluster.points.end(),
+                                    [&](std::size_t i) { return moving[i].was_free; });
     objects.push_back(objectOf(std::move(own), visibility, config));
     objects.back().ends = endsOf(cluster, moving, rays, visibility, config);
-    objects.back().free_share = free / static_cast<double>(cluster.points.size());
+    objects.back().free_share =
+        static_cast<double>(free) / static_cast<double>(cluster.points.size());
   }
   return objects;
 }

@@ -15,6 +15,7 @@ namespace kestrel {
 struct MovingPoint {
   Eigen::Vector2d position;
   bool was_free = false;  ///< its cell was free before
+  bool has_come = false;  ///< see MotionGrid::Result
   std::size_t ray = 0;    ///< its number in the scan
 };
 
@@ -30,8 +31,8 @@ enum class ObjectEnds {
 struct ObjectCluster {
   Observation<2> observation;  ///< of the middle
   OrientedBox box;
-  std::vector<Eigen::Vector2d> points;
-  /// Share of the points in space that was free before: something has come here.
+  std::vector<Eigen::Vector2d> points;  ///< without those beside it that were perhaps always there
+  /// Share of all returns of the cluster in space that was free before: something has come here.
   double free_share = 0.0;
   ObjectEnds ends = ObjectEnds::kHidden;
 };

@@ -31,6 +31,7 @@ constexpr double kMissed = 1.5;  ///< periods between two observations, from whi
 /// A surface that is at least as long as a person is wide, and not deeper than this share of its
 /// length, is flat.
 constexpr double kFlat = 0.2;
+constexpr double kInFree = 0.8;       ///< the other returns are at the borders of the free cells
 constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
 
 std::vector<GridIndex<2>> cellsOf(const ObjectCluster& object, const MotionGrid<2>& grid) {
@@ -191,8 +192,8 @@ bool TrackList::hasJumped(const Entry& entry, const ObjectCluster& object) const
 /// measured by how well the path fits. A track that jumps between things that stand has none.
 void TrackList::noteMove(Entry& entry, const ObjectCluster& object, const Visibility& visibility,
                          const MotionGrid<2>& grid) const {
-  Sample sample{grid.time(), object.observation.value, object.observation.noise(0, 0),
-                cellsOf(object, grid)};
+  Sample sample{grid.time(),           object.observation.value, object.observation.noise(0, 0),
+                cellsOf(object, grid), object.free_share,        object.box.size.x()};
   if (object.ends == ObjectEnds::kUnknown) sample.variance += config_.cut_sigma * config_.cut_sigma;
   std::deque<Sample>& samples = entry.samples;
   const bool has_gap = !samples.empty() && sample.time - samples.back().time > kPathGap;
@@ -211,17 +212,32 @@ double TrackList::distanceMoved(const Eigen::Vector2d& way, const ObjectCluster&
   return std::abs(way.dot(Eigen::Vector2d(-std::sin(yaw), std::cos(yaw))));
 }
 
-/// It is elsewhere; a place where it was seen is empty now, or the object hides it and came through
-/// free space; and the place where it is now was empty then. So walls do not move, though their
-/// visible part does when the sensor moves, and neither do thin objects that are seen by turns.
+/// It came through free space. Or it is elsewhere; a place where it was seen is empty now, or it
+/// hides it and came from free space; and the place where it is now was empty then. So the visible
+/// part of a wall does not move with the sensor, nor do thin objects that are seen by turns.
 bool TrackList::hasLeft(const Entry& entry, const ObjectCluster& object,
                         const Visibility& visibility, const MotionGrid<2>& grid) const {
   const double needed = std::max(config_.moved_m, 0.5 * entry.length);
+  if (cameThroughFree(entry.samples, object, entry.length, needed)) return true;
   return std::any_of(entry.samples.begin(), entry.samples.end(), [&](const Sample& sample) {
     return distanceMoved(object.observation.value - sample.position, object) >= needed &&
            isEmptyNow(sample, object, entry.length, visibility, grid) &&
            cameAfter(sample.time, object, grid);
   });
+}
+
+/// On a way as long as needed, nearly all of its returns were always in cells that had been free.
+/// Then its old place need not be empty: there may be the next person of a group. A part of a wall
+/// that comes into view has returns in unknown cells, too; what grows moves its middle by half.
+bool TrackList::cameThroughFree(const std::deque<Sample>& samples, const ObjectCluster& object,
+                                double length, double needed) {
+  for (auto sample = samples.rbegin(); sample != samples.rend(); ++sample) {
+    if (sample->free_share < kInFree) return false;
+    const Eigen::Vector2d way = object.observation.value - sample->position;
+    const double grown = 0.5 * std::abs(object.box.size.x() - sample->length);
+    if (distanceMoved(way, object) - grown >= needed && !slides(way, object, length)) return true;
+  }
+  return false;
 }
 
 bool TrackList::isEmptyNow(const Sample& place, const ObjectCluster& object, double length,

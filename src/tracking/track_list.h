@@ -52,6 +52,8 @@ class TrackList {
     Eigen::Vector2d position;
     double variance;  ///< of the position, m²
     std::vector<GridIndex<2>> cells;
+    double free_share;  ///< see ObjectCluster
+    double length;      ///< of its box, m
   };
   struct Place {
     double time;  ///< of the grid, s
@@ -80,6 +82,8 @@ class TrackList {
   static double distanceMoved(const Eigen::Vector2d& way, const ObjectCluster& object);
   bool hasLeft(const Entry& entry, const ObjectCluster& object, const Visibility& visibility,
                const MotionGrid<2>& grid) const;
+  static bool cameThroughFree(const std::deque<Sample>& samples, const ObjectCluster& object,
+                              double length, double needed);
   static bool isEmptyNow(const Sample& place, const ObjectCluster& object, double length,
                          const Visibility& visibility, const MotionGrid<2>& grid);
   static bool cameAfter(double time, const ObjectCluster& object, const MotionGrid<2>& grid);

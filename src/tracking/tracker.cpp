@@ -126,7 +126,7 @@ struct Tracker::State {
         result.saturated = true;
         break;
       }
-      points.push_back({end, inserted.was_free[i], i});
+      points.push_back({end, inserted.was_free[i], inserted.has_come[i], i});
     }
     return points;
   }

@@ -200,6 +200,25 @@ TYPED_TEST(MotionGridTest, AWallThatWasTakenForMovingComesBack) {
   EXPECT_EQ(grid.insert(rayTo<D>(2.05F), 0.1).motion[0], CellMotion::kStatic);
 }
 
+// A claim says that something moves, but not that it was not always there.
+TYPED_TEST(MotionGridTest, OnlyWhatWasFreeHasBeenComeTo) {
+  constexpr int D = TypeParam::value;
+  MotionGridConfig config;
+  config.new_s = 1.0;
+  MotionGrid<D> come(config), claimed(config);
+  for (int i = 0; i < 20; ++i) come.insert(rayTo<D>(3.05F), 0.1);  // frees what is before it
+  claimed.insert(rayTo<D>(1.05F), 0.1);
+  EXPECT_TRUE(come.insert(rayTo<D>(2.05F), 0.1).has_come[0]);
+  EXPECT_FALSE(claimed.insert(rayTo<D>(2.05F), 0.1).has_come[0]);
+  claimed.claim(onX<D>(2.05F));
+  for (int i = 0; i < 30; ++i) {
+    EXPECT_TRUE(come.insert(rayTo<D>(2.05F), 0.1).has_come[0]) << i;
+    EXPECT_FALSE(claimed.insert(rayTo<D>(2.05F), 0.1).has_come[0]) << i;
+  }
+  EXPECT_EQ(come.insert(rayTo<D>(2.05F), 0.1).motion[0], CellMotion::kStopped);
+  EXPECT_EQ(claimed.insert(rayTo<D>(2.05F), 0.1).motion[0], CellMotion::kStopped);
+}
+
 /// Cells that many points of the segment lie in.
 template <int D>
 std::set<std::vector<int>> sampledCells(const Eigen::Matrix<float, D, 1>& from,

@@ -85,6 +85,9 @@ class MotionGrid {
   struct Result {
     std::vector<CellMotion> motion;  ///< of each ray
     std::vector<bool> was_free;      ///< of each ray: the return is in a cell that was free
+    /// Of each ray: the return is of something that has come into free space, now or before it
+    /// stopped. Not so what is only taken as moving because of the imposed map or a claim.
+    std::vector<bool> has_come;
     std::vector<MovingCell> moving;  ///< occupied cells of the new dynamic map
     bool full = false;               ///< cells are missing because of the memory limit
   };
@@ -138,6 +141,7 @@ class MotionGrid {
     float last_pass = -1.0F;      ///< time of the last beam that passed, s
     float occupied_since = 0.0F;  ///< time when it became occupied, s
     bool was_moving = false;      ///< it was free, and then filled by something that moved
+    bool has_come = false;        ///< it was free, and then filled by something that is still here
     bool is_clear = false;        ///< another beam that passes changes nothing
   };
 
