@@ -92,7 +92,7 @@ bool LaserOdometry::agrees(const MatchRequest& request, const MatchResult& found
   if (request.lost || request.prior || !begins_at_match_ || !first_scan_) return true;
   const double near_m = config_.matcher.near_window.linear_m;
   if ((request.initial_guesses.front().inverse() * found.pose).distance() <= near_m) return true;
-  Submap last(config_.grid, submapOptions(config_.matcher));
+  Submap last(config_.matchedGrid(), submapOptions(config_.matcher));
   last.insert(*first_scan_, first_pose_);
   return !secondExplanation(last, request, found, config_.matcher, config_.matcher.jump_margin);
 }
