@@ -23,7 +23,7 @@ const Submap& Places::mapOf(std::size_t place, const std::vector<LocalKeyframe>&
     cache_.splice(cache_.begin(), cache_, found);
     return *cache_.front().map;
   }
-  auto map = std::make_unique<Submap>(config_.grid);
+  auto map = std::make_unique<Submap>(config_.matchedGrid());
   for (std::size_t i = places_[place].first; i < places_[place].last; ++i) {
     const LocalKeyframe& entry = keyframes[i];
     map->insert(entry.keyframe->planarScan(), entry.local_T_base, entry.keyframe->new_view);

@@ -93,7 +93,7 @@ bool LaserOdometry::agrees(const MatchRequest& request, const MatchResult& found
   const SearchWindow& near = config_.matcher.near_window;
   const Pose2 moved = request.initial_guesses.front().between(found.pose);
   if (moved.distance() <= near.linear_m && std::abs(moved.yaw) <= near.angular_rad) return true;
-  Submap last(config_.grid, submapOptions(config_.matcher));
+  Submap last(config_.matchedGrid(), submapOptions(config_.matcher));
   last.insert(*first_scan_, first_pose_);
   return !secondExplanation(last, request, found, config_.matcher, config_.matcher.jump_margin);
 }

@@ -21,7 +21,7 @@ namespace kestrel {
 struct Mapper::State {
   explicit State(const MapperConfig& c, const Pose2& map_T_base = Pose2())
       : config(c),
-        map(c.grid, submapOptions(c.matcher), c.usedWindow()),
+        map(c.matchedGrid(), submapOptions(c.matcher), c.usedWindow()),
         matcher(makeMatcher(c.matcher)),
         motion(c, map_T_base),
         laser_odometry(c) {}

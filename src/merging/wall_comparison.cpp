@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "kestrel_slam/geometry/angles.h"
@@ -15,8 +16,11 @@ namespace {
 constexpr double kCellM = 0.1;
 /// Both vehicles must be sure: several hits, and several beams that passed.
 constexpr double kOccupied = 0.9, kFree = 0.25;
-/// A wall that the other map has so near is the same one: maps have errors.
-constexpr std::int64_t kNearCells = 3;
+/// A wall that the other map has so near, across its direction, is the same one: maps have errors.
+/// Along the wall they do not matter, and what stands beside a part of it does not explain the
+/// rest.
+constexpr double kSameWallM = 0.3;
+constexpr std::int64_t kNearCells = 3;  // the same
 /// The cells of a wall are within this width, without larger gaps.
 constexpr double kWidthM = 0.2, kGapM = 0.35;
 constexpr int kDirections = 60;
@@ -70,21 +74,25 @@ OccupancyGrid gridOf(const JointMap& joint, const std::vector<PoseVertex>& poses
   return grid;
 }
 
-/// Whether the cell and its surroundings are free.
-bool isFree(const OccupancyGrid& grid, const Cell& cell) {
-  if (grid.probability(cell) > kFree) return false;
+/// Whether a cell of a wall is free in the other map.
+bool contradicts(const OccupancyGrid& walls, const OccupancyGrid& other, const Cell& cell) {
+  return walls.probability(cell) >= kOccupied && other.probability(cell) <= kFree;
+}
+
+bool isBesideContradiction(const OccupancyGrid& walls, const OccupancyGrid& other,
+                           const Cell& cell) {
   for (std::int64_t y = cell.y - kNearCells; y <= cell.y + kNearCells; ++y) {
     for (std::int64_t x = cell.x - kNearCells; x <= cell.x + kNearCells; ++x) {
       const Cell near{static_cast<decltype(Cell::x)>(x), static_cast<decltype(Cell::y)>(y)};
-      if (grid.isOccupied(near)) return false;
+      if (contradicts(walls, other, near)) return true;
     }
   }
-  return true;
+  return false;
 }
 
-/// The occupied cells of `walls` that are free in `other`.
-std::vector<Eigen::Vector2d> contradictingCells(const OccupancyGrid& walls,
-                                                const OccupancyGrid& other) {
+/// The occupied cells of `walls` that are free in `other`, and those beside them that are occupied
+/// in both.
+std::vector<Eigen::Vector2d> comparedCells(const OccupancyGrid& walls, const OccupancyGrid& other) {
   std::vector<Eigen::Vector2d> points;
   const MapSnapshot map = walls.snapshot();
   for (int row = 0; row < map.height; ++row) {
@@ -93,59 +101,72 @@ std::vector<Eigen::Vector2d> contradictingCells(const OccupancyGrid& walls,
       const Eigen::Vector2d point(map.origin_x + (column + 0.5) * map.resolution_m,
                                   map.origin_y + (row + 0.5) * map.resolution_m);
       const Cell cell = walls.cellAt(point.cast<float>());
-      if (walls.probability(cell) >= kOccupied && isFree(other, cell)) points.push_back(point);
+      if (contradicts(walls, other, cell) ||
+          (other.isOccupied(cell) && isBesideContradiction(walls, other, cell)))
+        points.push_back(point);
     }
   }
   return points;
 }
 
-/// The longest run of points in one direction.
-double longestRun(const std::vector<Eigen::Vector2d>& points, const Eigen::Vector2d& direction,
+/// A cell of a wall in one direction, and whether a wall of the other map explains it.
+struct WallCell {
+  Eigen::Vector2d at;
+  bool explained;
+};
+
+/// The longest run of cells in one direction. A cell that is explained ends it: the other map may
+/// show a wall only every few cells, where it was seen from far away.
+double longestRun(const std::vector<WallCell>& cells, const Eigen::Vector2d& direction,
                   double offset) {
-  std::vector<std::pair<std::int64_t, double>> places;  // line and position on it
-  for (const Eigen::Vector2d& point : points) {
-    const double across = direction.x() * point.y() - direction.y() * point.x();
+  std::vector<std::tuple<std::int64_t, double, bool>> places;  // line, position on it, explained
+  for (const WallCell& cell : cells) {
+    const double across = direction.x() * cell.at.y() - direction.y() * cell.at.x();
     places.emplace_back(static_cast<std::int64_t>(std::floor((across + offset) / kWidthM)),
-                        direction.dot(point));
+                        direction.dot(cell.at), cell.explained);
   }
   std::sort(places.begin(), places.end());
-  double longest = 0.0, begin = 0.0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const bool goes_on = i > 0 && places[i].first == places[i - 1].first &&
-                         places[i].second - places[i - 1].second <= kGapM;
-    if (!goes_on) begin = places[i].second;
-    longest = std::max(longest, places[i].second - begin + kCellM);
+  double longest = 0.0, begin = 0.0, last = 0.0;
+  bool runs = false;
+  std::int64_t last_line = 0;
+  for (const auto& [line, along, explained] : places) {
+    if (!runs || line != last_line || along - last > kGapM) begin = along;
+    runs = !explained;
+    last_line = line;
+    last = along;
+    if (runs) longest = std::max(longest, along - begin + kCellM);
   }
   return longest;
 }
 
-/// The points behind or in front of which `other` has no wall.
-std::vector<Eigen::Vector2d> awayFromWalls(const std::vector<Eigen::Vector2d>& points,
-                                           const Eigen::Vector2d& across,
-                                           const OccupancyGrid& other) {
-  std::vector<Eigen::Vector2d> result;
+/// Which of the points have a wall of `other` so near, across a direction.
+std::vector<WallCell> comparedWith(const OccupancyGrid& other,
+                                   const std::vector<Eigen::Vector2d>& points,
+                                   const Eigen::Vector2d& across, double distance_m) {
+  std::vector<WallCell> result;
   for (const Eigen::Vector2d& point : points) {
-    bool at_wall = false;
-    for (double at = -kFurnitureM; at <= kFurnitureM && !at_wall; at += 0.5 * kCellM)
-      at_wall = other.isOccupied(other.cellAt((point + at * across).cast<float>()));
-    if (!at_wall) result.push_back(point);
+    bool explained = false;
+    for (double at = -distance_m; at <= distance_m && !explained; at += 0.5 * kCellM)
+      explained = other.isOccupied(other.cellAt((point + at * across).cast<float>()));
+    result.push_back({point, explained});
   }
   return result;
 }
 
 /// The longest wall in `walls` that is free in `other`.
 double longestWall(const OccupancyGrid& walls, const OccupancyGrid& other) {
-  std::vector<Eigen::Vector2d> points = contradictingCells(walls, other);
+  std::vector<Eigen::Vector2d> points = comparedCells(walls, other);
   if (points.size() > kMostPoints) points.resize(kMostPoints);
   double longest = 0.0;
   for (int i = 0; i < kDirections; ++i) {
     const double angle = kPi * i / kDirections;
     const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
-    const std::vector<Eigen::Vector2d> open =
-        awayFromWalls(points, {-direction.y(), direction.x()}, other);
+    const Eigen::Vector2d across(-direction.y(), direction.x());
+    const std::vector<WallCell> near = comparedWith(other, points, across, kSameWallM);
+    const std::vector<WallCell> open = comparedWith(other, points, across, kFurnitureM);
     for (const double offset : {0.0, 0.5 * kWidthM})
       longest = std::max({longest, longestRun(open, direction, offset),
-                          longestRun(points, direction, offset) - kLongerM});
+                          longestRun(near, direction, offset) - kLongerM});
   }
   return longest;
 }

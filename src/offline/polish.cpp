@@ -16,7 +16,7 @@ constexpr double kMostM = 0.1, kMostRad = 0.03, kLeastFit = 0.75, kLeastKnown = 
 constexpr std::size_t kPoints = 1000, kLeastHits = 30;
 
 Submap finishedMap(const SubmapGraph& graph, const MapperConfig& mapper) {
-  Submap map(mapper.grid, submapOptions(mapper.matcher));
+  Submap map(mapper.matchedGrid(), submapOptions(mapper.matcher));
   for (std::size_t i = 0; i < graph.keyframes().size(); ++i) {
     const Keyframe& keyframe = *graph.keyframes()[i].keyframe;
     if (graph.isJoined(i)) map.insert(keyframe.planarScan(), graph.poseOf(i), keyframe.new_view);

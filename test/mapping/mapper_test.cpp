@@ -57,6 +57,18 @@ TEST(Mapper, FollowsADriveWithoutOdometry) {
   }
 }
 
+TEST(Mapper, WithTheGraphScansAreMatchedInFineCells) {
+  MapperConfig config;
+  config.grid.resolution_m = 0.1;
+  EXPECT_DOUBLE_EQ(config.matchedGrid().resolution_m, 0.1) << "this map is the one that is shown";
+  config.window.enabled = true;
+  EXPECT_DOUBLE_EQ(config.matchedGrid().resolution_m, 0.05);
+  const Mapper mapper(config);
+  EXPECT_FLOAT_EQ(mapper.map().surface().resolution(), 0.05F);
+  config.grid.resolution_m = 0.025;
+  EXPECT_DOUBLE_EQ(config.matchedGrid().resolution_m, 0.025);
+}
+
 TEST(Mapper, FollowsADriveWithTheProgressiveMatcher) {
   MapperConfig config;
   config.matcher.method = "progressive";

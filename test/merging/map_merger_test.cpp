@@ -92,6 +92,16 @@ TEST(MapMerger, TwinBuildingsThatDifferInOneWallAreNotMerged) {
   }
 }
 
+TEST(MapMerger, ATwinWhoseWallIsBesideFurnitureIsNotMerged) {
+  // The furniture explains what stands in front of it, but not the wall beyond its ends.
+  Variant divided;
+  divided.partition_x = 13.3;
+  const MergeResult result = merged({first(), mapOf("b", divided, tour(2, 0))});
+  const PairResult& pair = result.pairs.front();
+  EXPECT_EQ(pair.state, PairState::kContradicted)
+      << describe(pair) << ", wall " << pair.differing_wall_m;
+}
+
 TEST(MapMerger, AnotherBuildingIsNotMerged) {
   Variant other;
   other.other_place = true;

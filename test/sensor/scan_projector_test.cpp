@@ -57,6 +57,18 @@ void expectPoint(const Eigen::Vector2f& actual, float x, float y) {
   EXPECT_NEAR(actual.y(), y, 1e-6F);
 }
 
+TEST(ScanProjector, ABeamAtADoorFrameThatIsTenCentimetersDeepIsMixed) {
+  // The range in the middle is between wall and door. Where the edge seems farther away, a corridor
+  // seems longer.
+  const auto hitsWith = [](float middle) {
+    LaserScan scan = makeScan({2.0F, 2.0F, 2.0F, middle, 2.12F, 2.12F, 2.12F});
+    scan.angle_increment = degToRad(0.25);
+    return project(scan).counts.hits;
+  };
+  EXPECT_EQ(hitsWith(2.06F), 6U);
+  EXPECT_EQ(hitsWith(2.01F), 7U) << "the noise of a range";
+}
+
 TEST(ScanProjector, ProjectsBeamsIntoTheBaseFrame) {
   const Projection result = project(makeScan({1.0F, 2.0F, 3.0F, 4.0F}));
   ASSERT_EQ(result.error, ScanError::kNone);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+
 #include "kestrel_slam/map/occupancy_grid_config.h"
 #include "kestrel_slam/mapping/evaluation_function.h"
 #include "kestrel_slam/mapping/local_map.h"
@@ -26,6 +28,15 @@ struct MapperConfig {
 
   /// Scans are matched against the last submaps, and a pose graph corrects the map.
   bool usesGraph() const { return window.enabled && !known_poses; }
+  /// The cells in which scans are matched, m. With the graph the map is drawn from the keyframes at
+  /// the end, so that its cells need not limit the poses: in cells of 10 cm a recess of a wall is
+  /// no shape, and the yaw of a match depends on how it was cut into cells.
+  OccupancyGridConfig matchedGrid() const {
+    constexpr double kFineM = 0.05;
+    OccupancyGridConfig matched = grid;
+    if (usesGraph()) matched.resolution_m = std::min(grid.resolution_m, kFineM);
+    return matched;
+  }
   /// With known poses there is one map that grows, because nothing corrects it later.
   WindowConfig usedWindow() const {
     WindowConfig used = window;

@@ -32,8 +32,10 @@ struct ProjectorConfig {
   double ceiling_m = 0.0;  ///< height of the ceiling over the floor; 0: unknown
   /// End points within this radius of the base are parts of the vehicle.
   double vehicle_radius_m = 0.0;
-  /// A beam between two range jumps larger than this is a mixed pixel; 0: off.
-  double mixed_pixel_jump_m = 0.1;
+  /// A beam between two range jumps larger than this is a mixed pixel; 0: off. Wider than the noise
+  /// of two ranges (10 mm each), and less than the depth of a door frame: a mixed pixel lies behind
+  /// the edge, so that all edges seem farther away, and the map of a corridor becomes too long.
+  double mixed_pixel_jump_m = 0.05;
   /// "from:to, from:to" in degrees: beams that hit the vehicle's frame.
   std::string ignored_angles;
   std::string mirror_angles;  ///< the same format: beams that a mirror deflects downwards
