@@ -87,9 +87,11 @@ void Mapper::State::compareAlong(const Points& points, const PlanarScan& scan,
   const AlongError error = uncertainty.alongError(match, seconds, moved, source);
   if (isWeak(match, source))
     return followAlong(points, seconds, motion_prediction, source, error, match);
+  // Odometry may be wrong in the same way for a long time, and is compared with the graph.
+  if (source != PredictionSource::kVelocity) return;
   const Eigen::Vector2d away = motion_prediction.translation() - match.pose.translation();
   checkAlong(map.current(), points, match.degenerate_direction.dot(away), predicted.position_m(),
-             source, match);
+             match);
 }
 
 /// Along a weak direction: the prediction, and what little the scan shows.

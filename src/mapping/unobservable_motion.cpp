@@ -40,12 +40,11 @@ WeakMotion weakMotionOf(const MatchResult& match) {
 }
 
 void checkAlong(const Submap& map, const Points& points, double away_m, double sigma_m,
-                PredictionSource source, MatchResult& match) {
-  constexpr double kNoiseM = 0.02;  // of a match
+                MatchResult& match) {
+  constexpr double kNoiseM = 0.03;  // of a match
   constexpr double kClearSigmas = 2.0;
   if (std::abs(away_m) <= kNoiseM + sigma_m) return;
-  const double sigmas =
-      evidenceAgainst(map, points, match.pose, weakMotionOf(match), away_m, beamsOf(source));
+  const double sigmas = evidenceAgainst(map, points, match.pose, weakMotionOf(match), away_m);
   if (sigmas >= kClearSigmas) return;
   match.unclear_along = true;
   const double other_is_right = 0.5 * std::erfc(sigmas / std::sqrt(2.0));

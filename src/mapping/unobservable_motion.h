@@ -25,7 +25,7 @@ WeakMotion weakMotionOf(const MatchResult& match);
 /// weakest direction, `away_m` from the match, with the standard deviation `sigma_m`. A part of a
 /// wall that looks like another one can move the match by decimeters, and the scan fits there.
 void checkAlong(const Submap& map, const Points& points, double away_m, double sigma_m,
-                PredictionSource source, MatchResult& match);
+                MatchResult& match);
 
 /// Replaces the match along the weakest direction by the motion prediction. Returns the distance
 /// from there to the match, m.

@@ -249,7 +249,8 @@ AlongFit fitAlong(const Submap& map, const Points& points, const Pose2& start,
 }
 
 double evidenceAgainst(const Submap& map, const Points& points, const Pose2& map_T_base,
-                       const WeakMotion& motion, double distance_m, Beams which) {
+                       const WeakMotion& motion, double distance_m) {
+  constexpr Beams which = Beams::kCertain;
   double sum = 0.0, squares = 0.0;
   for (const Beam& beam : fittingBeams(map.surface(), points, map_T_base, which, kMostDistanceM)) {
     const auto here = distance2(map, map_T_base, beam, motion, 0.0, which);

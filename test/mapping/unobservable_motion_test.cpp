@@ -21,7 +21,7 @@ MatchResult checked(const std::vector<room::Segment>& obstacles, double away_m,
   MatchResult match;
   match.degenerate_direction = Eigen::Vector2d::UnitX();
   match.covariance.setIdentity();
-  checkAlong(map, hitsOf(scan), away_m, sigma_m, PredictionSource::kVelocity, match);
+  checkAlong(map, hitsOf(scan), away_m, sigma_m, match);
   return match;
 }
 

@@ -48,6 +48,6 @@ AlongFit fitAlong(const Submap& map, const Points& points, const Pose2& start,
 /// along `motion`, in standard deviations: the squared distances of the same beams to their walls
 /// are compared at both places. Negative: it fits better there. 0: no beam shows a difference.
 double evidenceAgainst(const Submap& map, const Points& points, const Pose2& map_T_base,
-                       const WeakMotion& motion, double distance_m, Beams which = Beams::kCertain);
+                       const WeakMotion& motion, double distance_m);
 
 }  // namespace kestrel
