@@ -145,10 +145,10 @@ Loop LoopMatcher::search(const Submap& map, const KnownPlace& place,
   loop.reason = problemOf(loop);
   if (!loop.reason.empty()) return loop;
   loop.agreement = agreementAt(map, keyframes, query, found.match);
-  const WallAgreement walls = wallsAt(map, keyframes, query, found.match.pose);
   if (loop.agreement < config_.min_agreement) {
     loop.reason = "its scans do not agree";
-  } else if (walls.possibleContradiction() > config_.max_contradiction) {
+  } else if (wallsAt(map, keyframes, query, found.match.pose).possibleContradiction() >
+             config_.max_contradiction) {
     loop.reason = "its walls contradict the place";
   } else {
     loop.state = LoopState::kPending;

@@ -12,8 +12,7 @@ std::vector<Parameter> mapParametersOf(MapperConfig& mapper) {
   return {
       number("map_resolution", "m", &grid.resolution_m, 0.005, 1.0,
              "Edge length of a map cell; larger cells need less memory, and show less detail. With "
-             "the "
-             "graph, scans are matched in cells of at most 0.05 m."),
+             "the graph, scans are matched in cells of at most 0.05 m."),
       number("update_factor_free", "", &grid.miss_probability, 0.01, 0.49,
              "Probability that a cell is occupied although a beam passed through it; a larger "
              "value clears occupied cells more slowly."),
