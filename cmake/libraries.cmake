@@ -26,6 +26,15 @@ function(precompile target first)
   endif()
 endfunction()
 
+# unite(TARGET): the files of a folder share what they include and the templates that they use.
+function(unite target)
+  if(KESTREL_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    # GCC warns of types of an unnamed namespace in a file that another one includes.
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
+endfunction()
+
 # kestrel_library(FOLDER SOURCES glob... LINKS library... PRIVATE library...)
 function(kestrel_library folder)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE" ${ARGN})
@@ -46,6 +55,7 @@ function(kestrel_library folder)
   else()
     precompile(${name} kestrel_geometry)
   endif()
+  unite(${name})
   string(REPLACE "/" "_" export_name ${folder})
   set_target_properties(${name} PROPERTIES EXPORT_NAME ${export_name})
   add_library(kestrel_slam::${export_name} ALIAS ${name})

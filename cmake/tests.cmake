@@ -18,6 +18,7 @@ function(kestrel_test folder)
   endif()
   string(REPLACE "/" "_" name ${folder})
   add_executable(test_${name} ${sources})
+  unite(test_${name})
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/test)
   target_link_libraries(test_${name} PRIVATE kestrel_commands kestrel_experiments kestrel_warnings GTest::gtest_main)
   target_compile_definitions(test_${name} PRIVATE

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -10,6 +9,7 @@
 #include "kestrel_slam/commands/run_tool.h"
 #include "kestrel_slam/evaluation/evaluation.h"
 #include "kestrel_slam/experiments/merging_measurement.h"
+#include "kestrel_slam/experiments/processor_time.h"
 #include "kestrel_slam/graph/optimizer.h"
 #include "kestrel_slam/map/map_io.h"
 #include "kestrel_slam/merging/merged_session.h"
@@ -25,8 +25,6 @@ struct Options {
   std::vector<std::string> settings;
   std::size_t parts = 1, offices = 0, steps = 0, rooms = 0;
 };
-
-double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 SlamConfig configOf(const Options& options) {
   SlamConfig config;

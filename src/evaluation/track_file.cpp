@@ -40,9 +40,9 @@ TrackRow rowOf(const std::string& line) {
   std::istringstream stream(line);
   std::vector<std::string> fields;
   for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
-  constexpr std::size_t kFields = 23;
-  if (fields.size() != kFields) {
-    throw std::runtime_error("expected " + std::to_string(kFields) + " fields, found " +
+  constexpr std::size_t kTrackFields = 23;
+  if (fields.size() != kTrackFields) {
+    throw std::runtime_error("expected " + std::to_string(kTrackFields) + " fields, found " +
                              std::to_string(fields.size()));
   }
   TrackRow row;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/offline/stats.h"
 
 namespace kestrel {
 namespace {
@@ -22,12 +23,6 @@ DriveQuarter quarterOf(const std::vector<ScanRecord>& scans, std::size_t first, 
     quarter.map_mb = static_cast<double>(scans[end - 1].map_bytes) / kBytesPerMegabyte;
   }
   return quarter;
-}
-
-double knownArea(const MapSnapshot& map) {
-  const auto known = std::count_if(map.cells.begin(), map.cells.end(),
-                                   [](auto cell) { return cell != MapSnapshot::kUnknown; });
-  return static_cast<double>(known) * map.resolution_m * map.resolution_m;
 }
 
 /// The place with a level motion without wind, as of a ground vehicle.

@@ -13,10 +13,6 @@
 namespace kestrel {
 namespace {
 
-/// An occupied cell farther than this from every upright surface is false, m. Allows for two cells
-/// and the noise of the laser.
-constexpr double kFalseDistance = 0.15;
-
 double distanceToBox(const Box& box, const Eigen::Vector2d& point) {
   const Eigen::Vector2d local = Eigen::Rotation2Dd(-box.yaw) * (point - box.center.head<2>());
   const Eigen::Vector2d beyond = local.cwiseAbs() - 0.5 * box.size.head<2>();

@@ -5,9 +5,9 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <complex>
-#include <ctime>
 #include <vector>
 
+#include "kestrel_slam/experiments/processor_time.h"
 #include "kestrel_slam/geometry/random.h"
 #include "kestrel_slam/graph/initial_poses.h"
 #include "kestrel_slam/graph/optimizer.h"
@@ -18,8 +18,6 @@ namespace {
 
 using Complex = std::complex<double>;
 using SparseComplex = Eigen::SparseMatrix<Complex>;
-
-double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 /// The weights of [Rosen 2019]: 2 / trace of the covariance of the position, and twice that of yaw.
 PoseGraph isotropic(PoseGraph graph) {

@@ -12,8 +12,6 @@ namespace {
 
 constexpr double kFalseAlarm = 0.2;  // m
 constexpr double kMissed = 0.5;      // m
-/// An occupied cell farther than this from every surface is false, m.
-constexpr double kFalseDistance = 0.15;
 /// Largest distance of a ghost cell from a former position of a person, an object or the vehicle,
 /// m. Covers half the width of a person and the distance of a blocked view.
 constexpr double kGhostReach = 0.6;

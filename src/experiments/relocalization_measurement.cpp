@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
 
+#include "kestrel_slam/experiments/processor_time.h"
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/graph/localizer.h"
 #include "kestrel_slam/graph/place_finder.h"
@@ -29,10 +29,6 @@ constexpr std::int64_t kWorkStep = 50'000'000;
 /// Of a kidnapping: scans before it, and limits of the time between two scans, s.
 constexpr std::size_t kFollowedScans = 20;
 constexpr double kLeastStepS = 0.01, kMostStepS = 0.5, kCoveredStepS = 0.1, kNoticeS = 1.0;
-
-double processorSeconds() {
-  return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
-}
 
 Submap mapOfScans(const std::vector<PlacedScan>& scans, std::size_t first, std::size_t last,
                   const OccupancyGridConfig& grid) {

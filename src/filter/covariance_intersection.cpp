@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "covariance_intersection.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
+
+#include "kestrel_slam/geometry/symmetric_axes.h"
 
 namespace kestrel {
 namespace {
@@ -37,15 +39,18 @@ Intersection<Size> intersect(const Eigen::Matrix<double, Size, Size>& prior,
   using Matrix = Eigen::Matrix<double, Size, Size>;
   using Array = Eigen::Array<double, Size, 1>;
   // The axes T diagonalize both: Tᵀ measured T = 1 / ratio, Tᵀ prior T = 1.
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> axes(measured, prior);
-  const Array ratio = axes.eigenvalues().array().max(1e-12).inverse();
+  const Matrix root = prior.llt().matrixL();
+  const Matrix whitening = root.inverse();
+  const SymmetricAxes<Size> axes =
+      symmetricAxes(Matrix(whitening * measured * whitening.transpose()));
+  const Array ratio = axes.eigenvalues.array().max(1e-12).inverse();
   Intersection<Size> result;
   result.weight = bestWeight<Size>(ratio);
   const Array information = result.weight + (1.0 - result.weight) * ratio;
-  const Matrix t = prior * axes.eigenvectors();  // the inverse of Tᵀ
+  const Matrix t = root * axes.eigenvectors;  // the inverse of Tᵀ
   result.covariance = t * information.inverse().matrix().asDiagonal() * t.transpose();
   result.gain = t * ((1.0 - result.weight) * ratio / information).matrix().asDiagonal() *
-                axes.eigenvectors().transpose();
+                axes.eigenvectors.transpose() * whitening;
   return result;
 }
 

@@ -24,7 +24,7 @@ constexpr double kLoopPlaceM = 0.015, kLoopPlaceRad = 0.004, kLoopMatchFactor = 
 /// A single scan agrees if it fits at the same place up to this.
 constexpr double kSameLoopM = 0.15, kSameLoopRad = 0.035, kSingleLoopFit = 0.6, kSingleKnown = 0.4;
 /// Beams of a query whose walls are compared with those of the place.
-constexpr std::size_t kComparedBeams = 4000;
+constexpr std::size_t kWallBeams = 4000;
 /// A scan with fewer hits says nothing.
 constexpr std::size_t kLeastLoopHits = 10;
 /// Limits where the graph already expects the place.
@@ -77,7 +77,7 @@ WallAgreement wallsAt(const Submap& map, const std::vector<LocalKeyframe>& keyfr
     scan.rays = keyframes[i].keyframe->scan.rays();
     placed.push_back({found_T_local * keyframes[i].local_T_base, &scan});
   }
-  return compareWalls(map, placed, kComparedBeams);
+  return compareWalls(map, placed, kWallBeams);
 }
 
 /// `away` without the part along an unobservable direction.

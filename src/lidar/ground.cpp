@@ -14,7 +14,7 @@
 namespace kestrel {
 namespace {
 
-using Points = std::vector<Eigen::Vector3f>;
+using Points3 = std::vector<Eigen::Vector3f>;
 
 constexpr int kTrials = 60;           ///< of RANSAC: half of the points suffice, with 1e-3 risk
 constexpr std::size_t kSample = 600;  ///< points that vote for a plane
@@ -35,22 +35,22 @@ std::optional<GroundPlane> planeOf(Eigen::Vector3f normal, const Eigen::Vector3f
   return GroundPlane{normal, -normal.dot(point)};
 }
 
-std::size_t inliersOf(const GroundPlane& plane, const Points& points, float distance) {
+std::size_t inliersOf(const GroundPlane& plane, const Points3& points, float distance) {
   return static_cast<std::size_t>(std::count_if(
       points.begin(), points.end(),
       [&](const Eigen::Vector3f& p) { return std::abs(plane.heightOf(p)) < distance; }));
 }
 
 /// Every n-th point, so that at most kSample are left.
-Points sampleOf(const Points& points) {
+Points3 sampleOf(const Points3& points) {
   const std::size_t step = (points.size() + kSample - 1) / kSample;
-  Points sample;
+  Points3 sample;
   for (std::size_t i = 0; i < points.size(); i += step) sample.push_back(points[i]);
   return sample;
 }
 
 /// Least squares over the inliers.
-std::optional<GroundPlane> refine(const GroundPlane& plane, const Points& points, float distance,
+std::optional<GroundPlane> refine(const GroundPlane& plane, const Points3& points, float distance,
                                   float least_up) {
   PointSums sums;
   for (const Eigen::Vector3f& point : points) {
@@ -61,10 +61,10 @@ std::optional<GroundPlane> refine(const GroundPlane& plane, const Points& points
   return planeOf(solver.eigenvectors().col(0).cast<float>(), sums.mean.cast<float>(), least_up);
 }
 
-std::optional<GroundPlane> ransac(const Points& points, const GroundConfig& config) {
+std::optional<GroundPlane> ransac(const Points3& points, const GroundConfig& config) {
   const auto least_up = static_cast<float>(std::cos(config.max_slope_deg * kPi / 180.0));
   const auto distance = static_cast<float>(config.inlier_m);
-  const Points sample = sampleOf(points);
+  const Points3 sample = sampleOf(points);
   Random random(kSeed);
   const auto any = [&] {
     return sample[static_cast<std::size_t>(random.uniform() * static_cast<double>(sample.size()))];
@@ -86,13 +86,13 @@ std::optional<GroundPlane> ransac(const Points& points, const GroundConfig& conf
 }
 
 /// The lowest points of each quadrant.
-std::array<Points, 4> lowestPoints(const Points& points, const GroundConfig& config) {
-  std::array<Points, 4> lowest;
+std::array<Points3, 4> lowestPoints(const Points3& points, const GroundConfig& config) {
+  std::array<Points3, 4> lowest;
   for (const Eigen::Vector3f& point : points) {
     if (point.head<2>().norm() < static_cast<float>(config.reach_m))
       lowest[quadrantOf(point)].push_back(point);
   }
-  for (Points& quadrant : lowest) {
+  for (Points3& quadrant : lowest) {
     const auto kept =
         static_cast<std::size_t>(config.lowest_share * static_cast<double>(quadrant.size()));
     std::nth_element(quadrant.begin(), quadrant.begin() + static_cast<std::ptrdiff_t>(kept),
@@ -108,9 +108,9 @@ const std::optional<GroundPlane>& Ground::planeAt(const Eigen::Vector3f& point) 
   return planes[quadrantOf(point)];
 }
 
-Ground findGround(const Points& points, const GroundConfig& config) {
+Ground findGround(const Points3& points, const GroundConfig& config) {
   Ground ground;
-  const std::array<Points, 4> lowest = lowestPoints(points, config);
+  const std::array<Points3, 4> lowest = lowestPoints(points, config);
   for (std::size_t i = 0; i < lowest.size(); ++i) {
     if (lowest[i].size() >= kFewest) ground.planes[i] = ransac(lowest[i], config);
   }

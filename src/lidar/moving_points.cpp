@@ -6,7 +6,7 @@
 namespace kestrel {
 namespace {
 
-constexpr double kMargin = 0.15;       ///< m, around a box
+constexpr double kPointMargin = 0.15;  ///< m, around a box
 constexpr float kGroundNoise = 0.06F;  ///< m
 
 /// The box of a track in the map.
@@ -18,9 +18,9 @@ struct MarkedBox {
     const OrientedBox& box = track.plane.box;
     center = box.center.cast<float>();
     u = Eigen::Vector2d(std::cos(box.yaw), std::sin(box.yaw)).cast<float>();
-    half = (0.5 * box.size.array() + kMargin).matrix().cast<float>();
+    half = (0.5 * box.size.array() + kPointMargin).matrix().cast<float>();
     radius2 = half.squaredNorm();
-    top = static_cast<float>(track.top + kMargin);
+    top = static_cast<float>(track.top + kPointMargin);
   }
 
   bool contains(const Eigen::Vector3f& point) const {

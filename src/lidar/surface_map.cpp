@@ -10,7 +10,7 @@ namespace {
 /// A voxel does not count more points than these: so it follows slow changes and the sums stay
 /// exact.
 constexpr double kMostPoints = 2000.0;
-constexpr double kFewestPoints = 8.0;  ///< for a normal
+constexpr double kNormalPoints = 8.0;  ///< for a normal
 constexpr double kGrowth = 1.2;        ///< the normal is computed again after so many more points
 /// A plane is at most this thick compared with its smaller extent. A single ring on a wall is a
 /// line and has no normal.
@@ -18,7 +18,7 @@ constexpr double kFlatness = 0.25;
 
 /// The direction of the smallest extent; zero if the points do not form a plane.
 Eigen::Vector3f normalOf(const PointSums& sums) {
-  if (sums.count < kFewestPoints) return Eigen::Vector3f::Zero();
+  if (sums.count < kNormalPoints) return Eigen::Vector3f::Zero();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(sums.spread / sums.count);
   const Eigen::Vector3d extents = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();

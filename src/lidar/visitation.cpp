@@ -13,8 +13,8 @@ namespace {
 
 /// Beams in one of these bins go through the same cells.
 constexpr int kColumns = 720, kRows = 240;
-constexpr float kTopRow = 1.0F;  ///< tangent of the elevation of the last row
-constexpr double kMargin = 0.5;  ///< of a cell; cells at the border of the sector do not count
+constexpr float kTopRow = 1.0F;      ///< tangent of the elevation of the last row
+constexpr double kCellMargin = 0.5;  ///< of a cell; cells at the border of the sector do not count
 
 /// The directions of the beams with a return.
 struct Beams {
@@ -96,7 +96,7 @@ class VisitedCells {
 bool isInSector(const Eigen::Vector3f& center, const Beams& beams, const Ground& ground,
                 float radius, float resolution) {
   const float horizontal = center.head<2>().norm();
-  const float margin = resolution * static_cast<float>(kMargin);
+  const float margin = resolution * static_cast<float>(kCellMargin);
   if (horizontal > radius - margin || horizontal < resolution) return false;
   if (!beams.has_column[columnOf(center.x(), center.y())]) return false;
   if ((center.z() - margin) / horizontal < beams.lowest) return false;

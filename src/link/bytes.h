@@ -60,6 +60,9 @@ class ByteReader {
   bool ok_ = true;
 };
 
+/// Bytes of a checksum.
+constexpr std::size_t kChecksumBytes = 8;
+
 inline std::uint64_t checksumOf(const std::string& bytes) {
   return XXH64(bytes.data(), bytes.size(), 0);
 }

@@ -12,16 +12,16 @@ namespace {
 
 // header: magic (8 bytes), version (4), vehicle (4 + n), epoch (8), checksum (8)
 // record: number (8), key (4), length (4), checksum of these 16 bytes and the content (8), content
-constexpr char kMagic[] = "KSJOURN1";
-constexpr std::size_t kMagicBytes = 8, kHeadBytes = 16, kChecksumBytes = 8;
+constexpr char kJournalMagic[] = "KSJOURN1";
+constexpr std::size_t kJournalMagicBytes = 8, kHeadBytes = 16;
 constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kMaxName = 255;
+constexpr std::size_t kMaxJournalName = 255;
 
 }  // namespace
 
 ChunkJournal::ChunkJournal(const std::string& path, const StreamId& stream)
     : path_(path), stream_(stream) {
-  if (stream.vehicle.empty() || stream.vehicle.size() > kMaxName)
+  if (stream.vehicle.empty() || stream.vehicle.size() > kMaxJournalName)
     throw std::invalid_argument("the name of a vehicle has 1 to 255 bytes");
   if (path_.empty()) return;
   open(false);
@@ -37,7 +37,7 @@ void ChunkJournal::open(bool must_exist) {
 }
 
 std::string ChunkJournal::header() const {
-  std::string bytes(kMagic, kMagicBytes);
+  std::string bytes(kJournalMagic, kJournalMagicBytes);
   put(bytes, kVersion);
   putText(bytes, stream_.vehicle);
   put(bytes, stream_.epoch);
@@ -46,14 +46,14 @@ std::string ChunkJournal::header() const {
 }
 
 bool ChunkJournal::readHeader(std::uint64_t size) {
-  const std::size_t most = kMagicBytes + 4 + 4 + kMaxName + 8 + kChecksumBytes;
+  const std::size_t most = kJournalMagicBytes + 4 + 4 + kMaxJournalName + 8 + kChecksumBytes;
   const std::string bytes =
       readAt(0, static_cast<std::size_t>(std::min<std::uint64_t>(size, most)));
-  if (bytes.compare(0, kMagicBytes, kMagic) != 0) return false;
-  ByteReader reader(bytes, kMagicBytes);
+  if (bytes.compare(0, kJournalMagicBytes, kJournalMagic) != 0) return false;
+  ByteReader reader(bytes, kJournalMagicBytes);
   if (reader.get<std::uint32_t>() != kVersion) return false;
   StreamId stream;
-  stream.vehicle = reader.getText(kMaxName);
+  stream.vehicle = reader.getText(kMaxJournalName);
   stream.epoch = reader.get<std::uint64_t>();
   const std::size_t length = reader.at();
   const auto checksum = reader.get<std::uint64_t>();

@@ -11,7 +11,7 @@ namespace {
 
 // magic (4 bytes), version (2), kind (1), vehicle (4 + n), epoch (8), content, checksum (8)
 constexpr char kMagic[] = "KSLK";
-constexpr std::size_t kMagicBytes = 4, kChecksumBytes = 8, kMaxName = 64;
+constexpr std::size_t kMagicBytes = 4, kMaxName = 64;
 constexpr std::uint64_t kMaxNumber = 1ULL << 40U;
 constexpr std::size_t kMaxRanges = 1000;
 

@@ -14,7 +14,7 @@ constexpr double kIntervalGain = 0.1;
 /// pose jumped), and after a gap, the motion is not continued.
 constexpr double kMaxStepM = 1.0;
 /// Weight of the errors before the last one.
-constexpr double kKept = 0.8;
+constexpr double kKeptError = 0.8;
 
 double difference(const Pose2& a, const Pose2& b) {
   const Pose2 between = a.between(b);
@@ -41,8 +41,8 @@ void ContinuedMotion::add(const Pose2& step, double seconds) {
   const double proportion = difference(inProportion(seconds), step);
   const double repetition = difference(step_, step);
   if (proportion != repetition) {
-    proportion_error_ = kKept * proportion_error_ + proportion;
-    repetition_error_ = kKept * repetition_error_ + repetition;
+    proportion_error_ = kKeptError * proportion_error_ + proportion;
+    repetition_error_ = kKeptError * repetition_error_ + repetition;
   }
   periods_ = periodsIn(seconds);
   const bool usual = !isGap(seconds) && step.distance() <= kMaxStepM * std::max(1.0, periods_);

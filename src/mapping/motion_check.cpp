@@ -7,7 +7,7 @@ namespace kestrel {
 namespace {
 
 /// The velocity is that of the last positions over this time, s, and at least of two.
-constexpr double kVelocityTime = 0.1;
+constexpr double kVelocitySpan = 0.1;
 /// Largest acceleration of a vehicle, and the noise of a match.
 constexpr double kMostAcceleration = 9.81;  // m/s²
 constexpr double kNoiseM = 0.02;
@@ -32,7 +32,7 @@ bool MotionCheck::isImpossible(const Entry& found) const {
 void MotionCheck::add(const Entry& found) {
   if (!last_.empty() && found.time <= last_.back().time) last_.clear();
   last_.push_back(found);
-  while (last_.size() > 2 && found.time - last_.front().time > kVelocityTime) last_.pop_front();
+  while (last_.size() > 2 && found.time - last_.front().time > kVelocitySpan) last_.pop_front();
 }
 
 }  // namespace kestrel

@@ -7,17 +7,16 @@
 namespace kestrel {
 namespace {
 
-constexpr int kLanes = StripBounds::kLanes;
 /// After so many groups of points it is checked whether a lane is left.
-constexpr std::size_t kChunk = 2;
+constexpr std::size_t kGroupsAtOnce = 2;
 
-std::array<std::uint8_t, kLanes> filled(int value) {
-  std::array<std::uint8_t, kLanes> result{};
+std::array<std::uint8_t, StripBounds::kLanes> filled(int value) {
+  std::array<std::uint8_t, StripBounds::kLanes> result{};
   result.fill(static_cast<std::uint8_t>(value));
   return result;
 }
 
-const std::array<std::uint8_t, kLanes> kUnknownRow = filled(BoundImages::kUnknown);
+const std::array<std::uint8_t, StripBounds::kLanes> kUnknownRow = filled(BoundImages::kUnknown);
 
 /// The values of a point in all lanes.
 inline const std::uint8_t* rowAt(const BoundImages& images, const RotatedPoint& p, int x, int y) {
@@ -57,7 +56,7 @@ inline void StripBounds::Sums::ignore(std::size_t lane) {
   (lane % 2 == 0 ? even : odd)[lane / 2] = 0xFFFF;
 }
 
-std::array<std::int16_t, kLanes> StripBounds::values(const Sums& sums) {
+std::array<std::int16_t, StripBounds::kLanes> StripBounds::values(const Sums& sums) {
   std::array<std::int16_t, kLanes> result{};
   for (std::size_t i = 0; i < kLanes; ++i)
     result[i] = static_cast<std::int16_t>((i % 2 == 0 ? sums.even : sums.odd)[i / 2]);
@@ -108,7 +107,7 @@ unsigned StripBounds::within(const BoundImages& images, const std::vector<Rotate
   Sums left = whole_;
   const auto row = [&](std::uint32_t n) { return rowOf(rowAt(images, points[n], x, y)); };
   for (std::size_t g = 0; g < groups_.size();) {
-    const std::size_t end = std::min(g + kChunk, groups_.size());
+    const std::size_t end = std::min(g + kGroupsAtOnce, groups_.size());
     lookups_ += static_cast<std::int64_t>((end - g) * kTogether);
     for (; g < end; ++g) {
       const std::uint32_t* n = &order_[g * kTogether];

@@ -85,15 +85,15 @@ std::optional<TableColumns> columnsByName(const std::vector<std::string_view>& f
 /// intensities.
 std::optional<TableColumns> columnsOfRos2(const std::vector<std::string_view>& fields,
                                           const TableFormat& format) {
-  constexpr std::size_t kFrame = 2, kAngleMin = 3, kFirstRange = 10;
+  constexpr std::size_t kFrame = 2, kAngleMin = 3, kRanges = 10;
   double unused = 0.0;
-  if (fields.size() < kFirstRange + kMinBeams || parseField(fields[kFrame], format, unused)) {
+  if (fields.size() < kRanges + kMinBeams || parseField(fields[kFrame], format, unused)) {
     return std::nullopt;
   }
   Row numbers;
   if (!parseRow({fields.begin() + kAngleMin, fields.end()}, format, numbers)) return std::nullopt;
   const double beams = std::round((numbers[1] - numbers[0]) / numbers[2]) + 1.0;
-  if (!(beams >= kMinBeams && beams <= static_cast<double>(fields.size() - kFirstRange))) {
+  if (!(beams >= kMinBeams && beams <= static_cast<double>(fields.size() - kRanges))) {
     return std::nullopt;
   }
   TableColumns columns;
@@ -104,7 +104,7 @@ std::optional<TableColumns> columnsOfRos2(const std::vector<std::string_view>& f
   columns.time_increment = kAngleMin + 3;
   columns.range_min = kAngleMin + 5;
   columns.range_max = kAngleMin + 6;
-  columns.first_range = kFirstRange;
+  columns.first_range = kRanges;
   columns.beams = static_cast<std::size_t>(beams);
   return columns;
 }

@@ -27,10 +27,10 @@ std::string clockText(double seconds) {
 }
 
 std::string barOf(double share) {
-  constexpr double kWidth = 24.0;
-  const auto filled = static_cast<std::size_t>(share * kWidth);
+  constexpr double kCharacters = 24.0;
+  const auto filled = static_cast<std::size_t>(share * kCharacters);
   return "[" + std::string(filled, '#') +
-         std::string(static_cast<std::size_t>(kWidth) - filled, '.') + "] ";
+         std::string(static_cast<std::size_t>(kCharacters) - filled, '.') + "] ";
 }
 
 }  // namespace

@@ -24,14 +24,14 @@ struct Roadside {
 void addHouses(World::Parts& parts, const WallLine& road, double offset, const Roadside& roadside,
                Random& random) {
   constexpr double kShortest = 12.0, kLongest = 34.0, kDeepest = 18.0, kLeastDepth = 9.0;  // m
-  constexpr double kSetback = 4.0, kHighest = 15.0, kLowest = 5.0;
+  constexpr double kSetback = 4.0, kTallest = 15.0, kLeastTall = 5.0;
   const double side = offset > 0.0 ? 1.0 : -1.0;
   for (double at = kCrossing; at < road.length() - kCrossing;) {
     const double length = random.uniform(kShortest, kLongest);
     const double depth = random.uniform(kLeastDepth, kDeepest);
     const double front = offset + side * random.uniform(0.0, kSetback);
     addBlock(parts, road.at(at + 0.5 * length, front + side * 0.5 * depth),
-             {length, depth, random.uniform(kLowest, kHighest)}, road.yaw());
+             {length, depth, random.uniform(kLeastTall, kTallest)}, road.yaw());
     // A porch or a staircase in front of the house.
     addBlock(parts, road.at(at + random.uniform(0.2, 0.8) * length, front - side * 0.5),
              {random.uniform(1.5, 3.0), 1.0, 2.8}, road.yaw());

@@ -31,13 +31,13 @@ float roughBearing(const Eigen::Vector2f& point) {
 
 /// Number of one of `count` equal sectors. The exact bearing is only needed near a border.
 std::size_t sectorOf(const Eigen::Vector2f& point, int count) {
-  constexpr float kMargin = 0.01F;  // sectors; 720 of them are 0.0087 rad wide
+  constexpr float kBorder = 0.01F;  // sectors; 720 of them are 0.0087 rad wide
   const auto per_radian = static_cast<float>(count / (2.0 * kPi));
   const float rough = (roughBearing(point) + static_cast<float>(kPi)) * per_radian;
   if (rough > 0.0F) {
     const int whole = static_cast<int>(rough);
     const float within = rough - static_cast<float>(whole);
-    if (within > kMargin && within < 1.0F - kMargin) return static_cast<std::size_t>(whole);
+    if (within > kBorder && within < 1.0F - kBorder) return static_cast<std::size_t>(whole);
   }
   const auto bearing = static_cast<double>(std::atan2(point.y(), point.x()));
   return static_cast<std::size_t>((bearing + kPi) / (2.0 * kPi) * count) %

@@ -15,16 +15,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kTool = KESTREL_TOOL_DIR "/compare_matchers ";
+const std::string kCompare = KESTREL_TOOL_DIR "/compare_matchers ";
 
-constexpr int kScans = 25;
+constexpr int kComparedScans = 25;
 
 class CompareMatchersTest : public RoomLogTest {
  protected:
-  CompareMatchersTest() : RoomLogTest(kScans) {}
+  CompareMatchersTest() : RoomLogTest(kComparedScans) {}
 
   Outcome compare(const std::string& arguments) {
-    return runCommand(kTool + log_ + " " + arguments);
+    return runCommand(kCompare + log_ + " " + arguments);
   }
 };
 
@@ -38,7 +38,7 @@ TEST_F(CompareMatchersTest, MapsWithEveryMatcher) {
     EXPECT_CONTAINS(read("out/comparison.md"), "| " + method + " | 25 | 0 | ");
     const Trajectory trajectory = readTum(folder_.file("out/" + method + "/trajectory.tum"));
     ASSERT_EQ(trajectory.size(), 25U);
-    EXPECT_NEAR(trajectory.back().pose.x, RoomFlight::x(kScans - 1), 0.1) << method;
+    EXPECT_NEAR(trajectory.back().pose.x, RoomFlight::x(kComparedScans - 1), 0.1) << method;
     EXPECT_TRUE(fs::exists(folder_.file("out/" + method + "/map.pgm"))) << method;
   }
 }
@@ -90,7 +90,7 @@ TEST_F(CompareMatchersTest, BadInputIsOneLineAndExitCodeOne) {
       {log_ + " --output " + file, "it is a file, not a folder"},
   };
   for (const auto& [arguments, words] : cases) {
-    const Outcome outcome = runCommand(kTool + arguments);
+    const Outcome outcome = runCommand(kCompare + arguments);
     EXPECT_EQ(outcome.code, 1) << arguments;
     EXPECT_EQ(outcome.output.rfind("compare_matchers: ", 0), 0U) << outcome.output;
     EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
@@ -99,15 +99,15 @@ TEST_F(CompareMatchersTest, BadInputIsOneLineAndExitCodeOne) {
 }
 
 TEST_F(CompareMatchersTest, WrongUsageIsExitCodeTwo) {
-  EXPECT_EQ(runCommand(kTool).code, 2);
+  EXPECT_EQ(runCommand(kCompare).code, 2);
   EXPECT_EQ(compare("").code, 2);  // no --output
   EXPECT_EQ(compare("--matchers fast" + outputs("out")).code, 2);
   EXPECT_EQ(compare("--nonsense" + outputs("out")).code, 2);
 }
 
 TEST_F(CompareMatchersTest, HelpAndVersionNeedNoRecording) {
-  EXPECT_EQ(runCommand(kTool + "--help").code, 0);
-  EXPECT_EQ(runCommand(kTool + "--version").output, std::string(kVersion) + "\n");
+  EXPECT_EQ(runCommand(kCompare + "--help").code, 0);
+  EXPECT_EQ(runCommand(kCompare + "--version").output, std::string(kVersion) + "\n");
 }
 
 }  // namespace

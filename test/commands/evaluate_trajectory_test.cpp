@@ -12,7 +12,7 @@
 namespace kestrel {
 namespace {
 
-const std::string kTool = KESTREL_TOOL_DIR "/evaluate_trajectory ";
+const std::string kEvaluate = KESTREL_TOOL_DIR "/evaluate_trajectory ";
 
 /// Poses along x, ten per second, beginning at `first` (s).
 std::string poses(int count, double first) {
@@ -30,14 +30,14 @@ class EvaluateTrajectory : public ::testing::Test {
 };
 
 TEST_F(EvaluateTrajectory, WithoutAReferenceIsWrongUsage) {
-  const Outcome outcome = runCommand(kTool + trajectory_);
+  const Outcome outcome = runCommand(kEvaluate + trajectory_);
   EXPECT_EQ(outcome.code, 2);
   EXPECT_CONTAINS(outcome.output, "--relations or --reference");
 }
 
 TEST_F(EvaluateTrajectory, AReferenceThatOverlapsIsCompared) {
   const std::string reference = folder_.write("reference.tum", poses(100, 0.0));
-  EXPECT_EQ(runCommand(kTool + trajectory_ + " --reference " + reference).code, 0);
+  EXPECT_EQ(runCommand(kEvaluate + trajectory_ + " --reference " + reference).code, 0);
 }
 
 TEST_F(EvaluateTrajectory, TheStatesOfTheScansAreCounted) {
@@ -47,14 +47,14 @@ TEST_F(EvaluateTrajectory, TheStatesOfTheScansAreCounted) {
   for (std::size_t i = 0; i < scans.size(); ++i) scans[i].stamp = 0.1 * static_cast<double>(i);
   const std::string states = folder_.write("scans.csv", scansText(scans));
   const Outcome outcome =
-      runCommand(kTool + trajectory_ + " --reference " + reference + " --scans " + states);
+      runCommand(kEvaluate + trajectory_ + " --reference " + reference + " --scans " + states);
   EXPECT_EQ(outcome.code, 0);
   EXPECT_CONTAINS(outcome.output, "0 scans ok, 0 degraded, 20 lost; 0 ok, but wrong");
 }
 
 TEST_F(EvaluateTrajectory, AReferenceThatHardlyOverlapsIsBadInput) {
   const std::string reference = folder_.write("reference.tum", poses(6, 0.0));
-  const Outcome outcome = runCommand(kTool + trajectory_ + " --reference " + reference);
+  const Outcome outcome = runCommand(kEvaluate + trajectory_ + " --reference " + reference);
   EXPECT_EQ(outcome.code, 1);
   EXPECT_CONTAINS(outcome.output, "% of the poses have a reference near their stamp");
 }

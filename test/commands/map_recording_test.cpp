@@ -23,7 +23,7 @@ constexpr std::array<const char*, 7> kOutputs = {"map.pgm",       "map.yaml",  "
                                                  "thumbnail.png", "scans.csv", "stats.json",
                                                  "report.html"};
 
-const std::string kTool = KESTREL_TOOL_DIR "/map_recording ";
+const std::string kMap = KESTREL_TOOL_DIR "/map_recording ";
 
 constexpr int kScans = 41;
 
@@ -31,7 +31,7 @@ class MapRecordingTest : public RoomLogTest {
  protected:
   MapRecordingTest() : RoomLogTest(kScans) {}
 
-  Outcome map(const std::string& arguments) { return runCommand(kTool + log_ + " " + arguments); }
+  Outcome map(const std::string& arguments) { return runCommand(kMap + log_ + " " + arguments); }
 };
 
 TEST_F(MapRecordingTest, WritesAllFilesAndPrintsTheirPaths) {
@@ -116,13 +116,13 @@ TEST_F(MapRecordingTest, CommandLineOverridesParameterFile) {
 }
 
 TEST_F(MapRecordingTest, SettingsMayStandBeforeTheRecording) {
-  const Outcome outcome = runCommand(kTool + "--set map_resolution=0.1 " + log_ + outputs("out"));
+  const Outcome outcome = runCommand(kMap + "--set map_resolution=0.1 " + log_ + outputs("out"));
   ASSERT_EQ(outcome.code, 0) << outcome.output;
   EXPECT_EQ(nlohmann::json::parse(read("out/stats.json"))["parameters"]["map_resolution"], 0.1);
 }
 
 TEST_F(MapRecordingTest, OutputFolderIsNamedAfterTheRecording) {
-  const Outcome outcome = runCommand("cd " + folder_.file("") + " && " + kTool + "flight.clf");
+  const Outcome outcome = runCommand("cd " + folder_.file("") + " && " + kMap + "flight.clf");
   ASSERT_EQ(outcome.code, 0) << outcome.output;
   EXPECT_TRUE(fs::exists(folder_.file("flight_map/map.pgm")));
 }
@@ -161,7 +161,7 @@ TEST_F(MapRecordingTest, BrokenLineIsCountedAndTheOthersAreMapped) {
   std::string text = RoomFlight::carmenLog(10);
   text += text.substr(text.find("FLASER"), 300) + "\n";  // cut off
   const std::string log = folder_.write("broken.clf", text);
-  const Outcome outcome = runCommand(kTool + log + outputs("out"));
+  const Outcome outcome = runCommand(kMap + log + outputs("out"));
   ASSERT_EQ(outcome.code, 0) << outcome.output;
   EXPECT_CONTAINS(outcome.output, "warning: ");
   EXPECT_CONTAINS(outcome.output, "10 processed, 1 dropped");
@@ -173,7 +173,7 @@ TEST_F(MapRecordingTest, WritesResultsAfterAnInterrupt) {
   // Sends the signal as soon as the output folder exists, just before mapping. The exhaustive
   // matcher makes mapping slow enough.
   const Outcome outcome =
-      runCommand("sh -c '" + kTool + log + " --set matcher=correlative" + outputs("out") +
+      runCommand("sh -c '" + kMap + log + " --set matcher=correlative" + outputs("out") +
                  " & pid=$!; until [ -d " + folder_.file("out") +
                  " ]; do :; done; kill -INT $pid; wait $pid'");
   EXPECT_EQ(outcome.code, 0) << outcome.output;
@@ -186,7 +186,7 @@ TEST_F(MapRecordingTest, AKilledRunLeavesAllFilesOfOneRun) {
   ASSERT_EQ(map(short_run + "0.05").code, 0);
   for (int i = 0; i < 30; ++i) {
     const std::string other = i % 2 == 0 ? "0.1" : "0.05";
-    runCommand("timeout -s KILL " + std::to_string(0.01 + 0.005 * (i % 13)) + " " + kTool + log_ +
+    runCommand("timeout -s KILL " + std::to_string(0.01 + 0.005 * (i % 13)) + " " + kMap + log_ +
                " " + short_run + other);
     const double resolution = readMap(folder_.file("out/map.yaml")).resolution_m;
     EXPECT_EQ(nlohmann::json::parse(read("out/stats.json"))["parameters"]["map_resolution"],
@@ -220,7 +220,7 @@ TEST_F(MapRecordingTest, BadInputIsOneLineAndExitCodeOne) {
       {log_ + " --output /proc/kestrel", "cannot create the output folder /proc/kestrel"},
   };
   for (const auto& [arguments, words] : cases) {
-    const Outcome outcome = runCommand(kTool + arguments);
+    const Outcome outcome = runCommand(kMap + arguments);
     EXPECT_EQ(outcome.code, 1) << arguments;
     EXPECT_EQ(outcome.output.rfind("map_recording: ", 0), 0U) << outcome.output;
     EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
@@ -235,7 +235,7 @@ TEST_F(MapRecordingTest, UnwritableOutputFolderIsReportedBeforeMapping) {
 }
 
 TEST_F(MapRecordingTest, WrongUsageIsExitCodeTwo) {
-  EXPECT_EQ(runCommand(kTool).code, 2);
+  EXPECT_EQ(runCommand(kMap).code, 2);
   EXPECT_EQ(map("--nonsense").code, 2);
   EXPECT_EQ(map("--odometry perhaps").code, 2);
   EXPECT_EQ(map("--output").code, 2);
@@ -244,7 +244,7 @@ TEST_F(MapRecordingTest, WrongUsageIsExitCodeTwo) {
 }
 
 TEST_F(MapRecordingTest, HelpFitsIntoEightyColumns) {
-  std::istringstream help(runCommand(kTool + "--help").output);
+  std::istringstream help(runCommand(kMap + "--help").output);
   int lines = 0;
   for (std::string line; std::getline(help, line); ++lines) EXPECT_LE(line.size(), 80U) << line;
   EXPECT_GT(lines, 30);
@@ -267,10 +267,10 @@ TEST_F(MapRecordingTest, FieldOfViewOfATable) {
     table += "\n";
   }
   const std::string path = folder_.write("room.csv", table);
-  const Outcome outcome = runCommand(kTool + path + " --fov 179 --rate 10" + outputs("out"));
+  const Outcome outcome = runCommand(kMap + path + " --fov 179 --rate 10" + outputs("out"));
   ASSERT_EQ(outcome.code, 0) << outcome.output;
   EXPECT_NEAR(readTum(folder_.file("out/trajectory.tum")).back().pose.x, 2.0, 0.05);
-  EXPECT_EQ(runCommand(kTool + path + " --fov 400" + outputs("out")).code, 2);
+  EXPECT_EQ(runCommand(kMap + path + " --fov 400" + outputs("out")).code, 2);
 }
 
 TEST_F(MapRecordingTest, RangesInMillimetersAreTheReason) {
@@ -281,15 +281,15 @@ TEST_F(MapRecordingTest, RangesInMillimetersAreTheReason) {
       log += ' ' + std::to_string(1000.0F * range);
     log += " 0 0 0 0 0 0 " + std::to_string(0.1 * i) + " host 0\n";
   }
-  const Outcome outcome = runCommand(kTool + folder_.write("mm.clf", log) + outputs("out"));
+  const Outcome outcome = runCommand(kMap + folder_.write("mm.clf", log) + outputs("out"));
   EXPECT_EQ(outcome.code, 1);
   EXPECT_CONTAINS(outcome.output, "41 of 41");
 }
 
 TEST_F(MapRecordingTest, HelpVersionAndParametersNeedNoRecording) {
-  EXPECT_EQ(runCommand(kTool + "--help").code, 0);
-  EXPECT_EQ(runCommand(kTool + "--version").output, std::string(kVersion) + "\n");
-  EXPECT_EQ(runCommand(kTool + "--list-parameters").output, defaultParametersYaml());
+  EXPECT_EQ(runCommand(kMap + "--help").code, 0);
+  EXPECT_EQ(runCommand(kMap + "--version").output, std::string(kVersion) + "\n");
+  EXPECT_EQ(runCommand(kMap + "--list-parameters").output, defaultParametersYaml());
 }
 
 }  // namespace

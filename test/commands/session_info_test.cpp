@@ -15,7 +15,7 @@
 namespace kestrel {
 namespace {
 
-const std::string kTool = KESTREL_TOOL_DIR "/session_info ";
+const std::string kInfo = KESTREL_TOOL_DIR "/session_info ";
 
 class SessionInfo : public ::testing::Test {
  protected:
@@ -32,7 +32,7 @@ class SessionInfo : public ::testing::Test {
 };
 
 TEST_F(SessionInfo, PrintsWhatIsInTheFile) {
-  const Outcome outcome = runCommand(kTool + file_ + " --check");
+  const Outcome outcome = runCommand(kInfo + file_ + " --check");
   EXPECT_EQ(outcome.code, 0);
   EXPECT_CONTAINS(outcome.output, "session in format 1, written by kestrel_slam test");
   EXPECT_CONTAINS(outcome.output, "keyframes    9\n");
@@ -47,7 +47,7 @@ TEST_F(SessionInfo, PrintsWhatIsInTheFile) {
 
 TEST_F(SessionInfo, ExportsGraphPosesAndMap) {
   const std::string g2o = folder_.file("a.g2o"), tum = folder_.file("a.tum");
-  const Outcome outcome = runCommand(kTool + file_ + " --export-g2o " + g2o + " --export-tum " +
+  const Outcome outcome = runCommand(kInfo + file_ + " --export-g2o " + g2o + " --export-tum " +
                                      tum + " --export-pgm " + folder_.file("maps/new"));
   EXPECT_EQ(outcome.code, 0) << outcome.output;
   const PoseGraph graph = readG2o(g2o).graph;
@@ -64,24 +64,24 @@ TEST_F(SessionInfo, ExportsGraphPosesAndMap) {
 
 TEST_F(SessionInfo, RefusesDamagedFilesAndRepairsThem) {
   const std::string damaged = cut(), repaired = folder_.file("repaired.session");
-  const Outcome outcome = runCommand(kTool + damaged);
+  const Outcome outcome = runCommand(kInfo + damaged);
   EXPECT_EQ(outcome.code, 1);
   EXPECT_CONTAINS(outcome.output,
                   "session_info: " + damaged + ": the session is damaged: chunk 4 ");
-  EXPECT_EQ(runCommand(kTool + damaged + " --check").code, 1);
-  const Outcome repair = runCommand(kTool + damaged + " --repair " + repaired);
+  EXPECT_EQ(runCommand(kInfo + damaged + " --check").code, 1);
+  const Outcome repair = runCommand(kInfo + damaged + " --repair " + repaired);
   EXPECT_EQ(repair.code, 0);
   EXPECT_CONTAINS(repair.output, "damaged: it has 0 of 9 keyframes");
-  const Outcome again = runCommand(kTool + repaired + " --check");
+  const Outcome again = runCommand(kInfo + repaired + " --check");
   EXPECT_EQ(again.code, 0);
   EXPECT_CONTAINS(again.output, "submaps      3");
-  EXPECT_EQ(runCommand(kTool + damaged + " --repair " + damaged).code, 2);
+  EXPECT_EQ(runCommand(kInfo + damaged + " --repair " + damaged).code, 2);
 }
 
 TEST_F(SessionInfo, SaysWhatIsNoSession) {
   const std::string picture = folder_.write("map.pgm", "P5\n1 1\n255\n.");
   for (const std::string& wrong : {picture, folder_.file(""), folder_.file("absent")}) {
-    const Outcome outcome = runCommand(kTool + wrong);
+    const Outcome outcome = runCommand(kInfo + wrong);
     EXPECT_EQ(outcome.code, 1);
     EXPECT_CONTAINS(outcome.output, wrong);
   }

@@ -10,7 +10,7 @@ namespace {
 
 const std::string kTool = KESTREL_TOOL_DIR "/map_recording";
 const std::string kMerger = KESTREL_SOURCE_DIR "/scripts/map_merger";
-const std::string kBatch = KESTREL_SOURCE_DIR "/scripts/map_batch";
+const std::string kMapBatch = KESTREL_SOURCE_DIR "/scripts/map_batch";
 
 /// What bash offers at the end of `line`.
 std::string completionsOf(const std::string& tool, const std::string& words, int index) {
@@ -28,7 +28,7 @@ TEST(ToolPagesTest, BashCompletesOptionsValuesAndParameters) {
   EXPECT_EQ(completionsOf(kTool, "map_recording --skip", 1), "--skip-scans\n");
   EXPECT_EQ(completionsOf(kTool, "map_recording --odometry \"\"", 2), "none use\n");
   EXPECT_EQ(completionsOf(kTool, "map_recording --set map_resol", 2), "map_resolution=\n");
-  EXPECT_EQ(completionsOf(kBatch, "map_batch --max-r", 1), "--max-relations\n");
+  EXPECT_EQ(completionsOf(kMapBatch, "map_batch --max-r", 1), "--max-relations\n");
   EXPECT_EQ(completionsOf(kMerger, "map_merger _ses", 1), "_sessions:=\n");
 }
 
@@ -39,7 +39,7 @@ TEST(ToolPagesTest, ANodeHasAManPageOfItsParameters) {
 }
 
 TEST(ToolPagesTest, ManPagesListEveryOption) {
-  for (const std::string& tool : {kTool, kBatch}) {
+  for (const std::string& tool : {kTool, kMapBatch}) {
     const std::string page = runCommand(tool + " --man-page").output;
     EXPECT_EQ(page.rfind(".TH MAP_", 0), 0U) << page;
     EXPECT_CONTAINS(page, ".SH OPTIONS");

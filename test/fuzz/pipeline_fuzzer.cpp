@@ -5,7 +5,7 @@
 namespace kestrel::fuzz {
 namespace {
 
-PipelineConfig configOf(FuzzInput& input) {
+PipelineConfig pipelineConfigOf(FuzzInput& input) {
   PipelineConfig config;
   config.slam.mapper.grid.memory_limit_mb = 16.0;
   config.use_filter = input.flag();
@@ -53,7 +53,7 @@ void step(FuzzInput& input, double stamp, double arrival, Pipeline& pipeline) {
 
 KESTREL_FUZZER(pipeline, bytes) {
   FuzzInput input(bytes);
-  Pipeline pipeline(configOf(input));
+  Pipeline pipeline(pipelineConfigOf(input));
   pipeline.on_scan = [](const MappedSweep& sweep) { checkResult(sweep.result); };
   pipeline.on_drop = [](const DroppedSweep& sweep) { FUZZ_CHECK(!sweep.reason.empty()); };
   pipeline.on_filter = checkState;

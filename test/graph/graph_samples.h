@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "kestrel_slam/geometry/random.h"
@@ -26,11 +27,12 @@ inline PoseEdge measuredEdge(const std::vector<Pose2>& truth, std::size_t from, 
   return {from, to, truth[from].between(truth[to]) * noise(random, information), information, kind};
 }
 
+constexpr std::size_t kSide = 20, kLap = 4 * kSide;  ///< m, and poses of squareDrive()
+
 /// `laps` times round a square of 20 m with a pose every meter.
-inline std::vector<Pose2> squareDrive(int laps) {
-  constexpr int kSide = 20;
+inline std::vector<Pose2> squareDrive(std::size_t laps) {
   std::vector<Pose2> truth = {Pose2()};
-  for (int i = 1; i <= 4 * kSide * laps; ++i) {
+  for (std::size_t i = 1; i <= kLap * laps; ++i) {
     truth.push_back(truth.back() * Pose2(1.0, 0.0, i % kSide == 0 ? kPi / 2.0 : 0.0));
   }
   return truth;

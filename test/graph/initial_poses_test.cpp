@@ -8,8 +8,6 @@
 namespace kestrel {
 namespace {
 
-constexpr std::size_t kLap = 80;
-
 TEST(InitialPoses, AlongEdgesPutsAFixedVertexAndAllOthersRight) {
   Random random(1);
   const std::vector<Pose2> truth = squareDrive(1);

@@ -11,8 +11,6 @@
 namespace kestrel {
 namespace {
 
-constexpr std::size_t kLap = 80;
-
 TEST(Marginals, OfAChainAreTheComposedCovariances) {
   Random random(1);
   const PoseGraph graph = odometryGraph(squareDrive(1), random);

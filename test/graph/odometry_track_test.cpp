@@ -10,14 +10,14 @@ namespace kestrel {
 namespace {
 
 /// Three laps round a square with noisy matches, and an odometry by `measure(scan)`.
-struct Drive {
+struct MeasuredDrive {
   std::vector<Pose2> truth = squareDrive(3);
   Random random{7};
   PoseGraph matches = odometryGraph(truth, random);
   OdometryTrack track;
 
   template <typename Measure>
-  explicit Drive(Measure measure) {
+  explicit MeasuredDrive(Measure measure) {
     for (std::size_t i = 0; i < truth.size(); ++i) {
       track.add(measure(truth, i));
       track.addKeyframe(i, matches.vertices[i].pose);
@@ -40,7 +40,7 @@ struct Drive {
 
 TEST(OdometryTrack, AnOdometryWithErrorsThatDoNotGrowHoldsTheGraph) {
   Random random(3);
-  Drive drive([&](const std::vector<Pose2>& truth, std::size_t i) {
+  MeasuredDrive drive([&](const std::vector<Pose2>& truth, std::size_t i) {
     return truth[i] *
            Pose2(0.05 * random.gaussian(), 0.05 * random.gaussian(), 0.05 * random.gaussian());
   });
@@ -49,7 +49,7 @@ TEST(OdometryTrack, AnOdometryWithErrorsThatDoNotGrowHoldsTheGraph) {
 }
 
 TEST(OdometryTrack, AnOdometryThatIsAScanLateIsAsGood) {
-  Drive drive(
+  MeasuredDrive drive(
       [](const std::vector<Pose2>& truth, std::size_t i) { return truth[i == 0 ? 0 : i - 1]; });
   EXPECT_LT(drive.error(), 0.6 * drive.matchError());
   EXPECT_EQ(drive.track.delayScans(), 1);
@@ -57,7 +57,7 @@ TEST(OdometryTrack, AnOdometryThatIsAScanLateIsAsGood) {
 
 TEST(OdometryTrack, SystematicErrorsDoNoHarm) {
   Pose2 odometry;
-  Drive drive([&](const std::vector<Pose2>& truth, std::size_t i) {
+  MeasuredDrive drive([&](const std::vector<Pose2>& truth, std::size_t i) {
     if (i == 0) return odometry;
     const Pose2 step = truth[i - 1].between(truth[i]);
     odometry = odometry * Pose2(0.9 * step.x, 0.9 * step.y, step.yaw + 0.02 * step.distance());
@@ -69,7 +69,7 @@ TEST(OdometryTrack, SystematicErrorsDoNoHarm) {
 
 TEST(OdometryTrack, SlipsDoNoHarm) {
   Pose2 odometry;
-  Drive drive([&](const std::vector<Pose2>& truth, std::size_t i) {
+  MeasuredDrive drive([&](const std::vector<Pose2>& truth, std::size_t i) {
     if (i == 0) return odometry;
     const Pose2 slip = i % 30 == 0 ? Pose2(0.5, 0.3, 0.0) : Pose2();
     odometry = odometry * truth[i - 1].between(truth[i]) * slip;
@@ -79,7 +79,8 @@ TEST(OdometryTrack, SlipsDoNoHarm) {
 }
 
 TEST(OdometryTrack, WithoutOdometryTheGraphStaysAsItIs) {
-  Drive drive([](const std::vector<Pose2>&, std::size_t) { return std::optional<Pose2>(); });
+  MeasuredDrive drive(
+      [](const std::vector<Pose2>&, std::size_t) { return std::optional<Pose2>(); });
   EXPECT_TRUE(drive.track.empty());
   EXPECT_NEAR(drive.error(), drive.matchError(), 1e-9);
 }

@@ -10,8 +10,6 @@
 namespace kestrel {
 namespace {
 
-constexpr std::size_t kLap = 80;
-
 double sumOf(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }

@@ -13,7 +13,6 @@
 namespace kestrel {
 namespace {
 
-constexpr std::size_t kLap = 80;
 constexpr std::size_t kWork = 10'000'000;
 
 std::vector<std::size_t> range(std::size_t begin, std::size_t end) {

@@ -37,8 +37,8 @@ void insertAt(double x, const std::vector<Segment>& walls, Submap& map) {
 
 RelocalizationQuery queryOf(const PlanarScan& scan) { return {{{Pose2(), scan}}}; }
 
-struct Scene {
-  explicit Scene(Submap m) : map(std::move(m)), global(map) {}
+struct SearchedMap {
+  explicit SearchedMap(Submap m) : map(std::move(m)), global(map) {}
   RelocalizationAnswer locate(const PlanarScan& scan) const {
     Relocalizer relocalizer(global, MatcherConfig(), RelocalizationConfig());
     return relocalizer.locate(queryOf(scan));
@@ -48,7 +48,7 @@ struct Scene {
 };
 
 TEST(Relocalizer, FindsTheVehicleAtEveryYaw) {
-  const Scene scene(room::map());
+  const SearchedMap scene(room::map());
   for (const Pose2& truth : {Pose2(1, -1, 2.1), Pose2(-2, 1.5, -2.8), Pose2(0.3, 0.2, 0.1)}) {
     const RelocalizationAnswer answer = scene.locate(room::scanFrom(truth));
     ASSERT_EQ(answer.state, RelocalizationState::kFound) << answer.reason;
@@ -60,7 +60,7 @@ TEST(Relocalizer, FindsTheVehicleAtEveryYaw) {
 TEST(Relocalizer, TwoEqualRoomsAreAmbiguous) {
   Submap map = room::map();
   insertAt(30.0, moved(room::walls(), 30.0), map);
-  const Scene scene(std::move(map));
+  const SearchedMap scene(std::move(map));
   const Pose2 truth(1, -1, 2.1);
   const RelocalizationAnswer answer = scene.locate(room::scanFrom(truth));
   EXPECT_EQ(answer.state, RelocalizationState::kAmbiguous) << answer.reason;
@@ -79,7 +79,7 @@ PlanarScan leftOf(PlanarScan scan, const Pose2& room_T_base) {
 }
 
 TEST(Relocalizer, AnotherBuildingIsRefused) {
-  const Scene scene(room::map());
+  const SearchedMap scene(room::map());
   for (const Pose2& pose : {Pose2(0, 0.2, 0), Pose2(-3, 0.4, 1), Pose2(4.4, -0.4, 3)}) {
     const RelocalizationAnswer answer = scene.locate(room::scanFrom(pose, otherRoom()));
     EXPECT_NE(answer.state, RelocalizationState::kFound);
@@ -88,19 +88,19 @@ TEST(Relocalizer, AnotherBuildingIsRefused) {
 }
 
 TEST(Relocalizer, AScanOfTenBeamsSaysNothing) {
-  const Scene scene(room::map());
+  const SearchedMap scene(room::map());
   const RelocalizationAnswer answer = scene.locate(room::scanFrom({1, -1, 2}, room::walls(), 10));
   EXPECT_EQ(answer.state, RelocalizationState::kUnknown);
   EXPECT_STREQ(answer.reason, "too few hits");
 }
 
 TEST(Relocalizer, AnEmptyMapHasNoPlaces) {
-  const Scene scene{Submap(OccupancyGridConfig())};
+  const SearchedMap scene{Submap(OccupancyGridConfig())};
   EXPECT_EQ(scene.locate(room::scanFrom({})).state, RelocalizationState::kUnknown);
 }
 
 TEST(Relocalizer, AnInterruptedSearchGivesTheSameAnswer) {
-  const Scene scene(room::map());
+  const SearchedMap scene(room::map());
   const PlanarScan scan = room::scanFrom({1, -1, 2.1});
   const RelocalizationAnswer whole = scene.locate(scan);
   Relocalizer relocalizer(scene.global, MatcherConfig(), RelocalizationConfig());
@@ -252,7 +252,7 @@ TEST(Localizer, AfterAGapTheWholeMapIsSearchedIfThePlacesInReachDoNotFit) {
 
 TEST(PictureMap, AVehicleIsFoundInThePicture) {
   const Submap built = room::map();
-  const Scene scene(submapOf(built.grid().snapshot(), OccupancyGridConfig()));
+  const SearchedMap scene(submapOf(built.grid().snapshot(), OccupancyGridConfig()));
   EXPECT_EQ(scene.map.grid().snapshot().width, built.grid().snapshot().width);
   const Pose2 truth(1, -1, 2.1);
   const RelocalizationAnswer answer = scene.locate(room::scanFrom(truth));

@@ -17,8 +17,6 @@
 namespace kestrel {
 namespace {
 
-constexpr std::size_t kLap = 80;
-
 struct Count {
   std::size_t accepted = 0, all = 0;
 };

@@ -13,18 +13,18 @@ namespace {
 using loop_world::acceptedLoops;
 using loop_world::Drive;
 
-constexpr double kDrift = 0.0003;  // rad for each keyframe: 2 m after one lap
+constexpr double kYawDrift = 0.0003;  // rad for each keyframe: 2 m after one lap
 
 TEST(SubmapGraph, ALoopIsClosed) {
   SubmapGraph graph{MapperConfig(), LoopConfig()};
-  Drive drive(loop_world::ring(), kDrift);
+  Drive drive(loop_world::ring(), kYawDrift);
   double before = 0.0;
   for (const Pose2& pose : loop_world::laps(0.9)) drive.add(pose, graph);
   before = drive.lastError(graph);
   EXPECT_GT(before, 0.5);
   EXPECT_EQ(acceptedLoops(graph), 0U) << "no place was visited twice";
   SubmapGraph closed{MapperConfig(), LoopConfig()};
-  Drive whole(loop_world::ring(), kDrift);
+  Drive whole(loop_world::ring(), kYawDrift);
   for (const Pose2& pose : loop_world::laps(1.4)) whole.add(pose, closed);
   closed.finish();
   EXPECT_GE(acceptedLoops(closed), 3U);
@@ -36,7 +36,7 @@ TEST(SubmapGraph, TheSameInputGivesTheSamePoses) {
   std::vector<Pose2> poses[2];
   for (std::vector<Pose2>& result : poses) {
     SubmapGraph graph{MapperConfig(), LoopConfig()};
-    Drive drive(loop_world::ring(), kDrift);
+    Drive drive(loop_world::ring(), kYawDrift);
     for (const Pose2& pose : loop_world::laps(1.2)) drive.add(pose, graph);
     graph.finish();
     for (std::size_t i = 0; i < graph.keyframes().size(); ++i) result.push_back(graph.poseOf(i));
@@ -63,7 +63,7 @@ TEST(SubmapGraph, IdenticalRoomsAreNotMerged) {
 /// A pose is less uncertain after a loop than before, and its error fits to what is claimed.
 TEST(SubmapGraph, ALoopMakesThePoseCertain) {
   SubmapGraph open{MapperConfig(), LoopConfig()}, closed{MapperConfig(), LoopConfig()};
-  Drive lap(loop_world::ring(), kDrift), laps(loop_world::ring(), kDrift);
+  Drive lap(loop_world::ring(), kYawDrift), laps(loop_world::ring(), kYawDrift);
   for (const Pose2& pose : loop_world::laps(0.9)) lap.add(pose, open);
   EXPECT_FALSE(open.knownEnd()) << "there is no loop";
   const double before = std::sqrt(uncertaintiesFrom(open.graph(), 0).back().position_m2);

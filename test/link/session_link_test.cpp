@@ -13,7 +13,7 @@
 namespace kestrel {
 namespace {
 
-const StreamId kStream{"uav0", 7};
+const StreamId kLinkStream{"uav0", 7};
 
 /// A network that loses, delays, reorders, duplicates and damages messages.
 class Network {
@@ -57,7 +57,7 @@ class Pair {
 
   void startSender() {
     journal_.reset();
-    journal_ = std::make_shared<ChunkJournal>(path("sender"), kStream);
+    journal_ = std::make_shared<ChunkJournal>(path("sender"), kLinkStream);
     sender_ = std::make_unique<LinkSender>();
     sender_->addStream(journal_);
   }
@@ -194,8 +194,8 @@ TEST(SessionLink, AHalfWrittenChunkIsSentAgain) {
   std::filesystem::resize_file(file, std::filesystem::file_size(file) - 100);
   pair.startReceiver();
   pair.run(10.0, false);
-  EXPECT_EQ(pair.receiver().streams().at(kStream)->numbers().ranges().size(), 1U);
-  EXPECT_EQ(pair.receiver().streams().at(kStream)->last(), pair.journal().last());
+  EXPECT_EQ(pair.receiver().streams().at(kLinkStream)->numbers().ranges().size(), 1U);
+  EXPECT_EQ(pair.receiver().streams().at(kLinkStream)->last(), pair.journal().last());
 }
 
 TEST(SessionLink, OnlyTheNewestOfAKeyIsSent) {
@@ -220,7 +220,7 @@ TEST(SessionLink, GarbageIsIgnored) {
   Random random(3);
   LinkMessage message;
   message.kind = LinkMessage::Kind::kChunk;
-  message.stream = kStream;
+  message.stream = kLinkStream;
   message.chunk = {1, 0, "content"};
   const std::string good = encode(message);
   ASSERT_TRUE(decode(good));
@@ -264,13 +264,13 @@ TEST(SessionLink, APeerCannotFillTheDisk) {
                         config);
   LinkMessage message;
   message.kind = LinkMessage::Kind::kChunk;
-  message.stream = kStream;
+  message.stream = kLinkStream;
   message.chunk.content = std::string(1'000, 'x');
   for (int i = 0; i < 100; ++i) {
     ++message.chunk.number;
     receiver.receive(message);
   }
-  EXPECT_LT(receiver.streams().at(kStream)->bytes(), 7'000U);
+  EXPECT_LT(receiver.streams().at(kLinkStream)->bytes(), 7'000U);
   EXPECT_EQ(receiver.refused().count("too much data"), 1U);
 }
 

@@ -11,7 +11,7 @@
 namespace kestrel {
 namespace {
 
-constexpr double kTolerance = 1e-3;  // log odds are stored in steps of 1/1000
+constexpr double kRounding = 1e-3;  // log odds are stored in steps of 1/1000
 
 double logOdds(double p) { return std::log(p / (1.0 - p)); }
 double logOddsOf(const OccupancyGrid& grid, const Cell& cell) {
@@ -32,11 +32,11 @@ TEST(OccupancyGrid, ABeamClearsItsCellsAndOccupiesTheLast) {
   OccupancyGrid grid(config);
   grid.insert(beam(10, true), Pose2());
   for (int x = 0; x < 10; ++x) {
-    EXPECT_NEAR(logOddsOf(grid, {x, 0}), logOdds(config.miss_probability), kTolerance) << x;
+    EXPECT_NEAR(logOddsOf(grid, {x, 0}), logOdds(config.miss_probability), kRounding) << x;
     EXPECT_FALSE(grid.isKnown({x, 1}));
     EXPECT_FALSE(grid.isKnown({x, -1}));
   }
-  EXPECT_NEAR(logOddsOf(grid, {10, 0}), logOdds(config.hit_probability), kTolerance);
+  EXPECT_NEAR(logOddsOf(grid, {10, 0}), logOdds(config.hit_probability), kRounding);
   EXPECT_TRUE(grid.isOccupied({10, 0}));
   EXPECT_FALSE(grid.isKnown({11, 0}));
   EXPECT_FALSE(grid.isKnown({-1, 0}));
@@ -111,9 +111,9 @@ TEST(OccupancyGrid, EvidenceAddsUpToBothClamps) {
   for (int n = 1; n <= 30; ++n) {
     grid.insert(beam(4, true), Pose2());
     EXPECT_NEAR(logOddsOf(grid, {4, 0}),
-                std::min(n * logOdds(0.6), logOdds(config.max_probability)), n * kTolerance);
+                std::min(n * logOdds(0.6), logOdds(config.max_probability)), n * kRounding);
     EXPECT_NEAR(logOddsOf(grid, {2, 0}),
-                std::max(n * logOdds(0.45), logOdds(config.min_probability)), n * kTolerance);
+                std::max(n * logOdds(0.45), logOdds(config.min_probability)), n * kRounding);
   }
 }
 
@@ -122,14 +122,14 @@ TEST(OccupancyGrid, HitsInEstablishedFreeSpaceCountHalf) {
   const double hit = logOdds(config.hit_probability), floor = logOdds(config.min_probability);
   OccupancyGrid grid(config);
   for (int n = 0; n < 20; ++n) grid.insert(beam(10, true), Pose2());
-  EXPECT_NEAR(logOddsOf(grid, {4, 0}), floor, kTolerance);
+  EXPECT_NEAR(logOddsOf(grid, {4, 0}), floor, kRounding);
   // Half of the weight until the cell is no longer established as free.
   double expected = floor;
   for (const double weight : {hit / 2.0, hit / 2.0, hit}) {
     EXPECT_FALSE(grid.isOccupied({4, 0}));
     grid.insert(beam(4, true), Pose2());
     expected += weight;
-    EXPECT_NEAR(logOddsOf(grid, {4, 0}), expected, 3.0 * kTolerance);
+    EXPECT_NEAR(logOddsOf(grid, {4, 0}), expected, 3.0 * kRounding);
   }
   EXPECT_TRUE(grid.isOccupied({4, 0}));
 }
@@ -141,7 +141,7 @@ TEST(OccupancyGrid, HitsOfANewViewCountFully) {
   constexpr bool kNewView = true;
   grid.insert(beam(4, true), Pose2(), kNewView);
   EXPECT_NEAR(logOddsOf(grid, {4, 0}),
-              logOdds(config.min_probability) + logOdds(config.hit_probability), 3.0 * kTolerance);
+              logOdds(config.min_probability) + logOdds(config.hit_probability), 3.0 * kRounding);
 }
 
 TEST(OccupancyGrid, OneHitIsEnoughInACellWithLittleEvidence) {
@@ -158,9 +158,9 @@ TEST(OccupancyGrid, UpdatesACellOncePerScanAndAHitOverridesMisses) {
   for (int i = 0; i < 5; ++i) scan.rays.push_back(beam(20, false).rays.front());
   scan.rays.push_back(beam(10, true).rays.front());
   grid.insert(scan, Pose2());
-  EXPECT_NEAR(logOddsOf(grid, {5, 0}), logOdds(config.miss_probability), kTolerance);
-  EXPECT_NEAR(logOddsOf(grid, {10, 0}), logOdds(config.hit_probability), kTolerance);
-  EXPECT_NEAR(logOddsOf(grid, {15, 0}), logOdds(config.miss_probability), kTolerance);
+  EXPECT_NEAR(logOddsOf(grid, {5, 0}), logOdds(config.miss_probability), kRounding);
+  EXPECT_NEAR(logOddsOf(grid, {10, 0}), logOdds(config.hit_probability), kRounding);
+  EXPECT_NEAR(logOddsOf(grid, {15, 0}), logOdds(config.miss_probability), kRounding);
 }
 
 TEST(OccupancyGrid, ReportsCellsThatBecomeFree) {

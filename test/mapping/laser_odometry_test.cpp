@@ -13,7 +13,7 @@
 namespace kestrel {
 namespace {
 
-constexpr double kStep = 0.2;  // s
+constexpr double kPause = 0.2;  // s
 /// A hall with oblique walls and three pillars.
 const std::vector<room::Segment> kOtherRoom = {
     {-7, -5, 1, -9}, {1, -9, 9, -2},     {9, -2, 6, 7},    {6, 7, -5, 8},
@@ -36,11 +36,11 @@ TEST(LaserOdometry, MeasuresTheMotionFromScansAlone) {
   LaserOdometry odometry{MapperConfig()};
   odometry.begin(scanAt(truthAt(0.0), 0.0, kOtherRoom), truthAt(0.0), true);
   for (int i = 1; i <= 20; ++i) {
-    const double time = i * kStep;
+    const double time = i * kPause;
     ASSERT_TRUE(odometry.follow(scanAt(truthAt(time), time, kOtherRoom))) << i;
     EXPECT_LT(error(odometry.pose(), truthAt(time)), 0.03) << i;
   }
-  EXPECT_LT(error(odometry.pose(), truthAt(20 * kStep)), 0.03);
+  EXPECT_LT(error(odometry.pose(), truthAt(20 * kPause)), 0.03);
   EXPECT_LT(odometry.error().position_m(), 0.2);
 }
 
@@ -49,7 +49,7 @@ TEST(LaserOdometry, DoesNotFollowAScanOfAnotherPlace) {
   EXPECT_FALSE(odometry.follow(scanAt(Pose2(), 0.0, kOtherRoom)));
   odometry.begin(scanAt(Pose2(), 0.0, kOtherRoom), Pose2(), false);
   const std::vector<room::Segment> cabin = {{-1, -1, 1, -1}, {1, -1, 0, 1}, {0, 1, -1, -1}};
-  EXPECT_FALSE(odometry.follow(scanAt(Pose2(), kStep, cabin)));
+  EXPECT_FALSE(odometry.follow(scanAt(Pose2(), kPause, cabin)));
 }
 
 /// A scan of an object that covers the laser.
@@ -60,10 +60,10 @@ PlanarScan coveredScan(double time) {
 }
 
 /// A mapper that has seen the room of room.h until `end`. Its map is in the frame of room.h.
-Mapper mapperInRoom(double end) {
+Mapper mapperUntil(double end) {
   Mapper mapper{MapperConfig()};
   mapper.reset(truthAt(0.0));
-  for (double time = 0.0; time < end - 0.5 * kStep; time += kStep)
+  for (double time = 0.0; time < end - 0.5 * kPause; time += kPause)
     mapper.process(scanAt(truthAt(time), time, room::walls()));
   return mapper;
 }
@@ -72,13 +72,13 @@ Mapper mapperInRoom(double end) {
 /// room is seen any more.
 TEST(LaserOdometry, CarriesThePoseWhereTheViewChanges) {
   const double changed = 2.0;
-  Mapper mapper = mapperInRoom(changed);
+  Mapper mapper = mapperUntil(changed);
   PlanarScan half = scanAt(truthAt(changed), changed, room::walls());
   const PlanarScan other = scanAt(truthAt(changed), changed, kOtherRoom);
   for (std::size_t i = 0; i < half.rays.size() / 2; ++i) half.rays[i] = other.rays[i];
   mapper.process(half);
   for (int i = 1; i <= 20; ++i) {
-    const double time = changed + i * kStep;
+    const double time = changed + i * kPause;
     const MapperResult result = mapper.process(scanAt(truthAt(time), time, kOtherRoom));
     EXPECT_NE(result.state, MatchState::kLost) << i;
     EXPECT_LT(error(result.pose, truthAt(time)), 0.1) << i;
@@ -88,9 +88,9 @@ TEST(LaserOdometry, CarriesThePoseWhereTheViewChanges) {
 /// An object that covers the laser moves with the vehicle. It must not become a part of the map.
 TEST(LaserOdometry, ACoverIsNotInserted) {
   const double covered = 2.0;
-  Mapper mapper = mapperInRoom(covered);
+  Mapper mapper = mapperUntil(covered);
   for (int i = 0; i < 60; ++i) {
-    const MapperResult result = mapper.process(coveredScan(covered + i * kStep));
+    const MapperResult result = mapper.process(coveredScan(covered + i * kPause));
     EXPECT_FALSE(result.inserted) << i;
     if (i == 0) continue;  // the first one is carried
     EXPECT_EQ(result.state, MatchState::kLost) << i;

@@ -10,7 +10,7 @@
 namespace kestrel {
 namespace {
 
-constexpr double kStep = 0.025;  // s
+constexpr double kScanTime = 0.025;  // s
 /// The prediction by the velocity is known to be in the near window for this number of scans.
 constexpr int kCarried = 12;
 
@@ -30,7 +30,7 @@ PlanarScan freeScan(const Pose2& pose, double time) { return coveredScan(pose, t
 /// A mapper with a map of the room, seen from some places around the origin.
 Mapper mapperInRoom(double& time) {
   Mapper mapper{MapperConfig()};
-  for (int i = 0; i < 100; ++i, time += kStep) {
+  for (int i = 0; i < 100; ++i, time += kScanTime) {
     const double along = 0.01 * i;
     mapper.process(freeScan(Pose2(-along, 0.3 * along, 0.3 * along), time));
   }
@@ -41,7 +41,7 @@ TEST(MapperRecovery, ABlockedHalfOfTheViewDoesNotMoveThePose) {
   double time = 0.0;
   Mapper mapper = mapperInRoom(time);
   const MapSnapshot before = mapper.snapshot();
-  for (int i = 0; i < 40; ++i, time += kStep) {
+  for (int i = 0; i < 40; ++i, time += kScanTime) {
     const Pose2 truth(-1.0 + 0.01 * i, 0.3, 0.3);
     const MapperResult result = mapper.process(coveredScan(truth, time, 90, 270));
     EXPECT_NE(result.state, MatchState::kLost) << i;
@@ -61,14 +61,14 @@ TEST(MapperRecovery, AMotionThatIsNotPossibleIsSaid) {
   EXPECT_NEAR((jumped.inverse() * result.pose).distance(), 0.0, 0.03);
   EXPECT_EQ(result.state, MatchState::kDegraded);
   EXPECT_STREQ(result.reason, "impossible motion");
-  for (int i = 0; i < 20; ++i) result = mapper.process(freeScan(jumped, time += kStep));
+  for (int i = 0; i < 20; ++i) result = mapper.process(freeScan(jumped, time += kScanTime));
   EXPECT_EQ(result.state, MatchState::kOk);
 }
 
 TEST(MapperRecovery, IsLostWithABlockedViewAndRecoversFarAway) {
   double time = 0.0;
   Mapper mapper = mapperInRoom(time);
-  for (int i = 0; i < 80; ++i, time += kStep) {
+  for (int i = 0; i < 80; ++i, time += kScanTime) {
     const MapperResult result = mapper.process(coveredScan(Pose2(), time, 0, 360));
     // The first ones are carried by the velocity.
     EXPECT_EQ(result.state, i < kCarried ? MatchState::kDegraded : MatchState::kLost) << i;
@@ -110,12 +110,12 @@ TEST(MapperRecovery, GoesOnAfterAPauseOfTwentySeconds) {
 TEST(MapperRecovery, DoesNotMatchAnotherRoom) {
   double time = 0.0;
   Mapper mapper = mapperInRoom(time);
-  for (int i = 0; i < 8; ++i, time += kStep) {
+  for (int i = 0; i < 8; ++i, time += kScanTime) {
     mapper.process(coveredScan(Pose2(), time, 0, 360));
   }
   const std::vector<room::Segment> other = {
       {-1, -9, 2, -7}, {2, -7, 2.5, 1}, {2.5, 1, -2, 2}, {-2, 2, -1, -9}};
-  for (int i = 8; i < 24; ++i, time += kStep) {
+  for (int i = 8; i < 24; ++i, time += kScanTime) {
     PlanarScan scan = room::scanFrom(Pose2(), other);
     scan.stamp = scan.time = time;
     const MapperResult result = mapper.process(scan);

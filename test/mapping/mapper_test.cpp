@@ -13,7 +13,7 @@
 namespace kestrel {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 /// A drive through the room with turns, 60 scans.
 Pose2 drive(int i) {
@@ -28,7 +28,7 @@ PlanarScan scanAt(int i) {
 }
 
 /// A circle with 1 m radius in free space: a scan that does not fit anywhere.
-PlanarScan unmatchableScan() {
+PlanarScan scanElsewhere() {
   PlanarScan circle;
   for (int i = 0; i < 90; ++i) {
     const auto angle = static_cast<float>(i) * 0.07F;
@@ -103,7 +103,7 @@ TEST(Mapper, AScanThatDoesNotFitIsLostAndNotInserted) {
   mapper.process(room::scanFrom(Pose2()));
   const MapSnapshot before = mapper.snapshot();
   for (int i = 0; i < 5; ++i) {
-    PlanarScan scan = unmatchableScan();
+    PlanarScan scan = scanElsewhere();
     scan.stamp = scan.time = i + 1.0;  // s: the velocity cannot carry the pose so long
     const MapperResult result = mapper.process(scan);
     EXPECT_EQ(result.state, MatchState::kLost);
@@ -124,7 +124,7 @@ TEST(Mapper, TheOdometryCarriesThePoseWhereNoScanFits) {
   mapper.process(room::scanFrom(Pose2()), Pose2(10, 10, 1));
   for (int i = 1; i <= 10; ++i) {
     const MapperResult result =
-        mapper.process(unmatchableScan(), Pose2(10, 10, 1) * Pose2(0.05 * i, 0, 0));
+        mapper.process(scanElsewhere(), Pose2(10, 10, 1) * Pose2(0.05 * i, 0, 0));
     EXPECT_EQ(result.state, MatchState::kDegraded);
     EXPECT_TRUE(result.carried);
   }
@@ -221,7 +221,7 @@ TEST(Mapper, IgnoresInvalidNumbers) {
   expectFinite(mapper.process(scan, Pose2(1, 2, 3)));
   EXPECT_LT(mapper.snapshot().width, 200);
   Pose2 broken;
-  broken.x = kNan;
+  broken.x = kNoNumber;
   mapper.setPose(broken);
   EXPECT_EQ(mapper.pose(), Pose2());
   mapper.reset(broken);

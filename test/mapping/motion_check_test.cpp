@@ -6,10 +6,10 @@
 namespace kestrel {
 namespace {
 
-constexpr double kStep = 0.025;  // s
+constexpr double kInterval = 0.025;  // s
 
 /// A check that saw a vehicle with constant velocity (m/s) for one second. It was at 0 at the end.
-MotionCheck movingWith(double velocity, double step = kStep) {
+MotionCheck movingWith(double velocity, double step = kInterval) {
   MotionCheck check;
   for (double time = -1.0; time <= 1e-9; time += step) check.add({time, {velocity * time, 0.0}});
   return check;
@@ -17,27 +17,27 @@ MotionCheck movingWith(double velocity, double step = kStep) {
 
 TEST(MotionCheck, AVehicleCanGoOnAndAccelerate) {
   const MotionCheck check = movingWith(2.0);
-  EXPECT_FALSE(check.isImpossible({kStep, {2.0 * kStep, 0.0}}));
-  EXPECT_FALSE(check.isImpossible({kStep, {2.0 * kStep + 0.01, -0.01}}));
+  EXPECT_FALSE(check.isImpossible({kInterval, {2.0 * kInterval, 0.0}}));
+  EXPECT_FALSE(check.isImpossible({kInterval, {2.0 * kInterval + 0.01, -0.01}}));
   const double gained = 0.5 * 9.81 * 0.2 * 0.2;
   EXPECT_FALSE(check.isImpossible({0.2, {2.0 * 0.2 + gained, 0.0}}));
 }
 
 TEST(MotionCheck, AVehicleCannotJump) {
   const MotionCheck check = movingWith(2.0);
-  EXPECT_TRUE(check.isImpossible({kStep, {2.0 * kStep + 0.05, 0.0}}));
-  EXPECT_TRUE(check.isImpossible({kStep, {2.0 * kStep, 0.05}}));
-  EXPECT_TRUE(check.isImpossible({kStep, {-0.05, 0.0}}));
-  EXPECT_TRUE(movingWith(0.0).isImpossible({kStep, {0.05, 0.0}}));
+  EXPECT_TRUE(check.isImpossible({kInterval, {2.0 * kInterval + 0.05, 0.0}}));
+  EXPECT_TRUE(check.isImpossible({kInterval, {2.0 * kInterval, 0.05}}));
+  EXPECT_TRUE(check.isImpossible({kInterval, {-0.05, 0.0}}));
+  EXPECT_TRUE(movingWith(0.0).isImpossible({kInterval, {0.05, 0.0}}));
 }
 
 TEST(MotionCheck, ACorrectionAlongACorridorIsNoMotion) {
   MotionCheck check = movingWith(1.0);
-  EXPECT_FALSE(check.isImpossible({kStep, {3.0, 0.0}, {1.0, 0.0}}));
-  EXPECT_TRUE(check.isImpossible({kStep, {3.0, 0.1}, {1.0, 0.0}}));
-  check.add({kStep, {kStep, 0.0}, {1.0, 0.0}});
-  EXPECT_FALSE(check.isImpossible({2.0 * kStep, {3.0, 0.0}}));  // the corridor ends
-  EXPECT_TRUE(check.isImpossible({2.0 * kStep, {2.0 * kStep, 0.05}}));
+  EXPECT_FALSE(check.isImpossible({kInterval, {3.0, 0.0}, {1.0, 0.0}}));
+  EXPECT_TRUE(check.isImpossible({kInterval, {3.0, 0.1}, {1.0, 0.0}}));
+  check.add({kInterval, {kInterval, 0.0}, {1.0, 0.0}});
+  EXPECT_FALSE(check.isImpossible({2.0 * kInterval, {3.0, 0.0}}));  // the corridor ends
+  EXPECT_TRUE(check.isImpossible({2.0 * kInterval, {2.0 * kInterval, 0.05}}));
 }
 
 TEST(MotionCheck, BetweenScansThatAreFarApartMuchIsPossible) {
@@ -45,25 +45,25 @@ TEST(MotionCheck, BetweenScansThatAreFarApartMuchIsPossible) {
 }
 
 TEST(MotionCheck, TwoScansMayArriveAtOnce) {
-  EXPECT_FALSE(movingWith(2.0).isImpossible({0.001, {2.0 * kStep, 0.0}}));
+  EXPECT_FALSE(movingWith(2.0).isImpossible({0.001, {2.0 * kInterval, 0.0}}));
 }
 
 TEST(MotionCheck, NothingIsKnownAtTheBeginning) {
   MotionCheck check;
   EXPECT_FALSE(check.isImpossible({0.0, {100.0, 0.0}}));
   check.add({0.0, {0.0, 0.0}});
-  EXPECT_FALSE(check.isImpossible({kStep, {100.0, 0.0}}));
+  EXPECT_FALSE(check.isImpossible({kInterval, {100.0, 0.0}}));
   check = movingWith(1.0);
   check.clear();
-  EXPECT_FALSE(check.isImpossible({kStep, {100.0, 0.0}}));
+  EXPECT_FALSE(check.isImpossible({kInterval, {100.0, 0.0}}));
 }
 
 TEST(MotionCheck, TimeThatGoesBackBeginsAgain) {
   MotionCheck check = movingWith(1.0);
   check.add({-5.0, {0.0, 0.0}});
-  EXPECT_FALSE(check.isImpossible({-5.0 + kStep, {100.0, 0.0}}));
+  EXPECT_FALSE(check.isImpossible({-5.0 + kInterval, {100.0, 0.0}}));
   check.add({-5.0, {0.0, 0.0}});  // time stands still
-  EXPECT_FALSE(check.isImpossible({-5.0 + kStep, {100.0, 0.0}}));
+  EXPECT_FALSE(check.isImpossible({-5.0 + kInterval, {100.0, 0.0}}));
 }
 
 }  // namespace

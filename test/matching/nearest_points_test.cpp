@@ -8,7 +8,7 @@
 namespace kestrel {
 namespace {
 
-constexpr std::uint64_t kSeed = 4;
+constexpr std::uint64_t kPointSeed = 4;
 
 std::vector<WallPoint> randomPoints(std::mt19937_64& random, std::size_t count) {
   std::normal_distribution<float> place(0.0F, 3.0F);
@@ -36,7 +36,7 @@ const WallPoint* bruteForce(const std::vector<WallPoint>& points, const Eigen::V
 }
 
 TEST(NearestPoints, EqualsBruteForce) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kPointSeed);
   std::normal_distribution<float> place(0.0F, 4.0F);
   for (const std::size_t count : {1U, 2U, 11U, 300U, 3000U}) {
     const std::vector<WallPoint> points = randomPoints(random, count);

@@ -17,7 +17,7 @@
 namespace kestrel {
 namespace {
 
-constexpr std::int64_t kEnough = 1'000'000'000;
+constexpr std::int64_t kAllWork = 1'000'000'000;
 const Pose2 kTruth(0.3, -0.2, 0.4);
 
 Points sampleAt(const Pose2& pose) { return sampled(hitsOf(room::scanFrom(pose)), kSketchPoints); }
@@ -42,7 +42,7 @@ TEST(Sketch, TheRightHypothesisIsInTheHalfThatGoesOn) {
   const Submap map = room::map();
   const Points sample = sampleAt(kTruth);
   for (int right = 0; right < 32; ++right) {
-    WorkBudget budget(kEnough);
+    WorkBudget budget(kAllWork);
     const std::vector<Pose2> poses =
         sketches(map.surface(), sample, hypotheses(32, right), 4, budget);
     EXPECT_EQ(poses.size(), 16U);
@@ -52,7 +52,7 @@ TEST(Sketch, TheRightHypothesisIsInTheHalfThatGoesOn) {
 
 TEST(Sketch, FewHypothesesAllGoOn) {
   const Submap map = room::map();
-  WorkBudget budget(kEnough);
+  WorkBudget budget(kAllWork);
   EXPECT_EQ(sketches(map.surface(), sampleAt(kTruth), hypotheses(4, 1), 4, budget).size(), 4U);
   EXPECT_TRUE(sketches(map.surface(), sampleAt(kTruth), {}, 4, budget).empty());
 }
@@ -60,7 +60,7 @@ TEST(Sketch, FewHypothesesAllGoOn) {
 TEST(Sketch, TheBudgetLimitsTheHypotheses) {
   const Submap map = room::map();
   const Points sample = sampleAt(kTruth);
-  WorkBudget whole(kEnough);
+  WorkBudget whole(kAllWork);
   sketches(map.surface(), sample, hypotheses(1, 0), 4, whole);
   WorkBudget budget(3 * whole.used());
   EXPECT_EQ(sketches(map.surface(), sample, hypotheses(32, 0), 4, budget).size(), 3U);
@@ -70,7 +70,7 @@ TEST(Sketch, PointsThatAreNotFiniteChangeNothing) {
   const Submap map = room::map();
   Points sample = sampleAt(kTruth);
   sample.front().x() = std::numeric_limits<float>::quiet_NaN();
-  WorkBudget budget(kEnough);
+  WorkBudget budget(kAllWork);
   for (const Pose2& pose : sketches(map.surface(), sample, hypotheses(8, 2), 4, budget))
     EXPECT_TRUE(std::isfinite(pose.x) && std::isfinite(pose.yaw));
 }

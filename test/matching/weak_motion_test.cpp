@@ -12,7 +12,7 @@ namespace kestrel {
 namespace {
 
 constexpr double kObservable = 0.007;  // MatcherConfig::degenerate_share
-constexpr double kLimit = 0.5;         // m
+constexpr double kReach = 0.5;         // m
 
 std::vector<room::Segment> corridorUpTo(double x) {
   std::vector<room::Segment> walls = room::corridor();
@@ -31,7 +31,7 @@ TEST(WeakMotion, TheEndOfACorridorShowsThePosition) {
   const WeakMotion weak = weakMotion(map, hitsOf(scan), Pose2());
   EXPECT_NEAR(std::abs(weak.direction.x()), 1.0, 0.01);
   EXPECT_GT(weak.constraint, kObservable);
-  const AlongFit fit = fitAlong(map, hitsOf(scan), Pose2(0.15, 0, 0), weak, kLimit);
+  const AlongFit fit = fitAlong(map, hitsOf(scan), Pose2(0.15, 0, 0), weak, kReach);
   const double sign = weak.direction.x() > 0.0 ? 1.0 : -1.0;
   EXPECT_NEAR(sign * fit.distance_m, -0.15, 0.03);
 }
@@ -62,7 +62,7 @@ TEST(WeakMotion, ALineThatAppearsInFreeSpaceDoesNot) {
   ASSERT_TRUE(map.grid().isOccupied(map.grid().cellAt({6.01F, 0.0F})));
   const WeakMotion weak = weakMotion(map, hitsOf(floor), Pose2());
   EXPECT_LT(weak.constraint, kObservable);
-  const AlongFit fit = fitAlong(map, hitsOf(floor), Pose2(0.15, 0, 0), weak, kLimit);
+  const AlongFit fit = fitAlong(map, hitsOf(floor), Pose2(0.15, 0, 0), weak, kReach);
   EXPECT_TRUE(std::isinf(fit.variance_m2));
 }
 
@@ -77,7 +77,7 @@ TEST(WeakMotion, TheEndOfTheFieldOfViewDoesNot) {
   map.insert(scan, Pose2());
   const WeakMotion weak = weakMotion(map, hitsOf(scan), Pose2());
   EXPECT_LT(weak.constraint, kObservable);
-  const AlongFit fit = fitAlong(map, hitsOf(scan), Pose2(-0.1, 0, 0), weak, kLimit);
+  const AlongFit fit = fitAlong(map, hitsOf(scan), Pose2(-0.1, 0, 0), weak, kReach);
   EXPECT_TRUE(std::isinf(fit.variance_m2));
 }
 

@@ -16,7 +16,7 @@ namespace {
 const char* const kShippedFile = KESTREL_SOURCE_DIR "/config/kestrel_slam.yaml";
 
 /// What loading a file with `content` throws, without the path before it.
-std::string errorOf(const std::string& content) {
+std::string fileError(const std::string& content) {
   const TemporaryFolder folder;
   const std::string path = folder.write("p.yaml", content);
   SlamConfig config;
@@ -70,19 +70,19 @@ TEST(ParametersYamlTest, WhatIsThereIsSetAndTheRestIsKept) {
 }
 
 TEST(ParametersYamlTest, AnEmptyFileChangesNothing) {
-  EXPECT_EQ(errorOf(""), "nothing thrown");
-  EXPECT_EQ(errorOf("# nothing\n"), "nothing thrown");
+  EXPECT_EQ(fileError(""), "nothing thrown");
+  EXPECT_EQ(fileError("# nothing\n"), "nothing thrown");
 }
 
 TEST(ParametersYamlTest, ErrorsNameLineAndParameter) {
-  EXPECT_EQ(errorOf("\nmap_resolutoin: 0.1\n"),
+  EXPECT_EQ(fileError("\nmap_resolutoin: 0.1\n"),
             ", line 2: unknown parameter 'map_resolutoin'; did you mean 'map_resolution'?");
-  EXPECT_EQ(errorOf("map_resolution: 7\n"),
+  EXPECT_EQ(fileError("map_resolution: 7\n"),
             ", line 1: map_resolution = 7: must be between 0.005 and 1 m");
-  EXPECT_EQ(errorOf("a:\n  map_resolution: 0.1\n"),
+  EXPECT_EQ(fileError("a:\n  map_resolution: 0.1\n"),
             ", line 1: 'a' is not a single value; one 'name: value' a line is expected");
-  EXPECT_EQ(errorOf("just text\n"), ": one 'name: value' a line is expected");
-  EXPECT_CONTAINS(errorOf("map_resolution: [0.1\n"), "no valid YAML");
+  EXPECT_EQ(fileError("just text\n"), ": one 'name: value' a line is expected");
+  EXPECT_CONTAINS(fileError("map_resolution: [0.1\n"), "no valid YAML");
 }
 
 TEST(ParametersYamlTest, OldNamesAreAcceptedWithAWarning) {

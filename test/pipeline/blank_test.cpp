@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kScanStep = 0.1, kImuStep = 0.01;  // s
 constexpr double kBeforeBlank = 4.0, kAfterBlank = 2.0;
-constexpr int kBeams = 180;
+constexpr int kBlankBeams = 180;
 constexpr double kGravity = 9.81;
 /// A pose is right within these, besides three standard deviations.
 constexpr double kRightM = 0.1, kRightRad = 0.05;
@@ -134,16 +134,16 @@ class BlankFlight {
     LaserScan scan;
     scan.stamp = t;
     scan.angle_min = -kPi;
-    scan.angle_increment = 2.0 * kPi / kBeams;
+    scan.angle_increment = 2.0 * kPi / kBlankBeams;
     scan.range_min = 0.05, scan.range_max = 20.0;
-    for (int i = 0; i < kBeams; ++i) {
+    for (int i = 0; i < kBlankBeams; ++i) {
       const double angle = scan.angle_min + i * scan.angle_increment;
       const double range = room::cast(walls_, motion_.at(t), angle) + noise(random_);
       scan.ranges.push_back(isBlank(t) ? std::numeric_limits<float>::infinity()
                                        : static_cast<float>(range));
     }
     for (int i = 0; isBlank(t) && i < setting_.dust; ++i) {
-      scan.ranges[random_() % kBeams] = 0.3F + 0.001F * static_cast<float>(random_() % 3000);
+      scan.ranges[random_() % kBlankBeams] = 0.3F + 0.001F * static_cast<float>(random_() % 3000);
     }
     PipelineScan input;
     input.data = scan;

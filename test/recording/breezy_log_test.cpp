@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "recording/read_all.h"
 #include "temporary_folder.h"
 
 namespace kestrel {
@@ -21,12 +22,6 @@ std::string lineOf(long time_us, int left, int right, std::size_t ranges = 682) 
   for (int i = 5; i < 24; ++i) line += " 9";
   for (std::size_t i = 0; i < ranges; ++i) line += ' ' + std::to_string(i * 5);
   return line + " \n";
-}
-
-std::vector<RecordedScan> readAll(Recording& recording) {
-  std::vector<RecordedScan> scans;
-  for (RecordedScan scan; recording.next(scan);) scans.push_back(scan);
-  return scans;
 }
 
 TEST(BreezyLog, ReadsTimeRangesAndMounting) {

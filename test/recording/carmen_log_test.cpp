@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "kestrel_slam/evaluation/evaluation.h"
+#include "recording/read_all.h"
 #include "temporary_folder.h"
 
 namespace kestrel {
@@ -33,13 +34,6 @@ std::string frontLaser(std::size_t beams, double range, const std::string& poses
 
 const std::string kOrigin = "0 0 0 0 0 0";
 const std::string kHeader = "# CARMEN Logfile\n# message_name [message contents]\n";
-
-std::vector<RecordedScan> readAll(Recording& recording) {
-  std::vector<RecordedScan> scans;
-  RecordedScan scan;
-  while (recording.next(scan)) scans.push_back(scan);
-  return scans;
-}
 
 template <typename Filter>
 std::string packed(const std::string& text, Filter filter) {

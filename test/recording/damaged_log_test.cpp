@@ -12,16 +12,11 @@
 #include <vector>
 
 #include "kestrel_slam/recording/carmen_log.h"
+#include "recording/read_all.h"
 #include "temporary_folder.h"
 
 namespace kestrel {
 namespace {
-
-std::vector<RecordedScan> readAll(Recording& recording) {
-  std::vector<RecordedScan> scans;
-  for (RecordedScan scan; recording.next(scan);) scans.push_back(scan);
-  return scans;
-}
 
 std::string gzipped(const std::string& text) {
   std::istringstream in(text);

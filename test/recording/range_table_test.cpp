@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "recording/read_all.h"
 #include "temporary_folder.h"
 
 namespace kestrel {
@@ -24,12 +25,6 @@ std::string lineOf(std::size_t count, double value) {
   for (std::size_t i = 1; i < count; ++i)
     line += ',' + std::to_string(i % 2 == 0 ? value : value + 0.5);
   return line + '\n';
-}
-
-std::vector<RecordedScan> readAll(Recording& recording) {
-  std::vector<RecordedScan> scans;
-  for (RecordedScan scan; recording.next(scan);) scans.push_back(scan);
-  return scans;
 }
 
 std::string packed(const TemporaryFolder& folder, const std::string& text) {

@@ -7,6 +7,7 @@
 
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/sensor/attitude_buffer.h"
+#include "recording/read_all.h"
 #include "simulation/test_flight.h"
 
 namespace kestrel {
@@ -20,13 +21,6 @@ Place smallPlace() {
   place.parts = roomWithWalker();
   place.plan.waypoints = {{{0, 0, 1}, 0.2, 0.0}, {{1, 1, 1.2}, 1.0, 0.0}};
   return place;
-}
-
-std::vector<RecordedScan> readAll(Recording& recording) {
-  std::vector<RecordedScan> scans;
-  RecordedScan scan;
-  while (recording.next(scan)) scans.push_back(scan);
-  return scans;
 }
 
 TEST(SimulatedRecording, ContainsTheMessagesOfTheSensors) {

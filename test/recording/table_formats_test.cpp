@@ -11,6 +11,7 @@
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/recording/recording.h"
+#include "recording/read_all.h"
 #include "room_log.h"
 #include "temporary_folder.h"
 
@@ -53,12 +54,6 @@ std::string tableOf(const Style& style, int scans = kScans) {
     text += line + (style.trailing_separator ? style.separator : "") + "\n";
   }
   return style.header + text;
-}
-
-std::vector<RecordedScan> readAll(Recording& recording) {
-  std::vector<RecordedScan> scans;
-  for (RecordedScan scan; recording.next(scan);) scans.push_back(scan);
-  return scans;
 }
 
 class TableFormats : public testing::Test {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "report/page_data.h"
 #include "temporary_folder.h"
 
 namespace kestrel {
@@ -42,12 +43,6 @@ RunInfo infoOf(bool timing) {
   info.recording = "flight.bag";
   info.timing = timing;
   return info;
-}
-
-nlohmann::json dataOf(const std::string& html) {
-  const std::string start = "<script type=\"application/json\" id=\"data\">";
-  const std::size_t from = html.find(start) + start.size();
-  return nlohmann::json::parse(html.substr(from, html.find("</script>", from) - from));
 }
 
 TEST(ReportTest, NeedsNothingFromTheNetwork) {

@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "report/page_data.h"
+
 namespace kestrel {
 namespace {
 
@@ -31,12 +33,6 @@ TracksPage pageOf(const std::string& title) {
     page.map_path.push_back({stamp, Pose2(1.0 + 0.1 * i, 2.0, 0.0)});
   }
   return page;
-}
-
-nlohmann::json dataOf(const std::string& html) {
-  const std::string start = "<script type=\"application/json\" id=\"data\">";
-  const std::size_t from = html.find(start) + start.size();
-  return nlohmann::json::parse(html.substr(from, html.find("</script>", from) - from));
 }
 
 TEST(TracksPage, ShowsTheObjectsThatMovedInTheMap) {

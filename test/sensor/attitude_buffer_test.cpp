@@ -8,18 +8,10 @@
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/pose3.h"
+#include "sensor/tracked_imu.h"
 
 namespace kestrel {
 namespace {
-
-using Eigen::AngleAxisd;
-using Eigen::Quaterniond;
-using Eigen::Vector3d;
-
-Quaterniond fromEuler(double roll, double pitch, double yaw) {
-  return AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(pitch, Vector3d::UnitY()) *
-         AngleAxisd(roll, Vector3d::UnitX());
-}
 
 Attitude lookUp(const AttitudeBuffer& buffer, double time) {
   Attitude attitude;

@@ -11,18 +11,10 @@
 #include "kestrel_slam/geometry/gravity.h"
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/geometry/random.h"
+#include "sensor/tracked_imu.h"
 
 namespace kestrel {
 namespace {
-
-using Eigen::AngleAxisd;
-using Eigen::Quaterniond;
-using Eigen::Vector3d;
-
-Quaterniond fromEuler(double roll, double pitch, double yaw) {
-  return AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(pitch, Vector3d::UnitY()) *
-         AngleAxisd(roll, Vector3d::UnitX());
-}
 
 /// A known motion and an IMU that measures it.
 struct KnownMotion {

@@ -11,7 +11,7 @@
 namespace kestrel {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPeriod = 0.05;  // of a range finder, s
 
@@ -59,7 +59,7 @@ TEST_F(HeightTrackerTest, ThePoseFilterIsPreferred) {
   }
   EXPECT_EQ(tracker_.height(time_), 1.03);
   EXPECT_EQ(tracker_.source(time_), HeightSource::kRangeFinder);
-  EXPECT_FALSE(tracker_.addFiltered({1000.01, kNan}));
+  EXPECT_FALSE(tracker_.addFiltered({1000.01, kNotANumber}));
   EXPECT_FALSE(tracker_.addFiltered({1000.02, -0.1}));
   EXPECT_EQ(tracker_.counts().at("filter: used"), 1U);
   EXPECT_EQ(tracker_.counts().at("filter: not finite"), 1U);
@@ -99,7 +99,7 @@ TEST_F(HeightTrackerTest, InterpolatesBetweenReadings) {
   EXPECT_EQ(tracker_.height(11.0), 1.2);
   EXPECT_FALSE(tracker_.height(11.2));
   EXPECT_FALSE(tracker_.height(8.9));
-  EXPECT_FALSE(tracker_.height(kNan));
+  EXPECT_FALSE(tracker_.height(kNotANumber));
 }
 
 TEST_F(HeightTrackerTest, CorrectsTheRangeForTheTilt) {
@@ -162,18 +162,18 @@ TEST_F(HeightTrackerTest, UsesMirrorAndFloorWithoutARangeFinder) {
   EXPECT_EQ(tracker_.source(10.1), HeightSource::kMirror);
   EXPECT_EQ(tracker_.counts().at("mirror: used"), 1U);
   EXPECT_EQ(tracker_.counts().at("floor: used"), 2U);
-  tracker_.addProjection(10.2, seen(kNan, -kInfinity));
+  tracker_.addProjection(10.2, seen(kNotANumber, -kInfinity));
   EXPECT_EQ(tracker_.height(10.2), 1.0);
   EXPECT_EQ(tracker_.counts().at("mirror: not finite"), 1U);
-  tracker_.addProjection(kNan, seen(1.0, 1.0));
+  tracker_.addProjection(kNotANumber, seen(1.0, 1.0));
   EXPECT_FALSE(tracker_.height(12.0));
 }
 
 TEST_F(HeightTrackerTest, CountsAndRejectsBadReadings) {
   fly(1.0, hover, level);
-  const std::pair<double, const char*> bad[] = {{kInfinity, "infinite"}, {-kInfinity, "too close"},
-                                                {kNan, "not finite"},    {0.0, "not positive"},
-                                                {-1.0, "not positive"},  {1e6, "too far"}};
+  const std::pair<double, const char*> bad[] = {
+      {kInfinity, "infinite"}, {-kInfinity, "too close"}, {kNotANumber, "not finite"},
+      {0.0, "not positive"},   {-1.0, "not positive"},    {1e6, "too far"}};
   for (const auto& [value, reason] : bad) {
     const auto before = tracker_.counts();
     EXPECT_FALSE(tracker_.addRange({time_, value}, nullptr));
@@ -181,7 +181,7 @@ TEST_F(HeightTrackerTest, CountsAndRejectsBadReadings) {
     EXPECT_EQ(tracker_.counts().at(reason), (found == before.end() ? 0U : found->second) + 1U);
     time_ += kPeriod;
   }
-  EXPECT_FALSE(tracker_.addRange({kNan, 1.0}, nullptr));
+  EXPECT_FALSE(tracker_.addRange({kNotANumber, 1.0}, nullptr));
   EXPECT_FALSE(tracker_.addRange({time_ - 0.2, 1.0}, nullptr));
   EXPECT_EQ(tracker_.counts().at("bad stamp"), 1U);
   EXPECT_EQ(tracker_.counts().at("late"), 1U);

@@ -8,13 +8,13 @@
 namespace kestrel {
 namespace {
 
-constexpr double kStamp = 1.7e9;  // s
+constexpr double kCloudStamp = 1.7e9;  // s
 constexpr double kNanosecond = 1e-9;
 constexpr int kPoints = 101;
 
 PointCloud cloudOf(int points) {
   PointCloud cloud;
-  cloud.stamp = kStamp;
+  cloud.stamp = kCloudStamp;
   cloud.points.assign(static_cast<std::size_t>(points), {1.0F, 2.0F, 3.0F, 0.0F});
   return cloud;
 }
@@ -44,14 +44,14 @@ TEST(PointTimes, TheSpreadDecidesTheUnit) {
 
 TEST(PointTimes, TimesOfTheClockOfTheStampAreAbsolute) {
   for (const double unit : {1.0, 1e-6, kNanosecond}) {
-    const auto [first, last] = timesOf(kStamp - 0.02, 0.1, unit, 1.0);
+    const auto [first, last] = timesOf(kCloudStamp - 0.02, 0.1, unit, 1.0);
     EXPECT_NEAR(first, -0.02, 1e-4) << unit;
     EXPECT_NEAR(last, 0.08, 1e-4) << unit;
   }
 }
 
 TEST(PointTimes, TimesOfAnotherClockCountFromTheFirstPoint) {
-  for (const double since_boot : {5.0, 91.0, 40000.0, kStamp + 37.0}) {
+  for (const double since_boot : {5.0, 91.0, 40000.0, kCloudStamp + 37.0}) {
     for (const double unit : {1.0, 1e-6, kNanosecond}) {
       const auto [first, last] = timesOf(since_boot, 0.1, unit, 1.0);
       EXPECT_NEAR(first, 0.0, 1e-6) << since_boot << " unit " << unit;

@@ -13,8 +13,8 @@ namespace kestrel {
 namespace {
 
 constexpr std::size_t kBeams = 360;
-constexpr double kStep = 2.0 * kPi / kBeams;  // rad
-constexpr double kBeamTime = 0.1 / kBeams;    // s
+constexpr double kBeamStep = 2.0 * kPi / kBeams;  // rad
+constexpr double kBeamTime = 0.1 / kBeams;        // s
 
 /// Beams `first` to `first + count` of a laser that turns ten times per second. The range of a beam
 /// is the number of the beam in its turn, plus 1.
@@ -22,8 +22,8 @@ LaserScan beams(std::size_t first, std::size_t count, double direction = 1.0) {
   LaserScan scan;
   scan.stamp = 1000.0 + static_cast<double>(first) * kBeamTime;
   scan.angle_min =
-      std::remainder(direction * (static_cast<double>(first) * kStep - kPi), 2.0 * kPi);
-  scan.angle_increment = direction * kStep;
+      std::remainder(direction * (static_cast<double>(first) * kBeamStep - kPi), 2.0 * kPi);
+  scan.angle_increment = direction * kBeamStep;
   scan.time_increment = kBeamTime;
   scan.range_min = 0.1;
   scan.range_max = 500.0;

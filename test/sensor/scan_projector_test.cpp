@@ -14,7 +14,7 @@ namespace kestrel {
 namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoRange = std::numeric_limits<float>::quiet_NaN();
 
 LaserScan makeScan(std::vector<float> ranges) {
   LaserScan scan;
@@ -139,8 +139,8 @@ TEST(ScanProjector, FollowsRep117) {
   config.min_range_m = 0.5;
   config.max_range_m = 20.0;
   config.clear_range_m = 8.0;
-  LaserScan scan =
-      makeScan({kNan, kInf, -kInf, 0.0F, -1.0F, 0.25F, 0.5F, 25.0F, 20.0F, 19.0F, -0.0F, 1e-40F});
+  LaserScan scan = makeScan(
+      {kNoRange, kInf, -kInf, 0.0F, -1.0F, 0.25F, 0.5F, 25.0F, 20.0F, 19.0F, -0.0F, 1e-40F});
   scan.angle_increment = 0.1;
   const Projection result = projectCertain(scan, config);
   EXPECT_EQ(result.counts.invalid, 4U);    // NaN, 0, -1, -0
@@ -237,7 +237,7 @@ TEST(ScanProjector, AScanWithoutReturnsClears) {
 }
 
 TEST(ScanProjector, RefusesAScanWithoutAValidBeam) {
-  const Projection result = project(makeScan({kNan, kNan, -kInf, 0.01F}));
+  const Projection result = project(makeScan({kNoRange, kNoRange, -kInf, 0.01F}));
   EXPECT_EQ(result.error, ScanError::kNoValidBeam);
   EXPECT_EQ(result.message, "no usable beam: 2 invalid, 2 too close");
   EXPECT_EQ(project(makeScan({})).error, ScanError::kNoBeams);
@@ -263,16 +263,16 @@ TEST(ScanProjector, RefusesBadGeometry) {
     return result.error;
   };
   EXPECT_EQ(with([](LaserScan& s) { s.angle_increment = 0.0; }), ScanError::kBadGeometry);
-  EXPECT_EQ(with([](LaserScan& s) { s.angle_increment = kNan; }), ScanError::kBadGeometry);
+  EXPECT_EQ(with([](LaserScan& s) { s.angle_increment = kNoRange; }), ScanError::kBadGeometry);
   EXPECT_EQ(with([](LaserScan& s) { s.angle_increment = kInf; }), ScanError::kBadGeometry);
   EXPECT_EQ(with([](LaserScan& s) { s.angle_increment = 4.0; }), ScanError::kBadGeometry);
-  EXPECT_EQ(with([](LaserScan& s) { s.angle_min = kNan; }), ScanError::kBadGeometry);
+  EXPECT_EQ(with([](LaserScan& s) { s.angle_min = kNoRange; }), ScanError::kBadGeometry);
   EXPECT_EQ(with([](LaserScan& s) { s.angle_min = -kInf; }), ScanError::kBadGeometry);
-  EXPECT_EQ(with([](LaserScan& s) { s.range_max = kNan; }), ScanError::kBadGeometry);
-  EXPECT_EQ(with([](LaserScan& s) { s.range_min = kNan; }), ScanError::kBadGeometry);
+  EXPECT_EQ(with([](LaserScan& s) { s.range_max = kNoRange; }), ScanError::kBadGeometry);
+  EXPECT_EQ(with([](LaserScan& s) { s.range_min = kNoRange; }), ScanError::kBadGeometry);
   EXPECT_EQ(with([](LaserScan& s) { s.range_max = s.range_min; }), ScanError::kBadGeometry);
   EXPECT_EQ(with([](LaserScan& s) { s.range_max = kInf; }), ScanError::kNone);
-  EXPECT_EQ(with([](LaserScan& s) { s.stamp = kNan; }), ScanError::kBadStamp);
+  EXPECT_EQ(with([](LaserScan& s) { s.stamp = kNoRange; }), ScanError::kBadStamp);
   EXPECT_EQ(with([](LaserScan& s) { s.stamp = kInf; }), ScanError::kBadStamp);
 }
 

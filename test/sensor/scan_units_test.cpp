@@ -11,7 +11,7 @@
 namespace kestrel {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
 LaserScan roomScan() {
   LaserScan scan = RoomFlight::scan(0);
@@ -24,7 +24,7 @@ LaserScan scaled(LaserScan scan, double factor) {
   return scan;
 }
 
-Projection project(const LaserScan& scan) {
+Projection projectScan(const LaserScan& scan) {
   return ScanProjector(ProjectorConfig()).project(scan, Eigen::Isometry3d::Identity());
 }
 
@@ -35,7 +35,7 @@ bool contains(const std::string& text, const std::string& part) {
 TEST(ScanUnits, AGoodScanHasNoWarning) {
   LaserScan scan = roomScan();
   scan.time_increment = 0.1 / 360.0;
-  const Projection result = project(scan);
+  const Projection result = projectScan(scan);
   EXPECT_EQ(result.error, ScanError::kNone) << result.message;
   EXPECT_EQ(textOf(result.warnings), "");
 }
@@ -46,10 +46,10 @@ TEST(ScanUnits, TimeIncrementInAnotherUnitIsNamedAndIgnored) {
                                      {1e3, "milliseconds?"},
                                      {-1e9, "nanoseconds?"},
                                      {1e30, "It is ignored"},
-                                     {kNan, "It is ignored"}}) {
+                                     {kMissing, "It is ignored"}}) {
     LaserScan scan = roomScan();
     scan.time_increment = factor * 0.1 / 360.0;
-    const Projection result = project(scan);
+    const Projection result = projectScan(scan);
     EXPECT_EQ(result.error, ScanError::kNone) << result.message;
     ASSERT_EQ(result.warnings.size(), 1U) << factor;
     EXPECT_STREQ(result.warnings[0].kind, "time-increment");
@@ -63,9 +63,9 @@ TEST(ScanUnits, TimeIncrementInAnotherUnitIsNamedAndIgnored) {
 TEST(ScanUnits, FewBeamsAreSaid) {
   LaserScan scan = roomScan();
   scan.ranges.resize(kMinBeamsToMatch);
-  EXPECT_TRUE(project(scan).warnings.empty());
+  EXPECT_TRUE(projectScan(scan).warnings.empty());
   scan.ranges.resize(4);
-  const Projection result = project(scan);
+  const Projection result = projectScan(scan);
   EXPECT_EQ(result.error, ScanError::kNone);
   ASSERT_EQ(result.warnings.size(), 1U);
   EXPECT_TRUE(contains(result.warnings[0].text, "the scan has 4 beams"));
@@ -78,12 +78,12 @@ TEST(ScanUnits, RangesInMillimetersAreRefused) {
     scan.ranges[3] = 0.0F;  // no return
     scan.ranges[4] = std::numeric_limits<float>::infinity();
     scan.ranges[5] = 6.0F;  // an error code of the laser
-    const Projection result = project(scan);
+    const Projection result = projectScan(scan);
     EXPECT_EQ(result.error, ScanError::kWrongUnit) << range_max;
     EXPECT_TRUE(contains(result.message, "millimeters?")) << result.message;
     EXPECT_LT(result.message.size(), 200U);
   }
-  const std::string message = project(scaled(roomScan(), 1000.0)).message;
+  const std::string message = projectScan(scaled(roomScan(), 1000.0)).message;
   EXPECT_TRUE(contains(message, "every beam is beyond range_max 12 m")) << message;
 }
 
@@ -91,12 +91,12 @@ TEST(ScanUnits, LimitsInMillimetersAreRefused) {
   LaserScan scan = roomScan();
   scan.range_min = 100.0;
   scan.range_max = 12000.0;
-  const Projection result = project(scan);
+  const Projection result = projectScan(scan);
   EXPECT_EQ(result.error, ScanError::kWrongUnit);
   EXPECT_TRUE(contains(result.message, "every beam is closer than range_min 100 m"))
       << result.message;
   scan.range_min = 0.05;  // range_max alone does no harm
-  EXPECT_EQ(project(scan).error, ScanError::kNone);
+  EXPECT_EQ(projectScan(scan).error, ScanError::kNone);
 }
 
 /// In the open: every driver has its own number for "no return".
@@ -104,9 +104,9 @@ TEST(ScanUnits, CodesForNoReturnAreNoRanges) {
   for (const float code : {12.001F, 13.0F, 65.533F, 1000.0F, 9999.0F, 65535.0F}) {
     LaserScan scan = roomScan();
     scan.ranges.assign(scan.ranges.size(), code);
-    EXPECT_EQ(project(scan).error, ScanError::kNone) << code;
+    EXPECT_EQ(projectScan(scan).error, ScanError::kNone) << code;
     scan.ranges[7] = 3.0F;
-    EXPECT_EQ(project(scan).error, ScanError::kNone) << code;
+    EXPECT_EQ(projectScan(scan).error, ScanError::kNone) << code;
   }
 }
 
@@ -117,14 +117,14 @@ TEST(ScanUnits, TwoCodesForNoReturnAreNoRanges) {
   scan.range_max = 80.0;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i)
     scan.ranges[i] = i % 3 == 0 ? 81.83F : 81.91F;
-  EXPECT_EQ(project(scan).error, ScanError::kNone);
+  EXPECT_EQ(projectScan(scan).error, ScanError::kNone);
 }
 
 TEST(ScanUnits, ALongRangeLaserInTheOpenIsAccepted) {
   LaserScan scan = scaled(roomScan(), 60.0);  // 90 to 300 m
   scan.range_max = 350.0;
-  EXPECT_EQ(project(scan).error, ScanError::kNone);
-  EXPECT_EQ(project(scan).counts.hits, 0U);  // max_range
+  EXPECT_EQ(projectScan(scan).error, ScanError::kNone);
+  EXPECT_EQ(projectScan(scan).counts.hits, 0U);  // max_range
 }
 
 TEST(ScanUnits, CloudPointsWithoutATimeAreInvalid) {

@@ -17,9 +17,9 @@ using Eigen::Isometry3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kStamp = 100.0;
+constexpr double kScanStamp = 100.0;
 constexpr double kHalfRoom = 4.0;  // m; the room is a square around the origin
-constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNothing = std::numeric_limits<float>::infinity();
 
 using PoseAt = std::function<Isometry3d(double)>;
 
@@ -49,14 +49,14 @@ double castInRoom(const Vector3d& origin, const Vector3d& direction) {
 /// The scan of a laser in the room, with each beam at its own time.
 LaserScan scanRoom(const PoseAt& world_T_laser, double time_increment) {
   LaserScan scan;
-  scan.stamp = kStamp;
+  scan.stamp = kScanStamp;
   scan.angle_min = degToRad(-135.0);
   scan.angle_increment = degToRad(0.25);
   scan.time_increment = time_increment;
   scan.range_max = 30.0;
   for (int i = 0; i < 1081; ++i) {
     const double angle = scan.angle_min + i * scan.angle_increment;
-    const Isometry3d pose = world_T_laser(kStamp + i * time_increment);
+    const Isometry3d pose = world_T_laser(kScanStamp + i * time_increment);
     const Vector3d direction = pose.linear() * Vector3d(std::cos(angle), std::sin(angle), 0.0);
     scan.ranges.push_back(static_cast<float>(castInRoom(pose.translation(), direction)));
   }
@@ -68,7 +68,7 @@ AttitudeBuffer imuOf(const PoseAt& world_T_base) {
   constexpr double kStep = 0.005, kDelta = 1e-5;
   AttitudeBuffer buffer;
   for (int i = -4; i <= 20; ++i) {
-    const double t = kStamp + kStep * i;
+    const double t = kScanStamp + kStep * i;
     const Quaterniond before(world_T_base(t - kDelta).linear()),
         after(world_T_base(t + kDelta).linear());
     const AngleAxisd turn(before.inverse() * after);
@@ -117,7 +117,7 @@ TEST(TiltedProjection, ProjectsTheWallsOfATiltedLaserToTheirPositions) {
 TEST(TiltedProjection, RotatesEveryBeamWithTheAttitudeAtItsOwnTime) {
   // 2 rad/s of yaw, 3 rad/s of roll and 1 m/s of translation during a sweep of 19 ms.
   const PoseAt base = [](double t) {
-    const double s = t - kStamp;
+    const double s = t - kScanStamp;
     return poseOf(Vector3d(0.2 + 1.0 * s, -0.3 - 0.4 * s, 1.0), tilt(0.1 + 3.0 * s, 0.05, 2.0 * s));
   };
   constexpr double kTimeIncrement = 0.025 / 1440.0;
@@ -131,10 +131,10 @@ TEST(TiltedProjection, RotatesEveryBeamWithTheAttitudeAtItsOwnTime) {
   const Projection result = projector.project(scan, kMounting, vehicle);
   ASSERT_EQ(result.error, ScanError::kNone) << result.message;
   EXPECT_GT(result.counts.hits, 500U);
-  EXPECT_LT(worstWallDistance(result.scan, base(kStamp)), 1e-3);
+  EXPECT_LT(worstWallDistance(result.scan, base(kScanStamp)), 1e-3);
 
   vehicle.velocity.setZero();
-  EXPECT_GT(worstWallDistance(projector.project(scan, kMounting, vehicle).scan, base(kStamp)),
+  EXPECT_GT(worstWallDistance(projector.project(scan, kMounting, vehicle).scan, base(kScanStamp)),
             0.01);
 }
 
@@ -216,7 +216,7 @@ TEST(TiltedProjection, MeasuresTheHeightWithAMirror) {
   config.mirror_angles = "120:135";
   config.mirror_distance_m = 0.08;
   LaserScan scan;
-  scan.stamp = kStamp;
+  scan.stamp = kScanStamp;
   scan.angle_min = degToRad(-135.0);
   scan.angle_increment = degToRad(0.25);
   scan.range_max = 30.0;
@@ -251,9 +251,9 @@ std::vector<double> floorHeights(double height, double x) {
     LaserScan scan = scanRoom(base, 0.0);
     AttitudeBuffer attitude;
     for (const double time : {0.025 * i, 0.025 * i + 0.01}) {
-      attitude.add(kStamp + time, Quaterniond(base(0.0).linear()), Vector3d::Zero());
+      attitude.add(kScanStamp + time, Quaterniond(base(0.0).linear()), Vector3d::Zero());
     }
-    scan.stamp = kStamp + 0.025 * i;
+    scan.stamp = kScanStamp + 0.025 * i;
     VehicleState vehicle;
     vehicle.attitude = &attitude;
     const Projection result = projector.project(scan, Isometry3d::Identity(), vehicle);
@@ -274,7 +274,7 @@ TEST(TiltedProjection, AWallAheadIsNotTakenForTheFloor) {
 
 TEST(TiltedProjection, LeavesOutMixedPixelsButKeepsWallsAtAGrazingAngle) {
   LaserScan scan;
-  scan.stamp = kStamp;
+  scan.stamp = kScanStamp;
   scan.angle_min = 0.0;
   scan.angle_increment = degToRad(0.25);
   scan.range_max = 30.0;
@@ -296,7 +296,7 @@ TEST(TiltedProjection, MasksTheVehiclesFrame) {
   config.ignored_angles = "-135:-110, 110:135";
   config.vehicle_radius_m = 0.3;
   LaserScan scan;
-  scan.stamp = kStamp;
+  scan.stamp = kScanStamp;
   scan.angle_min = degToRad(-135.0);
   scan.angle_increment = degToRad(1.0);
   scan.range_max = 30.0;
@@ -316,12 +316,12 @@ TEST(TiltedProjection, ABeamWithoutAReturnClearsOnlyInsideTheSlice) {
   config.slice_min_m = -0.5;
   const PoseAt base = [](double) { return poseOf(Vector3d::Zero(), tilt(0.0, 0.2)); };
   LaserScan scan;
-  scan.stamp = kStamp;
+  scan.stamp = kScanStamp;
   scan.angle_min = degToRad(-1.0);
   scan.angle_increment = degToRad(1.0);
   scan.range_max = 100.0;
   scan.ranges.assign(93, 80.0F);  // returns beyond the range limit
-  scan.ranges[1] = scan.ranges[91] = kInf;
+  scan.ranges[1] = scan.ranges[91] = kNothing;
   const AttitudeBuffer attitude = imuOf(base);
   VehicleState vehicle;
   vehicle.attitude = &attitude;

@@ -15,7 +15,7 @@
 namespace kestrel {
 namespace {
 
-constexpr double kGravity = 9.81;
+constexpr double kWeight = 9.81;
 constexpr std::uint64_t kSeed = 3;
 
 FlightPlan square() {
@@ -99,7 +99,7 @@ TEST(Quadrotor, WithoutWindTheSpecificForceIsAlongTheBodyAxis) {
   for (double t = 0.0; t < motion->duration(); t += 0.01) {
     const TrueState state = motion->at(t);
     const Eigen::Vector3d specific_force = state.world_T_base.linear().transpose() *
-                                           (state.acceleration + Eigen::Vector3d(0, 0, kGravity));
+                                           (state.acceleration + Eigen::Vector3d(0, 0, kWeight));
     ASSERT_LT(specific_force.head<2>().norm(), 2e-3) << t;
     largest_horizontal = std::max(largest_horizontal, state.acceleration.head<2>().norm());
   }
@@ -116,13 +116,13 @@ TEST(Quadrotor, IntegratedGyroAndAccelerometerGiveThePath) {
   for (int i = 0; i < steps; ++i) {
     const TrueState middle = motion->at((i + 0.5) * kStep);
     const Eigen::Vector3d accelerometer = middle.world_T_base.linear().transpose() *
-                                          (middle.acceleration + Eigen::Vector3d(0, 0, kGravity));
+                                          (middle.acceleration + Eigen::Vector3d(0, 0, kWeight));
     const Eigen::Vector3d half_turn = middle.angular_velocity * kStep / 2.0;
     const Eigen::Quaterniond half(Eigen::AngleAxisd(
         half_turn.norm(), half_turn.norm() > 0.0 ? Eigen::Vector3d(half_turn.normalized())
                                                  : Eigen::Vector3d::UnitX()));
     attitude = attitude * half;
-    const Eigen::Vector3d acceleration = attitude * accelerometer - Eigen::Vector3d(0, 0, kGravity);
+    const Eigen::Vector3d acceleration = attitude * accelerometer - Eigen::Vector3d(0, 0, kWeight);
     attitude = attitude * half;
     position += velocity * kStep + acceleration * kStep * kStep / 2.0;
     velocity += acceleration * kStep;
@@ -268,7 +268,7 @@ TEST(Quadrotor, GustsHaveTheGivenStrength) {
   for (double t = 2.0; t < 400.0; t += 0.05) {
     const TrueState state = motion->at(t);
     const Eigen::Vector3d force = state.world_T_base.linear().transpose() *
-                                  (state.acceleration + Eigen::Vector3d(0, 0, kGravity));
+                                  (state.acceleration + Eigen::Vector3d(0, 0, kWeight));
     squares += force.head<2>().squaredNorm();
     count += 2.0;
   }

@@ -8,12 +8,11 @@
 #include <stdexcept>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "simulation/cast.h"
 #include "simulation/steady_motion.h"
 
 namespace kestrel {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 LaserScan scan(const LaserModel& laser, const World& world, const Motion& motion = SteadyMotion(),
                double time = 0.0, std::uint64_t seed = 1) {

@@ -7,22 +7,15 @@
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/simulation/world.h"
+#include "simulation/cast.h"
 
 namespace kestrel {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFar = 1e6;  // m
 
 World worldWith(const Walker& walker) {
   World::Parts parts;
   parts.walkers.push_back(walker);
   return World(std::move(parts));
-}
-
-double distance(const World& world, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
-                double time = 0.0) {
-  return world.cast(origin, direction, time, kFar).distance;
 }
 
 TEST(Walker, WalksAroundItsPolygon) {

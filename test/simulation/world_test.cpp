@@ -10,12 +10,10 @@
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/random.h"
+#include "simulation/cast.h"
 
 namespace kestrel {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFar = 1e6;  // m
 
 Eigen::Vector3d level(double degrees) {
   return {std::cos(degToRad(degrees)), std::sin(degToRad(degrees)), 0.0};
@@ -26,11 +24,6 @@ World worldOf(std::vector<Box> boxes, std::vector<Cylinder> cylinders = {}) {
   parts.boxes = std::move(boxes);
   parts.cylinders = std::move(cylinders);
   return World(std::move(parts));
-}
-
-double distance(const World& world, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
-                double time = 0.0) {
-  return world.cast(origin, direction, time, kFar).distance;
 }
 
 // ---- an independent oracle, which tests every surface -------------------------------------------

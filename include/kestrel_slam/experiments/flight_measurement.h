@@ -51,6 +51,10 @@ struct FlightMeasurement {
 /// evaluateReference().
 FlightMeasurement measureFlight(const FlightTrial& trial);
 
+/// An occupied cell farther than this from every upright surface is false, m. Allows for two cells
+/// and the noise of the laser.
+constexpr double kFalseDistance = 0.15;
+
 /// Distance in the plane from `point` (in world, m) to the nearest upright surface of a box or
 /// cylinder, at any height; infinite if there is none.
 double distanceToUprightSurface(const World::Parts& parts, const Eigen::Vector2d& point);
