@@ -2,6 +2,7 @@
 #include "kestrel_slam/tracking/mean_shift.h"
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -19,23 +20,43 @@ constexpr std::size_t kFewPoints = 400;
 template <int D>
 using PointList = std::vector<Eigen::Matrix<double, D, 1>>;
 
-/// Shifts `start` to the mean of the points near it until it stays where it is.
+/// What the climb before leaves to the next one, which is often near.
+template <int D>
+struct Climb {
+  typename PointBins<D>::Neighbors neighbors;
+  PointList<D> path;  ///< its places
+  Eigen::Matrix<double, D, 1> mode;
+  std::size_t density = 0;  ///< points near the mode
+};
+
+/// Shifts `start` to the mean of the points near it until it stays where it is. Where it comes to a
+/// place of the climb before, it goes the same way.
 template <int D>
 Eigen::Matrix<double, D, 1> climbIn(const PointBins<D>& bins, const PointList<D>& points,
-                                    Eigen::Matrix<double, D, 1> start,
-                                    typename PointBins<D>::Neighbors& neighbors) {
+                                    Eigen::Matrix<double, D, 1> start, Climb<D>& last) {
+  PointList<D> path;
+  std::size_t count = 0;
   for (int step = 0; step < kMaxSteps; ++step) {
+    if (std::find(last.path.begin(), last.path.end(), start) != last.path.end()) {
+      path.insert(path.end(), last.path.begin(), last.path.end());
+      last.path = std::move(path);
+      return last.mode;
+    }
+    path.push_back(start);
     Eigen::Matrix<double, D, 1> sum = Eigen::Matrix<double, D, 1>::Zero();
-    std::size_t count = 0;
-    bins.forEachNear(start, neighbors, [&](std::size_t i) {
+    count = 0;
+    bins.forEachNear(start, last.neighbors, [&](std::size_t i) {
       sum += points[i];
       ++count;
     });
-    if (count == 0) return start;
+    if (count == 0) break;
     const Eigen::Matrix<double, D, 1> mean = sum / static_cast<double>(count);
-    if (mean == start) return start;
+    if (mean == start) break;
     start = mean;
   }
+  last.path = std::move(path);
+  last.mode = start;
+  last.density = count;
   return start;
 }
 
@@ -68,11 +89,12 @@ struct Group {
   std::vector<std::size_t> points;
   Eigen::Matrix<double, D, 1> low, high;
 
-  Group(const PointList<D>& all, std::size_t first) : points{first}, low(all[first]), high(low) {}
-  void add(const PointList<D>& all, std::size_t i) {
-    points.push_back(i);
-    low = low.cwiseMin(all[i]);
-    high = high.cwiseMax(all[i]);
+  Group(const PointList<D>& all, std::vector<std::size_t> numbers)
+      : points(std::move(numbers)), low(all[points.front()]), high(low) {
+    for (const std::size_t i : points) {
+      low = low.cwiseMin(all[i]);
+      high = high.cwiseMax(all[i]);
+    }
   }
 };
 
@@ -108,12 +130,14 @@ std::vector<std::size_t> joinGroups(const PointList<D>& points, const std::vecto
 template <int D>
 std::vector<std::vector<std::size_t>> separatePieces(const PointList<D>& points, double distance) {
   std::vector<Group<D>> pieces;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (i > 0 && (points[i] - points[i - 1]).squaredNorm() <= distance * distance) {
-      pieces.back().add(points, i);
-    } else {
-      pieces.emplace_back(points, i);
-    }
+  for (std::size_t first = 0, end = 0; first < points.size(); first = end) {
+    do {
+      ++end;
+    } while (end < points.size() &&
+             (points[end] - points[end - 1]).squaredNorm() <= distance * distance);
+    std::vector<std::size_t> piece(end - first);
+    std::iota(piece.begin(), piece.end(), first);
+    pieces.emplace_back(points, std::move(piece));
   }
   std::vector<std::size_t> parent = joinGroups<D>(points, pieces, distance);
   std::vector<std::vector<std::size_t>> sets(pieces.size());
@@ -148,26 +172,37 @@ Eigen::Matrix<double, D, 1> meanOf(const PointList<D>& points,
   return sum / static_cast<double>(set.size());
 }
 
+/// True if no two points of the set are farther from each other than `distance`. May be false for
+/// sets that are nearly as large.
+template <int D>
+bool isSmall(const PointList<D>& points, const std::vector<std::size_t>& set,
+             const Eigen::Matrix<double, D, 1>& mean, double distance) {
+  Eigen::Matrix<double, D, 1> low = mean, high = mean;
+  double radius2 = 0.0;
+  for (const std::size_t i : set) {
+    low = low.cwiseMin(points[i]);
+    high = high.cwiseMax(points[i]);
+    radius2 = std::max(radius2, (points[i] - mean).squaredNorm());
+  }
+  return 4.0 * radius2 < distance * distance || (high - low).squaredNorm() < distance * distance;
+}
+
 /// A small set that is far from all other points has one mode, its mean, which every point reaches
 /// with the first step. The points of other sets climb.
 template <int D>
 Modes<D> findModes(const PointList<D>& points, double bandwidth) {
-  constexpr double kHalf = 0.5;
+  constexpr double kApart = 1.5;     // bandwidths; then no point of another set is near the mean
   std::optional<PointBins<D>> bins;  // most scans need none
-  typename PointBins<D>::Neighbors neighbors;
+  Climb<D> last;
   Modes<D> modes{points, std::vector<std::size_t>(points.size())};
-  for (const auto& set : separateSets<D>(points, (1.0 + kHalf) * bandwidth)) {
+  for (const auto& set : separateSets<D>(points, kApart * bandwidth)) {
     if (set.empty()) continue;
     const Eigen::Matrix<double, D, 1> mean = meanOf<D>(points, set);
-    const bool is_small = std::all_of(set.begin(), set.end(), [&](std::size_t i) {
-      return (points[i] - mean).norm() < kHalf * bandwidth;
-    });
+    const bool is_small = isSmall<D>(points, set, mean, bandwidth);
     if (!is_small && !bins) bins.emplace(points, bandwidth);
     for (const std::size_t i : set) {
-      modes.density[i] = is_small ? set.size() : 0;
-      modes.of_point[i] = is_small ? mean : climbIn<D>(*bins, points, points[i], neighbors);
-      if (is_small) continue;
-      bins->forEachNear(modes.of_point[i], neighbors, [&](std::size_t) { ++modes.density[i]; });
+      modes.of_point[i] = is_small ? mean : climbIn<D>(*bins, points, points[i], last);
+      modes.density[i] = is_small ? set.size() : last.density;
     }
   }
   return modes;
@@ -207,12 +242,7 @@ std::vector<std::size_t> joinClusters(const PointList<D>& points,
                                       const std::vector<PointCluster<D>>& clusters, double gap) {
   if (points.size() <= kFewPoints) {
     std::vector<Group<D>> groups;
-    for (const PointCluster<D>& cluster : clusters) {
-      groups.emplace_back(points, cluster.points.front());
-      for (std::size_t i = 1; i < cluster.points.size(); ++i) {
-        groups.back().add(points, cluster.points[i]);
-      }
-    }
+    for (const PointCluster<D>& cluster : clusters) groups.emplace_back(points, cluster.points);
     return joinGroups<D>(points, groups, gap);
   }
   std::vector<std::size_t> cluster_of(points.size());
@@ -236,12 +266,14 @@ std::vector<PointCluster<D>> meanShift(const PointList<D>& points, double bandwi
   const auto [modes, density] = findModes<D>(points, bandwidth);
   std::vector<std::size_t> parent = joinModes<D>(modes, 0.5 * bandwidth);
   std::vector<PointCluster<D>> clusters;
-  std::vector<std::size_t> cluster_of(points.size()), best;
+  std::vector<std::size_t> cluster_of(points.size()), size(points.size(), 0), best;
+  for (std::size_t i = 0; i < points.size(); ++i) ++size[rootOf(parent, i)];
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::size_t root = rootOf(parent, i);
     if (root == i) {
       cluster_of[i] = clusters.size();
       clusters.push_back({modes[i], {}});
+      clusters.back().points.reserve(size[root]);
       best.push_back(density[i]);
     }
     const std::size_t c = cluster_of[root];
@@ -256,8 +288,8 @@ std::vector<PointCluster<D>> meanShift(const PointList<D>& points, double bandwi
 template <int D>
 Eigen::Matrix<double, D, 1> climb(const PointList<D>& points, double bandwidth,
                                   Eigen::Matrix<double, D, 1> start) {
-  typename PointBins<D>::Neighbors neighbors;
-  return climbIn<D>(PointBins<D>(points, bandwidth), points, start, neighbors);
+  Climb<D> last;
+  return climbIn<D>(PointBins<D>(points, bandwidth), points, start, last);
 }
 
 template <int D>

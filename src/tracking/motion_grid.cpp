@@ -49,18 +49,21 @@ const typename MotionGrid<D>::Result& MotionGrid<D>::insert(const std::vector<Gr
   result_.was_free.assign(rays.size(), false);
   result_.has_come.assign(rays.size(), false);
   // All returns are classified by the grids of the last scan before the first cell changes.
+  ends_.clear();
+  ends_.reserve(rays.size());
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (!rays[i].hit || !isUsable(rays[i])) continue;
-    const CellData* own = cells_.find(indexOf(rays[i].end));
-    result_.motion[i] = classify(rays[i], own);
-    result_.was_free[i] = own != nullptr && stateOf(*own) == CellState::kFree;
-    result_.has_come[i] =
-        result_.was_free[i] || (own != nullptr && own->has_come && hasStopped(*own));
+    const RayEnd& end = ends_.emplace_back(endOf(rays[i]));
+    if (!rays[i].hit || !end.is_usable) continue;
+    result_.motion[i] = classify(rays[i], end.cell);
+    if (end.cell == nullptr) continue;
+    const bool was_free = stateOf(*end.cell) == CellState::kFree;
+    if (was_free) result_.was_free[i] = true;
+    if (was_free || (end.cell->has_come && hasStopped(*end.cell))) result_.has_come[i] = true;
   }
   ++scan_;
   time_ += std::max(seconds, 0.0);
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (result_.motion[i] != CellMotion::kNone) updateHit(rays[i], i);
+    if (result_.motion[i] != CellMotion::kNone) updateHit(i);
   }
   protectSurface(rays);
   clearAlong(rays);
@@ -71,6 +74,13 @@ template <int D>
 bool MotionGrid<D>::isUsable(const GridRay<D>& ray) const {
   const float limit = kMaxCoordinate * static_cast<float>(config_.resolution_m);
   return ray.origin.cwiseAbs().maxCoeff() < limit && ray.end.cwiseAbs().maxCoeff() < limit;
+}
+
+template <int D>
+typename MotionGrid<D>::RayEnd MotionGrid<D>::endOf(const GridRay<D>& ray) {
+  if (!isUsable(ray)) return {};
+  const Index index = indexOf(ray.end);
+  return {index, ray.hit ? cells_.find(index) : nullptr, true};
 }
 
 /// The rows of table 1 and 2 with an occupied measurement. A return near something static belongs
@@ -92,11 +102,11 @@ CellMotion MotionGrid<D>::classify(const GridRay<D>& ray, const CellData* own) c
 }
 
 template <int D>
-void MotionGrid<D>::updateHit(const GridRay<D>& ray, std::size_t number) {
+void MotionGrid<D>::updateHit(std::size_t number) {
   const CellMotion motion = result_.motion[number];
-  const Index index = indexOf(ray.end);
+  const auto& [index, known, is_usable] = ends_[number];
   const bool is_moving = motion == CellMotion::kMoving;
-  CellData* cell = is_moving ? addMoving(index) : cells_.obtain(index);
+  CellData* cell = is_moving ? addMoving(index) : known != nullptr ? known : cells_.obtain(index);
   if (cell == nullptr) {
     result_.full = true;
     return;
@@ -107,7 +117,6 @@ void MotionGrid<D>::updateHit(const GridRay<D>& ray, std::size_t number) {
   const auto now = static_cast<float>(time_);
   if (cell->last_hit < 0.0F || now - cell->last_hit > kEpisodeGap) cell->first_hit = now;
   cell->last_hit = now;
-  cell->is_clear = false;
   cell->has_come = result_.has_come[number];
   cell->was_moving = is_moving || (cell->was_moving && motion == CellMotion::kStopped);
   const bool by_medium = is_moving || motion == CellMotion::kStopped;
@@ -137,7 +146,7 @@ void MotionGrid<D>::passCell(CellData& cell, bool presumed) const {
   const float low = presumed ? std::clamp(-cell.static_odds / scale_, low_, 0.0F) : low_;
   add(cell, low, low_);
   if (cell.static_odds < free_) cell.was_moving = false;
-  cell.is_clear = cell.static_odds == min_ && cell.dynamic_odds == min_;
+  if (cell.static_odds == min_ && cell.dynamic_odds == min_) cell.scan = kClear;
 }
 
 /// [Siew 2018, eq. 6] with the prior 0.5, within the bounds.
@@ -155,16 +164,19 @@ template <int D>
 void MotionGrid<D>::impose(const std::function<Vector(const Vector&)>& displacement, double reach) {
   const int radius = static_cast<int>(std::ceil(reach / config_.resolution_m));
   const double limit = reach / config_.resolution_m + 0.5;
+  std::vector<Index> offsets;
+  anyBetween<D>(Index::Constant(-radius), Index::Constant(radius), [&](const Index& offset) {
+    if (offset.template cast<double>().norm() <= limit) offsets.push_back(offset);
+    return false;
+  });
   for (const MovingCell& moving : result_.moving) {
     const Vector center = centerOf(moving.index);
     const Vector displaced = center + displacement(center);
     if (!displaced.allFinite()) continue;
     const Index moved = indexOf(displaced);
-    anyAround<D>(radius, [&](const Index& offset) {
-      if (offset.template cast<double>().norm() > limit) return false;
+    for (const Index& offset : offsets) {
       if (CellData* cell = cells_.obtain(moved + offset)) cell->imposed = scan_ + 1;
-      return false;
-    });
+    }
   }
 }
 
@@ -213,10 +225,10 @@ bool MotionGrid<D>::wasPassed(const Index& index) const {
 
 template <int D>
 double MotionGrid<D>::lastReturn(const Index& index) const {
+  const Index ones = Index::Ones();
   float last = -1.0F;
-  anyAround<D>(1, [&](const Index& offset) {
-    const CellData* near = cells_.find(index + offset);
-    if (near != nullptr) last = std::max(last, near->last_hit);
+  anyKnown<D>(cells_, index - ones, index + ones, [&](const Index&, const CellData& near) {
+    last = std::max(last, near.last_hit);
     return false;
   });
   return static_cast<double>(last);
@@ -224,11 +236,10 @@ double MotionGrid<D>::lastReturn(const Index& index) const {
 
 template <int D>
 bool MotionGrid<D>::cameAfter(const Index& index, double time) const {
-  return !anyAround<D>(1, [&](const Index& offset) {
-    const CellData* near = cells_.find(index + offset);
-    return near != nullptr && near->last_hit >= 0.0F &&
-           static_cast<float>(time_) - near->last_hit <= kEpisodeGap &&
-           near->first_hit <= static_cast<float>(time);
+  const Index ones = Index::Ones();
+  return !anyKnown<D>(cells_, index - ones, index + ones, [&](const Index&, const CellData& near) {
+    return near.last_hit >= 0.0F && static_cast<float>(time_) - near.last_hit <= kEpisodeGap &&
+           near.first_hit <= static_cast<float>(time);
   });
 }
 

@@ -15,9 +15,6 @@ namespace {
 
 constexpr float kMaxSpacing = 1.0F;  ///< m; of two returns of one surface
 
-/// 0, -1, 1, -2, 2, ...: the nearest cells first.
-int alternating(int i) { return i % 2 == 0 ? i / 2 : -(i + 1) / 2; }
-
 /// The steps of a walk until it leaves a tile, or has made all steps along an axis.
 class TileWalk {
  public:
@@ -30,25 +27,24 @@ class TileWalk {
     }
   }
 
-  /// Calls `visit(offset)` for each cell, with its offset in the tile.
-  template <typename Visit>
-  void run(std::size_t offset, Visit visit) {
+  /// Calls `visit(cell)` for each cell. `cell`: the first, in a tile.
+  template <typename CellData, typename Visit>
+  void run(CellData* cell, Visit visit) {
     // Copies, which the compiler keeps in registers.
     double x = walk_.next[0], y = walk_.next[1];
     const double per_x = walk_.per_cell[0], per_y = walk_.per_cell[1];
-    const std::size_t column = static_cast<std::size_t>(walk_.step[0]);
-    const std::size_t row = static_cast<std::size_t>(walk_.step[1] * kTileSide);
+    const std::ptrdiff_t column = walk_.step[0], row = walk_.step[1] * kTileSide;
     int x_steps = steps_[0], y_steps = steps_[1];
     for (;;) {
-      visit(offset);
+      visit(*cell);
       if (y < x) {
         if (--y_steps == 0) break;
         y += per_y;
-        offset += row;
+        cell += row;
       } else {
         if (--x_steps == 0) break;
         x += per_x;
-        offset += column;
+        cell += column;
       }
     }
     finish(0, x, steps_[0] - x_steps, x_steps == 0);
@@ -74,42 +70,20 @@ class TileWalk {
 template <int D>
 typename MotionGrid<D>::Surroundings MotionGrid<D>::surroundingsOf(const Vector& point,
                                                                    double distance) const {
-  const Index center = indexOf(point);
   const auto reach = static_cast<float>(distance / config_.resolution_m);
   const Vector in_cells = point / static_cast<float>(config_.resolution_m);
+  const auto cellOf = [](float coordinate) { return floorToInt(coordinate); };
+  const Index low = (in_cells - Vector::Constant(reach)).unaryExpr(cellOf);
+  const Index high = (in_cells + Vector::Constant(reach)).unaryExpr(cellOf);
   Surroundings result;
-  const int radius = static_cast<int>(std::ceil(reach));
-  const auto look = [&](const Index& index) {
-    const CellData* cell = cells_.find(index);
-    if (cell == nullptr || stateOf(*cell) != CellState::kOccupied) return;
-    (hasStopped(*cell) ? result.has_stopped
-     : isNew(*cell)    ? result.is_new
-                       : result.is_static) = true;
-  };
-  // Distance from the point to the cells of this index, along an axis.
-  const auto gapAt = [&](int axis, int index) {
-    const float low = static_cast<float>(index) - in_cells(axis);
-    return std::max(std::max(low, -low - 1.0F), 0.0F);
-  };
-  if constexpr (D == 2) {
-    for (int i = 0; i <= 2 * radius && !result.is_static; ++i) {
-      const int y = center.y() + alternating(i);
-      const float up = gapAt(1, y);
-      if (up > reach) continue;
-      for (int j = 0; j <= 2 * radius && !result.is_static; ++j) {
-        const int x = center.x() + alternating(j);
-        const float aside = gapAt(0, x);
-        if (std::sqrt(aside * aside + up * up) <= reach) look({x, y});
-      }
-    }
-  } else {
-    anyAround<D>(radius, [&](const Index& offset) {
-      const Index index = center + offset;
-      const Vector gap(gapAt(0, index.x()), gapAt(1, index.y()), gapAt(2, index.z()));
-      if (gap.norm() <= reach) look(index);
-      return result.is_static;
-    });
-  }
+  anyKnown<D>(cells_, low, high, [&](const Index& index, const CellData& cell) {
+    if (!(cell.static_odds > occupied_)) return false;
+    const Vector from = index.template cast<float>() - in_cells;
+    const Vector gap = from.cwiseMax(-from - Vector::Ones()).cwiseMax(0.0F);
+    if (gap.norm() > reach) return false;
+    (hasStopped(cell) ? result.has_stopped : isNew(cell) ? result.is_new : result.is_static) = true;
+    return result.is_static;
+  });
   return result;
 }
 
@@ -122,13 +96,13 @@ void MotionGrid<D>::protectSurface(const std::vector<GridRay<D>>& rays) {
   Index last = Index::Constant(std::numeric_limits<int>::max());
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (result_.motion[i] == CellMotion::kNone) continue;
-    const Index index = indexOf(rays[i].end);
+    const Index& index = ends_[i].index;
     if (index == last) continue;
     last = index;
     protectAround(index);
     const bool has_neighbor = D == 2 && i > 0 && result_.motion[i - 1] != CellMotion::kNone;
     // Between cells side by side there is nothing.
-    if (!has_neighbor || (index - indexOf(rays[i - 1].end)).cwiseAbs().sum() <= 1) continue;
+    if (!has_neighbor || (index - ends_[i - 1].index).cwiseAbs().sum() <= 1) continue;
     if ((rays[i].end - rays[i - 1].end).norm() > kMaxSpacing) continue;
     traverse<D>(rays[i - 1].end * inverse, rays[i].end * inverse, [this](const Index& between) {
       protectCell(between);
@@ -163,38 +137,40 @@ void MotionGrid<D>::protectCell(const Index& index) {
 
 template <int D>
 void MotionGrid<D>::clearAlong(const std::vector<GridRay<D>>& rays) {
-  std::vector<float> from;
-  if constexpr (D == 2) from = sharedRanges(rays, static_cast<float>(config_.resolution_m));
-  from.resize(rays.size(), 0.0F);
+  std::vector<float> shared;
+  if constexpr (D == 2) shared = sharedWays(rays, static_cast<float>(config_.resolution_m));
+  shared.resize(rays.size(), 0.0F);
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (isUsable(rays[i])) updateMiss(rays[i], from[i]);
+    if (ends_[i].is_usable && !(shared[i] >= 1.0F)) updateMiss(rays[i], shared[i]);
   }
 }
 
-/// The rows of table 1 and 2 with a free measurement, for the cells of a ray that are farther than
-/// `from`, m.
+/// The rows of table 1 and 2 with a free measurement, for the cells of a ray after `shared` of its
+/// way.
 template <int D>
-void MotionGrid<D>::updateMiss(const GridRay<D>& ray, float from) {
-  const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
-  const Vector along = ray.end - ray.origin;
-  const Vector first = from > 0.0F ? (ray.origin + from / along.norm() * along).eval() : ray.origin;
-  passAlong(first * inverse, ray.end * inverse, ray.presumed);
+void MotionGrid<D>::updateMiss(const GridRay<D>& ray, float shared) {
+  passAlong(ray,
+            shared > 0.0F ? (ray.origin + shared * (ray.end - ray.origin)).eval() : ray.origin);
 }
 
 /// In the plane, a tile is looked up once for all cells that the beam passes in it.
 template <int D>
-void MotionGrid<D>::passAlong(const Vector& from, const Vector& to, bool presumed) {
+void MotionGrid<D>::passAlong(const GridRay<D>& ray, const Vector& first) {
+  const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
+  const Vector from = first * inverse, to = ray.end * inverse;
+  const std::uint32_t scan = scan_;
   if constexpr (D == 2) {
     CellWalk<2> walk(from, to);
+    if (ray.hit && walk.remaining == 1) return;  // the cell before a return is protected
     int left[2] = {std::abs(walk.last[0] - walk.index[0]), std::abs(walk.last[1] - walk.index[1])};
     while (left[0] + left[1] > 0) {
       const Index index(walk.index[0], walk.index[1]);
-      auto* tile = cells_.obtainTile(index);
+      auto* tile = cells_.findBlock(index);
+      if (tile == nullptr) tile = cells_.obtainTile(index);
       result_.full |= tile == nullptr;
       if (tile == nullptr) return;
-      TileWalk(walk, left).run(offsetInTile({index.x(), index.y()}), [&](std::size_t offset) {
-        CellData& cell = (*tile)[offset];
-        if (cell.scan != scan_ && !cell.is_clear) passCell(cell, presumed);
+      TileWalk(walk, left).run(&(*tile)[cells_.offsetOf(index)], [&](CellData& cell) {
+        if (cell.scan < scan) passCell(cell, ray.presumed);
       });
     }
   } else {
@@ -202,7 +178,7 @@ void MotionGrid<D>::passAlong(const Vector& from, const Vector& to, bool presume
       CellData* cell = cells_.obtain(index);
       result_.full |= cell == nullptr;
       if (cell == nullptr) return false;
-      if (cell->scan != scan_ && !cell->is_clear) passCell(*cell, presumed);
+      if (cell->scan < scan) passCell(*cell, ray.presumed);
       return true;
     });
   }

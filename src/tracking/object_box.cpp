@@ -2,6 +2,7 @@
 #include "kestrel_slam/tracking/object_box.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -55,22 +56,36 @@ const Axes& axesOf(int step) {
   return all[static_cast<std::size_t>(step + kCoarse)];
 }
 
-using Values = Eigen::Array<double, Eigen::Dynamic, 1, 0, static_cast<int>(kPoints), 1>;
-
-/// Distances to the nearer end of what the points fill along an axis.
-Values distancesToEnds(const Values& along) {
-  return (along - along.minCoeff()).min(along.maxCoeff() - along);
-}
+/// Two values each, for which the processor has instructions. Of an odd number of points, the last
+/// is there twice.
+using Pairs = std::array<Eigen::Array2d, (kPoints + 1) / 2>;
 
 /// Large if the points lie close to the sides of the rectangle.
-double closeness(const Values& x, const Values& y, const Axes& axes) {
-  const Values along = axes.along.x() * x + axes.along.y() * y;
-  const Values across = axes.across.x() * x + axes.across.y() * y;
-  const Values near =
-      1.0 /
-      distancesToEnds(along).min(distancesToEnds(across)).max(Values::Constant(x.size(), kNear));
+double closeness(const Pairs& x, const Pairs& y, std::size_t count, const Axes& axes) {
+  Pairs along, across;
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Eigen::Array2d first(kFar, kFar), last(-kFar, -kFar), left = first, right = last;
+  for (std::size_t i = 0; 2 * i < count; ++i) {
+    along[i] = axes.along.x() * x[i] + axes.along.y() * y[i];
+    across[i] = axes.across.x() * x[i] + axes.across.y() * y[i];
+    first = first.min(along[i]);
+    last = last.max(along[i]);
+    left = left.min(across[i]);
+    right = right.max(across[i]);
+  }
+  first = first.minCoeff();
+  last = last.maxCoeff();
+  left = left.minCoeff();
+  right = right.maxCoeff();
   double sum = 0.0;  // in the order of the points
-  for (const double value : near) sum += value;
+  for (std::size_t i = 0; 2 * i < count; ++i) {
+    const Eigen::Array2d near = 1.0 / (along[i] - first)
+                                          .min(last - along[i])
+                                          .min((across[i] - left).min(right - across[i]))
+                                          .max(kNear);
+    sum += near.x();
+    if (2 * i + 1 < count) sum += near.y();
+  }
   return sum;
 }
 
@@ -103,16 +118,16 @@ OrientedBox boxAlong(const std::vector<Eigen::Vector2d>& points, double yaw) {
 OrientedBox fitBox(const std::vector<Eigen::Vector2d>& points) {
   if (points.empty()) return {};
   const std::vector<Eigen::Vector2d> some = thinned(points);
-  const auto count = static_cast<Eigen::Index>(some.size());
-  Values x(count), y(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    x(i) = some[static_cast<std::size_t>(i)].x();
-    y(i) = some[static_cast<std::size_t>(i)].y();
+  Pairs x, y;
+  for (std::size_t i = 0; i < some.size() + some.size() % 2; ++i) {
+    const Eigen::Vector2d& point = some[std::min(i, some.size() - 1)];
+    x[i / 2](static_cast<Eigen::Index>(i % 2)) = point.x();
+    y[i / 2](static_cast<Eigen::Index>(i % 2)) = point.y();
   }
   int best_step = 0;
   double best = -1.0;
   const auto tryStep = [&](int step) {
-    const double value = closeness(x, y, axesOf(step));
+    const double value = closeness(x, y, some.size(), axesOf(step));
     if (value <= best) return;
     best = value;
     best_step = step;

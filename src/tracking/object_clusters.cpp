@@ -100,6 +100,7 @@ ObjectCluster objectOf(std::vector<Eigen::Vector2d> points, const Visibility& vi
 std::vector<std::size_t> movingPart(const std::vector<std::size_t>& cluster,
                                     const std::vector<MovingPoint>& moving, std::size_t needed) {
   std::vector<std::size_t> come;
+  come.reserve(cluster.size());
   std::copy_if(cluster.begin(), cluster.end(), std::back_inserter(come),
                [&](std::size_t i) { return moving[i].has_come; });
   return 2 * come.size() > cluster.size() && come.size() >= needed ? come : cluster;
@@ -111,6 +112,7 @@ std::vector<ObjectCluster> findObjects(const std::vector<MovingPoint>& moving,
                                        const std::vector<GridRay<2>>& rays,
                                        const Visibility& visibility, const TrackerConfig& config) {
   std::vector<Eigen::Vector2d> points;
+  points.reserve(moving.size());
   for (const MovingPoint& point : moving) points.push_back(point.position);
   std::vector<ObjectCluster> objects;
   const auto clusters =
@@ -120,6 +122,7 @@ std::vector<ObjectCluster> findObjects(const std::vector<MovingPoint>& moving,
     const std::size_t needed = pointsNeeded(range, visibility, config);
     if (cluster.points.size() < needed) continue;
     std::vector<Eigen::Vector2d> own;
+    own.reserve(cluster.points.size());
     for (const std::size_t i : movingPart(cluster.points, moving, needed)) {
       own.push_back(points[i]);
     }

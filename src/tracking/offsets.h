@@ -5,16 +5,36 @@
 
 namespace kestrel {
 
-/// Calls `visit(offset)` for all offsets up to `radius` in each direction, until it returns true.
+/// Calls `visit(index)` for all cells from `low` to `high`, until it returns true.
 template <int D, typename Visit>
-bool anyAround(int radius, Visit visit) {
-  GridIndex<D> offset = GridIndex<D>::Constant(-radius);
+bool anyBetween(const GridIndex<D>& low, const GridIndex<D>& high, Visit visit) {
+  GridIndex<D> index = low;
   for (;;) {
-    if (visit(offset)) return true;
-    int axis = 0;
-    while (axis < D && ++offset(axis) > radius) offset(axis++) = -radius;
+    for (index(0) = low(0); index(0) <= high(0); ++index(0)) {
+      if (visit(GridIndex<D>(index))) return true;
+    }
+    int axis = 1;
+    for (; axis < D && ++index(axis) > high(axis); ++axis) index(axis) = low(axis);
     if (axis == D) return false;
   }
+}
+
+/// Calls `visit(index, value)` for the cells from `low` to `high` in blocks of the map that exist,
+/// until it returns true. Each block is looked up once.
+template <int D, typename Value, typename Visit>
+bool anyKnown(const CellMap<D, Value>& cells, const GridIndex<D>& low, const GridIndex<D>& high,
+              Visit visit) {
+  constexpr int kShift = CellMap<D, Value>::kBlockShift;
+  const auto blockOf = [](int index) { return index >> kShift; };
+  return anyBetween<D>(low.unaryExpr(blockOf), high.unaryExpr(blockOf), [&](const auto& number) {
+    const GridIndex<D> corner = number * (1 << kShift);
+    const auto* block = cells.findBlock(corner);
+    if (block == nullptr) return false;
+    const GridIndex<D> last = corner + GridIndex<D>::Constant((1 << kShift) - 1);
+    return anyBetween<D>(corner.cwiseMax(low), last.cwiseMin(high), [&](const auto& index) {
+      return visit(index, (*block)[cells.offsetOf(index)]);
+    });
+  });
 }
 
 }  // namespace kestrel

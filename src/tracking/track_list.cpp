@@ -38,7 +38,7 @@ std::vector<GridIndex<2>> cellsOf(const ObjectCluster& object, const MotionGrid<
   std::vector<GridIndex<2>> cells;
   for (const Eigen::Vector2d& point : object.points) {
     const GridIndex<2> cell = grid.indexOf(point.cast<float>());
-    if (std::find(cells.begin(), cells.end(), cell) == cells.end()) cells.push_back(cell);
+    if (std::find(cells.rbegin(), cells.rend(), cell) == cells.rend()) cells.push_back(cell);
   }
   return cells;
 }
@@ -325,10 +325,10 @@ const TrackList::Entry* TrackList::at(const Eigen::Vector2d& point) const {
   const Entry* nearest = nullptr;
   double best = std::numeric_limits<double>::infinity();
   for (const Entry& entry : entries_) {
-    const double distance = (entry.track.position - point).norm();
-    if (distance > 0.5 * std::max(entry.length, kPersonWidth) + kMargin || distance >= best)
-      continue;
-    best = distance;
+    const double distance2 = (entry.track.position - point).squaredNorm();
+    const double radius = 0.5 * std::max(entry.length, kPersonWidth) + kMargin;
+    if (distance2 > radius * radius || distance2 >= best) continue;
+    best = distance2;
     nearest = &entry;
   }
   return nearest;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <utility>
 
@@ -88,7 +87,7 @@ struct Tracker::State {
   Eigen::Vector2d forgotten_at = Eigen::Vector2d::Zero();
   std::vector<ObjectCluster> objects;  ///< of the last scan
   /// Whether a target may be an object of this scan, as far as it was asked.
-  std::map<std::pair<TargetLabel, std::size_t>, bool> causes;
+  std::vector<std::vector<std::pair<TargetLabel, bool>>> causes;  ///< by object
 
   bool accepts(const PlanarScan& scan, const Pose2& pose) const {
     return pose.isFinite() && std::hypot(pose.x, pose.y) < kMaxPosition &&
@@ -171,9 +170,12 @@ struct Tracker::State {
   }
 
   bool mayCause(TargetLabel label, std::size_t observation) {
-    const auto [known, is_new] = causes.try_emplace({label, observation}, false);
-    if (is_new) known->second = tracks.mayBe(label, objects[observation], grid);
-    return known->second;
+    auto& asked = causes[observation];
+    const auto known =
+        std::find_if(asked.begin(), asked.end(), [&](const auto& a) { return a.first == label; });
+    if (known != asked.end()) return known->second;
+    asked.emplace_back(label, tracks.mayBe(label, objects[observation], grid));
+    return asked.back().second;
   }
 
   void setModel(double seconds, const Visibility& visibility) {
@@ -213,7 +215,7 @@ struct Tracker::State {
     std::vector<Observation<2>> observations;
     for (const ObjectCluster& object : objects) observations.push_back(object.observation);
     setModel(seconds, visibility);
-    causes.clear();
+    causes.assign(objects.size(), {});
     // Births are targets of the last scan: they move until this one like all others.
     filter.add(new_targets);
     filter.predict(seconds, {});

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "kestrel_slam/geometry/angles.h"
+#include "sectors.h"
 
 namespace kestrel {
 namespace {
@@ -22,14 +23,15 @@ int floorOf(double value) {
   return truncated - static_cast<int>(value < static_cast<double>(truncated));
 }
 
-/// |normalizeAngle(angle)|; most angles need no remainder.
-double turnBy(double angle) {
-  const double turn = std::abs(angle);
-  return turn <= kPi ? turn : std::abs(normalizeAngle(angle));
+/// Tangent of the angle between two directions; infinite from a quarter of a turn on.
+float turnBetween(const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
+  const float dot = a.dot(b);
+  return dot > 0.0F ? std::abs(a.x() * b.y() - a.y() * b.x()) / dot
+                    : std::numeric_limits<float>::infinity();
 }
 
-double medianOf(std::vector<double> values) {
-  if (values.empty()) return 0.0;
+float medianOf(std::vector<float> values) {
+  if (values.empty()) return 0.0F;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -46,22 +48,28 @@ int Visibility::binOf(double bearing) {
 }
 
 Visibility::Visibility(const std::vector<GridRay<2>>& rays)
-    : reach_(kBins, -1.0F), returns_(kBins, -1.0F) {
+    : reach_(kBins, -1.0F), returns_(kBins, -1.0F), measured_before_(kBins + 1, 0) {
   if (!rays.empty()) sensor_ = rays[rays.size() / 2].origin.cast<double>();
-  std::vector<double> steps;
-  steps.reserve(rays.size());
-  double last = 0.0;
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const Eigen::Vector2f along = rays[i].end - rays[i].origin;
-    const auto bearing = static_cast<double>(std::atan2(along.y(), along.x()));
-    if (!std::isfinite(bearing)) continue;
-    if (i > 0) steps.push_back(turnBy(bearing - last));
-    last = bearing;
-    const auto bin = static_cast<std::size_t>(binOf(bearing));
-    reach_[bin] = std::max(reach_[bin], along.norm());
-    if (rays[i].hit) returns_[bin] = std::max(returns_[bin], along.norm());
+  static const Sectors sectors(kBins);
+  std::vector<float> turns;
+  turns.reserve(rays.size());
+  Eigen::Vector2f last = Eigen::Vector2f::Zero();
+  int sector = 0;
+  for (const GridRay<2>& ray : rays) {
+    const Eigen::Vector2f along = ray.end - ray.origin;
+    const float length = along.norm();
+    if (!std::isfinite(length)) continue;
+    if (&ray != &rays.front()) turns.push_back(turnBetween(last, along));
+    last = along;
+    sector = sectors.of(along, sector);
+    const auto bin = static_cast<std::size_t>(sector);
+    reach_[bin] = std::max(reach_[bin], length);
+    if (ray.hit) returns_[bin] = std::max(returns_[bin], length);
   }
-  beam_step_ = medianOf(std::move(steps));
+  for (std::size_t bin = 0; bin < reach_.size(); ++bin) {
+    measured_before_[bin + 1] = measured_before_[bin] + static_cast<int>(reach_[bin] >= 0.0F);
+  }
+  beam_step_ = static_cast<double>(std::atan(medianOf(std::move(turns))));
 }
 
 double Visibility::bearingOf(const Eigen::Vector2d& point) const {
@@ -77,7 +85,7 @@ bool Visibility::isPassed(const std::vector<float>& reach_of, const Eigen::Vecto
                           double width) const {
   const double range = std::max(rangeOf(point), kNearestRange), middle = bearingOf(point);
   const double half = 0.5 * width / range + kBesideBeams * beam_step_;
-  const int first = static_cast<int>(std::floor(-half / (2.0 * kPi) * kBins));
+  const int first = floorOf(-half / (2.0 * kPi) * kBins);
   bool measured = false;
   for (int i = first; i <= -first; ++i) {
     const float reach = reach_of[static_cast<std::size_t>(binOf(middle + i * 2.0 * kPi / kBins))];
@@ -103,18 +111,17 @@ bool Visibility::isCut(const std::vector<Eigen::Vector2d>& points) const {
 
 Visibility::Beams Visibility::countIn(int first, int count, double range) const {
   // The smallest float that is not below the range, because float is compared with float.
-  auto needed = static_cast<float>(range);
+  auto needed = static_cast<float>(std::max(range, 0.0));
   if (static_cast<double>(needed) < range) {
     needed = std::nextafter(needed, std::numeric_limits<float>::infinity());
   }
   Beams beams;
   while (count > 0) {
     const int last = std::min(first + count, kBins);
+    beams.measured += measured_before_[static_cast<std::size_t>(last)] -
+                      measured_before_[static_cast<std::size_t>(first)];
     for (int bin = first; bin < last; ++bin) {
-      const float reach = reach_[static_cast<std::size_t>(bin)];
-      const bool is_measured = reach >= 0.0F;
-      beams.measured += static_cast<int>(is_measured);
-      beams.visible += static_cast<int>(is_measured && reach >= needed);
+      beams.visible += static_cast<int>(reach_[static_cast<std::size_t>(bin)] >= needed);
     }
     count -= last - first;
     first = 0;
@@ -126,14 +133,14 @@ double Visibility::visibleShare(const Eigen::Vector2d& center, double width) con
   const Eigen::Vector2d offset = center - sensor_;
   const double range = std::max(offset.norm(), kNearestRange);
   const double half = std::atan2(0.5 * width, range);
-  const int first = static_cast<int>(std::floor(-half / (2.0 * kPi) * kBins));
+  const int first = floorOf(-half / (2.0 * kPi) * kBins);
   const int count = 1 - 2 * first;
   const double bearing = std::atan2(offset.y(), offset.x());
   // A beam that ends within the object hits the object itself.
   const double needed = range - width;
   const double place = (bearing + kPi) * kBins / (2.0 * kPi);
   Beams beams;
-  if (std::abs(place - std::round(place)) > kRounding) {
+  if (std::abs(place - floorOf(place + 0.5)) > kRounding) {
     beams = countIn(binOf(bearing + first * 2.0 * kPi / kBins), count, needed);
   } else {
     for (int i = 0; i < count; ++i) {

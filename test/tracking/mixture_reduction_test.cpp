@@ -69,6 +69,18 @@ TEST(MixtureReduction, PrunesMergesAndCaps) {
   EXPECT_NEAR(reduced[1].weight, 0.3, 1e-12);
 }
 
+TEST(MixtureReduction, OnlyComponentsOfOneMotionModelAreMerged) {
+  std::vector<PhdComponent<4>> mixture{componentAt(0, 0, 0, 0, 0.5), componentAt(0, 0, 0, 0, 0.4),
+                                       componentAt(0, 0, 0, 0, 0.2), componentAt(0, 0, 0, 0, 0.1)};
+  mixture[1].mode = mixture[3].mode = 2;
+  const auto reduced = reduceMixture(mixture, PhdLimits(), anyPair);
+  ASSERT_EQ(reduced.size(), 2U);
+  EXPECT_NEAR(reduced[0].weight, 0.7, 1e-12);
+  EXPECT_EQ(reduced[0].mode, 0);
+  EXPECT_NEAR(reduced[1].weight, 0.5, 1e-12);
+  EXPECT_EQ(reduced[1].mode, 2);
+}
+
 TEST(MixtureReduction, WhatStandsElsewhereIsNotMerged) {
   // 0.2 m of sigma: 1 m is far, 0.1 m is near.
   const auto reduced = reduceMixture<5>(

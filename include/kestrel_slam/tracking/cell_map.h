@@ -26,31 +26,39 @@ template <typename Value>
 class CellMap<2, Value> {
  public:
   using Tile = std::array<Value, kTileCells>;
+  static constexpr int kBlockShift = kTileShift;
 
   explicit CellMap(std::size_t limit_bytes) : limit_(limit_bytes), tiles_(limit_bytes) {}
 
   const Value* find(const GridIndex<2>& index) const {
-    const Cell cell{index.x(), index.y()};
-    const Tile* tile = tiles_.find(cell);
-    return tile != nullptr ? &(*tile)[offsetInTile(cell)] : nullptr;
+    const Tile* tile = findBlock(index);
+    return tile != nullptr ? &(*tile)[offsetOf(index)] : nullptr;
   }
+  /// The block of a cell, and the offset of the cell in it.
+  const Tile* findBlock(const GridIndex<2>& index) const {
+    return tiles_.find(Cell{index.x(), index.y()});
+  }
+  Tile* findBlock(const GridIndex<2>& index) {
+    return const_cast<Tile*>(std::as_const(*this).findBlock(index));
+  }
+  static std::size_t offsetOf(const GridIndex<2>& index) {
+    return offsetInTile({index.x(), index.y()});
+  }
+  /// The same; cells in the tile of the last one need no search.
   Value* find(const GridIndex<2>& index) {
-    return const_cast<Value*>(std::as_const(*this).find(index));
+    return isInLast(index) || enter(tiles_.find(Cell{index.x(), index.y()}), index)
+               ? &(*last_)[offsetOf(index)]
+               : nullptr;
   }
   /// nullptr if the memory limit is reached.
   Value* obtain(const GridIndex<2>& index) {
     Tile* tile = obtainTile(index);
-    return tile != nullptr ? &(*tile)[offsetInTile({index.x(), index.y()})] : nullptr;
+    return tile != nullptr ? &(*tile)[offsetOf(index)] : nullptr;
   }
   /// The tile of a cell; nullptr if the memory limit is reached.
   Tile* obtainTile(const GridIndex<2>& index) {
-    const Cell cell{index.x(), index.y()};
-    const Cell number{cell.x >> kTileShift, cell.y >> kTileShift};
-    if (last_ == nullptr || number.x != last_number_.x || number.y != last_number_.y) {
-      last_ = tiles_.obtain(cell);
-      last_number_ = number;
-    }
-    return last_;
+    return isInLast(index) || enter(tiles_.obtain(Cell{index.x(), index.y()}), index) ? last_
+                                                                                      : nullptr;
   }
 
   /// Removes the blocks that have no cell within `radius` cells of `center` in any direction.
@@ -68,31 +76,49 @@ class CellMap<2, Value> {
   std::size_t memoryBytes() const { return tiles_.memoryBytes(); }
 
  private:
+  bool isInLast(const GridIndex<2>& index) const {
+    return last_ != nullptr && (index.x() >> kTileShift) == last_number_.x &&
+           (index.y() >> kTileShift) == last_number_.y;
+  }
+  /// Remembers the tile; false if there is none.
+  bool enter(Tile* tile, const GridIndex<2>& index) {
+    last_ = tile;
+    last_number_ = {index.x() >> kTileShift, index.y() >> kTileShift};
+    return tile != nullptr;
+  }
+
   std::size_t limit_;
   TileMap<Tile> tiles_;
-  Cell last_number_{0, 0};  ///< of the tile that was written last
+  Cell last_number_{0, 0};  ///< of the tile that was used last
   Tile* last_ = nullptr;
 };
 
 template <typename Value>
 class CellMap<3, Value> {
  public:
+  static constexpr int kBlockShift = 3;
+  static constexpr int kSide = 1 << kBlockShift;
+  using Block = std::array<Value, kSide * kSide * kSide>;
+
   explicit CellMap(std::size_t limit_bytes) : limit_(limit_bytes) {}
 
   const Value* find(const GridIndex<3>& index) const {
+    const Block* block = findBlock(index);
+    return block != nullptr ? &(*block)[offsetOf(index)] : nullptr;
+  }
+  const Block* findBlock(const GridIndex<3>& index) const {
     const auto block = blocks_.find(keyOf(index));
-    return block != blocks_.end() ? &(*block->second)[offsetOf(index)] : nullptr;
+    return block != blocks_.end() ? block->second.get() : nullptr;
   }
-  Value* find(const GridIndex<3>& index) {
-    return const_cast<Value*>(std::as_const(*this).find(index));
+  static std::size_t offsetOf(const GridIndex<3>& index) {
+    constexpr unsigned kMask = kSide - 1U;
+    const auto part = [&](int i) {
+      return static_cast<std::size_t>(static_cast<unsigned>(index(i)) & kMask);
+    };
+    return (part(2) << (2 * kBlockShift)) | (part(1) << kBlockShift) | part(0);
   }
-  Value* obtain(const GridIndex<3>& index) {
-    const std::uint64_t key = keyOf(index);
-    if (key != last_key_ || last_ == nullptr) {
-      if (!lookUp(key)) return nullptr;
-    }
-    return &(*last_)[offsetOf(index)];
-  }
+  Value* find(const GridIndex<3>& index) { return look(index, false); }
+  Value* obtain(const GridIndex<3>& index) { return look(index, true); }
 
   void keepAround(const GridIndex<3>& center, int radius) {
     for (auto block = blocks_.begin(); block != blocks_.end();) {
@@ -105,14 +131,13 @@ class CellMap<3, Value> {
   std::size_t memoryBytes() const { return blocks_.size() * sizeof(Block); }
 
  private:
-  static constexpr int kShift = 3, kSide = 1 << kShift, kBits = 21;
-  using Block = std::array<Value, kSide * kSide * kSide>;
+  static constexpr int kBits = 21;
 
   static std::uint64_t keyOf(const GridIndex<3>& index) {
     constexpr std::uint64_t kMask = (std::uint64_t{1} << kBits) - 1U;
     std::uint64_t key = 0;
     for (int i = 0; i < 3; ++i) {
-      key = key << kBits | (static_cast<std::uint64_t>(index(i) >> kShift) & kMask);
+      key = key << kBits | (static_cast<std::uint64_t>(index(i) >> kBlockShift) & kMask);
     }
     return key;
   }
@@ -124,18 +149,16 @@ class CellMap<3, Value> {
     }
     return corner;
   }
-  static std::size_t offsetOf(const GridIndex<3>& index) {
-    constexpr unsigned kMask = kSide - 1U;
-    const auto part = [&](int i) {
-      return static_cast<std::size_t>(static_cast<unsigned>(index(i)) & kMask);
-    };
-    return (part(2) << (2 * kShift)) | (part(1) << kShift) | part(0);
-  }
 
-  bool lookUp(std::uint64_t key) {
+  Value* look(const GridIndex<3>& index, bool create) {
+    const std::uint64_t key = keyOf(index);
+    if ((key != last_key_ || last_ == nullptr) && !enter(key, create)) return nullptr;
+    return &(*last_)[offsetOf(index)];
+  }
+  bool enter(std::uint64_t key, bool create) {
     auto block = blocks_.find(key);
     if (block == blocks_.end()) {
-      if (memoryBytes() + sizeof(Block) > limit_) return false;
+      if (!create || memoryBytes() + sizeof(Block) > limit_) return false;
       block = blocks_.emplace(key, std::make_unique<Block>()).first;
     }
     last_key_ = key;
@@ -145,7 +168,7 @@ class CellMap<3, Value> {
 
   std::size_t limit_;
   std::unordered_map<std::uint64_t, std::unique_ptr<Block>> blocks_;
-  std::uint64_t last_key_ = 0;  ///< of the block that was written last
+  std::uint64_t last_key_ = 0;  ///< of the block that was used last
   Block* last_ = nullptr;
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "kestrel_slam/tracking/phd_filter.h"
@@ -113,7 +114,8 @@ void sortByWeight(std::vector<const PhdComponent<N>*>& components) {
 }
 
 /// Pruning, merging and the cap of [Vo 2006, table II], in the order of falling weight. A component
-/// is merged into a heavier one if `may_merge(heavier, component)` allows it.
+/// is merged into a heavier one of the same motion model if `may_merge(heavier, component)` allows
+/// it.
 template <int N, typename MayMerge>
 std::vector<PhdComponent<N>> reduceMixture(const std::vector<PhdComponent<N>>& mixture,
                                            const PhdLimits& limits, MayMerge may_merge) {
@@ -128,23 +130,34 @@ std::vector<PhdComponent<N>> reduceMixture(const std::vector<PhdComponent<N>>& m
   bounds.reserve(order.size());
   for (const Component* component : order) bounds.emplace_back(*component);
   std::vector<std::optional<GaussianDistance<N>>> distances(order.size());
+  // Chains of the components of one motion model that are not merged yet.
+  std::vector<std::size_t> next(order.size()), first;
+  for (std::size_t i = order.size(); i-- > 0;) {
+    const auto mode = static_cast<std::size_t>(order[i]->mode);
+    if (first.size() <= mode) first.resize(mode + 1, order.size());
+    next[i] = std::exchange(first[mode], i);
+  }
   std::vector<char> merged(order.size(), 0);
+  const auto isNear = [&](std::size_t i, std::size_t j) {
+    if (bounds[j].exceeds(kRounding * limits.merge_distance, bounds[i])) return false;
+    if (!distances[j]) distances[j].emplace(order[j]->covariance);
+    return distances[j]->squared(order[j]->mean, order[i]->mean) <= limits.merge_distance;
+  };
   std::vector<Component> kept;
   kept.reserve(order.size());
   std::vector<const Component*> parts;
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (merged[i] != 0) continue;
     parts.assign(1, order[i]);
-    for (std::size_t j = i + 1; j < order.size(); ++j) {
-      if (merged[j] != 0 || bounds[j].exceeds(kRounding * limits.merge_distance, bounds[i]) ||
-          !may_merge(*order[i], *order[j])) {
-        continue;
+    std::size_t last = i;
+    for (std::size_t j = next[i]; j < order.size(); j = next[j]) {
+      if (isNear(i, j) && may_merge(*order[i], *order[j])) {
+        merged[j] = 1;
+        parts.push_back(order[j]);
+        next[last] = next[j];
+      } else {
+        last = j;
       }
-      if (!distances[j]) distances[j].emplace(order[j]->covariance);
-      const double distance2 = distances[j]->squared(order[j]->mean, order[i]->mean);
-      if (!(distance2 <= limits.merge_distance)) continue;
-      merged[j] = 1;
-      parts.push_back(order[j]);
     }
     kept.push_back(mergedOf(parts));
   }

@@ -130,9 +130,11 @@ class MotionGrid {
   std::size_t memoryBytes() const { return cells_.memoryBytes(); }
 
  private:
+  static constexpr std::uint32_t kClear = std::numeric_limits<std::uint32_t>::max();
   struct CellData {
     float static_odds = 0.0F, dynamic_odds = 0.0F;  ///< log odds; the prior of 0.5 is 0
-    std::uint32_t scan = 0;                         ///< that updated it last
+    /// That updated it last; kClear if another beam that passes changes nothing.
+    std::uint32_t scan = 0;
     std::uint32_t imposed = 0;    ///< number of the scan for which it is in the imposed map
     std::uint32_t moved_in = 0;   ///< last scan with something moving in it
     std::uint32_t slot = 0;       ///< in Result::moving of that scan
@@ -142,7 +144,6 @@ class MotionGrid {
     float occupied_since = 0.0F;  ///< time when it became occupied, s
     bool was_moving = false;      ///< it was free, and then filled by something that moved
     bool has_come = false;        ///< it was free, and then filled by something that is still here
-    bool is_clear = false;        ///< another beam that passes changes nothing
   };
 
   /// What is occupied near a point.
@@ -150,19 +151,27 @@ class MotionGrid {
     bool is_static = false, has_stopped = false, is_new = false;
   };
 
+  /// Where a ray ends.
+  struct RayEnd {
+    Index index = Index::Zero();
+    CellData* cell = nullptr;  ///< nullptr if nothing is known there
+    bool is_usable = false;
+  };
+
   bool isUsable(const GridRay<D>& ray) const;
+  RayEnd endOf(const GridRay<D>& ray);
   Surroundings surroundingsOf(const Vector& point, double distance) const;
   CellState stateOf(const CellData& cell) const;
   bool isStatic(const CellData* cell) const;
   CellMotion classify(const GridRay<D>& ray, const CellData* own) const;
   CellData* addMoving(const Index& index);
-  void updateHit(const GridRay<D>& ray, std::size_t number);
+  void updateHit(std::size_t number);
   void protectSurface(const std::vector<GridRay<D>>& rays);
   void protectAround(const Index& index);
   void protectCell(const Index& index);
   void clearAlong(const std::vector<GridRay<D>>& rays);
-  void updateMiss(const GridRay<D>& ray, float from);
-  void passAlong(const Vector& from, const Vector& to, bool presumed);
+  void updateMiss(const GridRay<D>& ray, float shared);
+  void passAlong(const GridRay<D>& ray, const Vector& from);
   void passCell(CellData& cell, bool presumed) const;
   bool isNew(const CellData& cell) const;
   bool hasStopped(const CellData& cell) const;
@@ -174,6 +183,7 @@ class MotionGrid {
   float scale_ = 1.0F;                 ///< of the log odds, for the current scan
   CellMap<D, CellData> cells_;
   Result result_;
+  std::vector<RayEnd> ends_;  ///< of the rays of this scan
   std::uint32_t scan_ = 0;
   double time_ = 0.0;
 };

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "kestrel_slam/tracking/motion_models.h"
@@ -147,7 +148,7 @@ class PhdFilter {
     TargetLabel label;
     int observation;
     double weight;
-    std::vector<std::size_t> components;  ///< in `updated_`
+    std::size_t first, end;  ///< its part of `order_`
   };
   struct LabelWeight {
     double detected = 0.0, missed = 0.0;
@@ -191,6 +192,8 @@ class PhdFilter {
   std::vector<Component> components_;
   std::vector<Component> updated_;   ///< during update()
   std::vector<int> observation_of_;  ///< of each of `updated_`
+  /// Observation, label and index of each of `updated_`, sorted.
+  std::vector<std::tuple<int, TargetLabel, std::size_t>> order_;
   std::vector<double> explained_;
   std::vector<LabeledTarget<N>> targets_;
   std::vector<TargetLabel> reported_;  ///< labels that were a target and still have a component

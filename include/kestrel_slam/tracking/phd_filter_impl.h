@@ -6,7 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <tuple>
 #include <utility>
 
 #include "kestrel_slam/geometry/angles.h"
@@ -123,6 +123,7 @@ template <int N, int M>
 void PhdFilter<N, M>::addDetected(const std::vector<Prepared>& prepared,
                                   const Observation<M>& observation, int index) {
   std::vector<Candidate> candidates;
+  candidates.reserve(components_.size());
   double sum = 0.0;
   for (std::size_t j = 0; j < components_.size(); ++j) {
     Candidate candidate;
@@ -177,13 +178,13 @@ PhdComponent<N> PhdFilter<N, M>::corrected(const Prepared& prepared,
                                            const Candidate& candidate) const {
   Component result = components_[candidate.prior];
   const Eigen::Matrix<double, M, N>& H = prepared.expected.jacobian;
-  const Eigen::Matrix<double, N, M> K =
-      result.covariance * H.transpose() * candidate.inverse_covariance;
-  const Eigen::Matrix<double, N, N> rest = Eigen::Matrix<double, N, N>::Identity() - K * H;
+  const Eigen::Matrix<double, N, M> PH = result.covariance * H.transpose();
+  const Eigen::Matrix<double, N, M> K = PH * candidate.inverse_covariance;
   result.weight = candidate.weight;
   result.mean += K * candidate.innovation;
-  result.covariance =
-      rest * result.covariance * rest.transpose() + K * observation.noise * K.transpose();
+  result.covariance -= K * PH.transpose();  // (I - K H) P
+  const Eigen::Matrix<double, N, M> rest = result.covariance * H.transpose();
+  result.covariance += (K * observation.noise - rest) * K.transpose();
   return result;
 }
 
@@ -198,13 +199,19 @@ void PhdFilter<N, M>::append(const Component& component, int observation) {
 /// a target that is seen again and again with a low P_D would grow in its missed part.
 template <int N, int M>
 void PhdFilter<N, M>::limitLabels() {
-  std::map<TargetLabel, LabelWeight> labels;
+  std::vector<TargetLabel> labels;
+  for (const Component& component : components_) labels.push_back(component.label);
+  std::sort(labels.begin(), labels.end());
+  std::vector<std::size_t> place(updated_.size());
+  std::vector<LabelWeight> weights(labels.size());
   for (std::size_t i = 0; i < updated_.size(); ++i) {
-    LabelWeight& label = labels[updated_[i].label];
+    const auto found = std::lower_bound(labels.begin(), labels.end(), updated_[i].label);
+    place[i] = static_cast<std::size_t>(found - labels.begin());
+    LabelWeight& label = weights[place[i]];
     (observation_of_[i] < 0 ? label.missed : label.detected) += updated_[i].weight;
   }
   for (std::size_t i = 0; i < updated_.size(); ++i) {
-    const LabelWeight& label = labels[updated_[i].label];
+    const LabelWeight& label = weights[place[i]];
     const double left = std::max(0.0, 1.0 - label.detected);
     const double missed_scale = label.missed > left ? left / label.missed : 1.0;
     updated_[i].weight *=
@@ -236,22 +243,20 @@ void PhdFilter<N, M>::findTargets() {
 
 template <int N, int M>
 std::vector<typename PhdFilter<N, M>::Share> PhdFilter<N, M>::sortedShares() {
-  std::vector<std::size_t> order(updated_.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  const auto key = [this](std::size_t i) {
-    return std::pair(observation_of_[i], updated_[i].label);
-  };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  order_.clear();
+  for (std::size_t i = 0; i < updated_.size(); ++i) {
+    order_.push_back({observation_of_[i], updated_[i].label, i});
+  }
+  std::sort(order_.begin(), order_.end());
   std::vector<Share> shares;
-  for (const std::size_t i : order) {
-    const auto [observation, label] = key(i);
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    const auto [observation, label, i] = order_[k];
     if (shares.empty() || shares.back().label != label ||
         shares.back().observation != observation) {
-      shares.push_back({label, observation, 0.0, {}});
+      shares.push_back({label, observation, 0.0, k, k});
     }
     shares.back().weight += updated_[i].weight;
-    shares.back().components.push_back(i);
+    ++shares.back().end;
   }
   std::stable_sort(shares.begin(), shares.end(),
                    [](const Share& a, const Share& b) { return a.weight > b.weight; });
@@ -261,7 +266,9 @@ std::vector<typename PhdFilter<N, M>::Share> PhdFilter<N, M>::sortedShares() {
 template <int N, int M>
 LabeledTarget<N> PhdFilter<N, M>::targetOf(const Share& share, double weight) const {
   std::vector<const Component*> parts;
-  for (const std::size_t i : share.components) parts.push_back(&updated_[i]);
+  for (std::size_t k = share.first; k < share.end; ++k) {
+    parts.push_back(&updated_[std::get<2>(order_[k])]);
+  }
   LabeledTarget<N> target;
   target.label = share.label;
   target.weight = weight;
@@ -285,7 +292,6 @@ void PhdFilter<N, M>::reduce() {
 
 template <int N, int M>
 bool PhdFilter<N, M>::mayMerge(const Component& heavy, const Component& other) const {
-  if (heavy.mode != other.mode) return false;
   if (!limits_.keep_identities || heavy.label == other.label) return true;
   return !(wasReported(heavy.label) && wasReported(other.label));
 }
