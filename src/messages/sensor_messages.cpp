@@ -16,8 +16,8 @@ namespace {
 /// sensor_msgs/Imu: a covariance that begins with -1 marks a value as missing.
 template <typename Covariance>
 bool exists(const Covariance& covariance) {
-  constexpr double kAbsent = -1.0;
-  return covariance[0] != kAbsent;
+  constexpr double kMissing = -1.0;
+  return covariance[0] != kMissing;
 }
 
 /// Copies the fields that LaserScan and MultiEchoLaserScan have in common.

@@ -33,13 +33,13 @@ TrueObject personOf(const rosbag::MessageInstance& message) {
   return {message.getTime().toSec(), static_cast<long>(id), {numbers[0], numbers[1]}};
 }
 
-struct RecordedScan {
+struct MarkedScan {
   double recorded, stamp;  ///< s
 };
 
 /// The scans of the busiest laser.
-std::vector<RecordedScan> scansOf(const BagFiles& files, const BagTopics& topics) {
-  std::vector<RecordedScan> scans;
+std::vector<MarkedScan> scansOf(const BagFiles& files, const BagTopics& topics) {
+  std::vector<MarkedScan> scans;
   const std::string topic =
       busiestTopic(topics, ros::message_traits::datatype<sensor_msgs::LaserScan>());
   if (topic.empty()) return scans;
@@ -52,10 +52,10 @@ std::vector<RecordedScan> scansOf(const BagFiles& files, const BagTopics& topics
 
 /// A mark is recorded between the scan that it belongs to and the next one. Without scans: the time
 /// of recording.
-double stampOf(double recorded, const std::vector<RecordedScan>& scans) {
+double stampOf(double recorded, const std::vector<MarkedScan>& scans) {
   const auto next =
       std::upper_bound(scans.begin(), scans.end(), recorded,
-                       [](double time, const RecordedScan& scan) { return time < scan.recorded; });
+                       [](double time, const MarkedScan& scan) { return time < scan.recorded; });
   return next == scans.begin() ? recorded : std::prev(next)->stamp;
 }
 
@@ -70,7 +70,7 @@ std::vector<TrueObject> readBagPeople(const std::string& path, const std::string
     throw std::runtime_error(path + ": has no topic of type " + kType +
                              "; its topics: " + listTopics(topics, ""));
   }
-  const std::vector<RecordedScan> scans = scansOf(files, topics);
+  const std::vector<MarkedScan> scans = scansOf(files, topics);
   std::vector<TrueObject> people;
   files.forEach(chosen, [&](const rosbag::MessageInstance& message) {
     TrueObject person = personOf(message);
