@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/offline/graph_result.h"
 
-#include <algorithm>
 #include <cstdio>
 
 #include "kestrel_slam/graph/composed_map.h"
@@ -13,19 +12,6 @@ std::map<std::string, std::size_t> GraphResult::counts() const {
   std::map<std::string, std::size_t> result;
   for (const Loop& loop : loops) {
     ++result[toString(loop.state) + (loop.reason.empty() ? "" : ": " + loop.reason)];
-  }
-  return result;
-}
-
-Trajectory corrected(const Trajectory& trajectory, const std::vector<std::size_t>& keyframes,
-                     const SubmapGraph& graph) {
-  Trajectory result = trajectory;
-  if (graph.keyframes().empty()) return result;
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    // Poses before the first keyframe of this run, which may go on from an older graph.
-    const std::size_t keyframe =
-        std::min(std::max(keyframes[i], graph.loadedCount() + 1), graph.keyframes().size()) - 1;
-    result[i].pose = graph.mapTLocal(keyframe) * result[i].pose;
   }
   return result;
 }

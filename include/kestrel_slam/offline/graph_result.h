@@ -29,10 +29,6 @@ struct GraphResult {
   std::map<std::string, std::size_t> counts() const;
 };
 
-/// Moves every pose with the keyframe before it. `keyframes`: number of keyframes at every pose.
-Trajectory corrected(const Trajectory& trajectory, const std::vector<std::size_t>& keyframes,
-                     const SubmapGraph& graph);
-
 /// The map of all keyframes at their corrected poses.
 MapSnapshot mapOf(const SubmapGraph& graph, const OccupancyGridConfig& config);
 
