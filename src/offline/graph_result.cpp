@@ -16,6 +16,14 @@ std::map<std::string, std::size_t> GraphResult::counts() const {
   return result;
 }
 
+Trajectory corrected(const Trajectory& trajectory, const std::vector<TrackedScan>& scans,
+                     const SubmapGraph& graph) {
+  Trajectory result = trajectory;
+  const std::vector<Pose2> poses = scanPoses(scans, graph);
+  for (std::size_t i = 0; i < poses.size(); ++i) result[i].pose = poses[i];
+  return result;
+}
+
 MapSnapshot mapOf(const SubmapGraph& graph, const OccupancyGridConfig& config) {
   ComposedMap map(config);
   map.add(graph);

@@ -97,8 +97,8 @@ class Runner {
   OfflineRun run(const ProgressCallback& progress) {
     const Clock::time_point start = Clock::now();
     const std::size_t total = std::min(options_.max_scans, recording_.scanCount());
-    ArrivingMessage message;
     bool stopped = false;
+    ArrivingMessage message;
     while (readNext(message)) {
       const auto* scan = std::get_if<RecordedScan>(&message.message);
       if (scan != nullptr && read_ == options_.max_scans) break;
@@ -191,7 +191,8 @@ class Runner {
 
   void warn(const ImuFault& problem, double time) {
     std::ostringstream place;
-    place.precision(1), place << std::fixed << " (noticed after " << time - first_stamp_.value_or(time) << " s)";
+    place.precision(1);
+    place << std::fixed << " (noticed after " << time - first_stamp_.value_or(time) << " s)";
     run_.warnings.push_back(problem.message + place.str());
     says_filter_ |= problem.reason == kFilterRefusesImu;
   }
@@ -261,8 +262,7 @@ class Runner {
   void correct(SubmapGraph& graph) {
     graph.finish();
     run_.graph = resultOf(graph, run_.trajectory);
-    const std::vector<Pose2> poses = scanPoses(tracked_, graph);
-    for (std::size_t i = 0; i < poses.size(); ++i) run_.trajectory[i].pose = poses[i];
+    run_.trajectory = corrected(run_.trajectory, tracked_, graph);
     if (options_.polish) run_.trajectory = polish_.polished(run_.trajectory, graph);
     for (std::size_t i = 0; i < run_.scans.size(); ++i)
       run_.scans[i].uncertain = placedAt(run_.trajectory[i].pose, run_.scans[i].uncertain);

@@ -20,7 +20,7 @@ struct LateDrive {
   template <typename Local>
   LateDrive(bool carried, Local local) {
     for (std::size_t i = 0; i < kCount; ++i) {
-      const double way = static_cast<double>(i) + 0.3 * static_cast<double>(i % 4);
+      const double way = static_cast<double>(i) + 0.2 * static_cast<double>(i * i % 7);
       truth.emplace_back(way, 0.0, 0.0);
       MapperResult result;
       result.state = i % 3 == 1 ? MatchState::kDegraded : MatchState::kOk;

@@ -8,6 +8,7 @@
 
 #include "kestrel_slam/graph/loop.h"
 #include "kestrel_slam/graph/pose_graph.h"
+#include "kestrel_slam/graph/scan_poses.h"
 #include "kestrel_slam/map/map_snapshot.h"
 #include "kestrel_slam/recording/trajectory.h"
 
@@ -28,6 +29,10 @@ struct GraphResult {
   /// Number of loops by state and reason: "accepted", "refused: it does not fit".
   std::map<std::string, std::size_t> counts() const;
 };
+
+/// The poses of the scans in map, see scanPoses().
+Trajectory corrected(const Trajectory& trajectory, const std::vector<TrackedScan>& scans,
+                     const SubmapGraph& graph);
 
 /// The map of all keyframes at their corrected poses.
 MapSnapshot mapOf(const SubmapGraph& graph, const OccupancyGridConfig& config);
