@@ -14,8 +14,8 @@ constexpr std::size_t kMostWrong = 6;
 class Selection {
  public:
   Selection(const std::vector<OdometryPoint>& points, const OdometryWorth& worth,
-            const OdometryChain& chain, const std::vector<bool>& doubtful)
-      : points_(points), worth_(worth), chain_(chain), doubtful_(doubtful) {}
+            const OdometryChain& chain, const std::vector<bool>& doubtful, bool is_late)
+      : points_(points), worth_(worth), chain_(chain), doubtful_(doubtful), is_late_(is_late) {}
 
   /// Selects twice: what is refuted depends on how often the first pass finds each kind.
   OdometrySelection run() {
@@ -49,20 +49,28 @@ class Selection {
     const bool is_doubtful = isDoubtful(last) || isDoubtful(i);
     if (is_counting_) {
       lasting_.of(is_doubtful).add(sizeBetween(last, i));
-    } else if (is_doubtful && lasting_.refutes(sizeBetween(last, i))) {
+    } else if (is_late_ && is_doubtful && lasting_.refutes(sizeBetween(last, i))) {
       for (const std::size_t k : {last, i})
         if (isDoubtful(k)) result.refuted[points_[k].keyframe] = true;
       return i;
     }
     // Where a scan fits at several places, its yaw is still right.
-    const std::size_t turned = nextThatAgrees(last, i, true);
-    return turned == kNone ? i : turned;
+    const std::size_t turned = nextThatAgrees(last, i, true),
+                      next_used = turned == kNone ? i : turned;
+    if (!is_late_) weakenBetween(last, next_used, result);
+    return next_used;
+  }
+
+  /// Nobody knows whether the odometry or a match is wrong: the doubtful matches lose their weight.
+  void weakenBetween(std::size_t last, std::size_t next, OdometrySelection& result) const {
+    for (std::size_t k = points_[last].keyframe + 1; k <= points_[next].keyframe; ++k)
+      if (doubtful_[k]) result.refuted[k] = true;
   }
 
   void followSingle(std::size_t last, std::size_t point, OdometrySelection& result) {
     const double size = sizeBetween(last, point);
     if (is_counting_) return single_.of(isDoubtful(point)).add(size);
-    if (!isDoubtful(point) || !single_.refutes(size)) return;
+    if (!is_late_ || !isDoubtful(point) || !single_.refutes(size)) return;
     result.refuted[points_[point].keyframe] = true;
     result.points.push_back(points_[point]);
   }
@@ -90,6 +98,7 @@ class Selection {
   const OdometryWorth& worth_;
   const OdometryChain& chain_;
   const std::vector<bool>& doubtful_;
+  const bool is_late_;
   Contradictions single_, lasting_;
   bool is_counting_ = true;
 };
@@ -124,8 +133,8 @@ bool agree(const OdometryPoint& a, const OdometryPoint& b, const OdometryWorth& 
 
 OdometrySelection selectOdometry(const std::vector<OdometryPoint>& points,
                                  const OdometryWorth& worth, const OdometryChain& chain,
-                                 const std::vector<bool>& doubtful) {
-  return Selection(points, worth, chain, doubtful).run();
+                                 const std::vector<bool>& doubtful, bool is_late) {
+  return Selection(points, worth, chain, doubtful, is_late).run();
 }
 
 }  // namespace kestrel

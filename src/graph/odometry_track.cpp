@@ -78,7 +78,7 @@ OdometrySelection OdometryTrack::addTo(PoseGraph& graph, const OdometryChain& ch
   if (worth_.position_m2 <= 0.0) return {};
   std::vector<OdometryPoint> points = pointsAt(delay_scans_);
   correct(worth_, points);
-  OdometrySelection result = selectOdometry(points, worth_, chain, doubtful);
+  OdometrySelection result = selectOdometry(points, worth_, chain, doubtful, delay_scans_ != 0);
   const Eigen::Matrix3d pose_information =
       informationOf({worth_.position_m2, worth_.position_m2, worth_.yaw_rad2});
   std::vector<bool> weak(graph.vertices.size(), false);

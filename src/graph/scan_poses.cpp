@@ -89,7 +89,8 @@ class Placement {
     if (scans_[scan].inserted) return;
     const Pose2 error = map_T_base.between(poses_[scan]);
     const Eigen::Matrix3d expected = varianceOf(track_.worth(), moved).asDiagonal();
-    const bool is_refuted = scans_[scan].doubtful && !isExpected(error, expected) &&
+    const bool is_refuted = track_.delayScans() != 0 && scans_[scan].doubtful &&
+                            !isExpected(error, expected) &&
                             track_.singleContradictions().refutes(lengthOf(error));
     if (scans_[scan].carried || is_refuted) poses_[scan] = map_T_base;
   }

@@ -32,14 +32,14 @@ struct Straight {
     for (std::size_t i = first; i < end; ++i) points[i].measured.x += distance_m;
   }
 
-  OdometrySelection select() {
+  OdometrySelection select(bool is_late = true) {
     for (std::size_t i = 1; i < kCount; ++i)
       graph.edges.push_back({i - 1, i, points[i - 1].matched.between(points[i].matched),
                              sampleInformation(), EdgeKind::kOdometry});
     OdometryWorth worth;
     worth.position_m2 = worth.position_growth = 1e-4;
     worth.yaw_rad2 = worth.yaw_growth = 1e-5;
-    return selectOdometry(points, worth, OdometryChain(graph), doubtful);
+    return selectOdometry(points, worth, OdometryChain(graph), doubtful, is_late);
   }
 };
 
@@ -70,6 +70,22 @@ TEST(OdometrySelection, ASingleDoubtfulMatchIsRefutedAndItsOdometryIsUsed) {
   const OdometrySelection selection = drive.select();
   EXPECT_TRUE(selection.refuted[31]);
   EXPECT_FALSE(selection.refuted[32]);
+  EXPECT_TRUE(uses(selection, 31));
+}
+
+TEST(OdometrySelection, AnOdometryInTimeIsLeftOutThere) {
+  Straight drive;
+  drive.moveMatch(31, 32, 1.5);
+  const OdometrySelection selection = drive.select(false);
+  EXPECT_FALSE(selection.refuted[31]);
+  EXPECT_FALSE(uses(selection, 31));
+}
+
+TEST(OdometrySelection, AnOdometryInTimeLeavesALastingContradictionOpen) {
+  Straight drive;
+  drive.moveMatch(31, Straight::kCount, 3.0);
+  const OdometrySelection selection = drive.select(false);
+  EXPECT_TRUE(selection.refuted[31]) << "it is doubtful";
   EXPECT_TRUE(uses(selection, 31));
 }
 

@@ -52,14 +52,17 @@ bool agree(const OdometryPoint& a, const OdometryPoint& b, const OdometryWorth& 
            const OdometryChain& chain, bool only_yaw = false);
 
 /// Compares each pose of the odometry with the matches. There are two kinds of contradictions:
-/// - A single pose contradicts those before and after it, which agree with each other. Either it
-/// was
+/// - single: a pose contradicts those before and after it, which agree with each other. It was
 ///   measured at another time, or its match is wrong.
-/// - All poses from one on contradict those before it. Either the wheels slipped, or a match did.
-/// Doubtful matches (`doubtful`, for each keyframe) may be refuted; each kind is counted for
-/// itself. `points`: without systematic errors.
+/// - lasting: all poses from one on contradict those before it. The wheels slipped, or a match did.
+///
+/// An odometry that is a scan late (`is_late`) predicts wrong, so that matches slip. Only such an
+/// odometry refutes doubtful matches (`doubtful`, for each keyframe); each kind is counted for
+/// itself. An odometry in time is left out where it contradicts the matches for a moment, and at
+/// lasting contradictions all doubtful matches count as refuted. `points`: without systematic
+/// errors.
 OdometrySelection selectOdometry(const std::vector<OdometryPoint>& points,
                                  const OdometryWorth& worth, const OdometryChain& chain,
-                                 const std::vector<bool>& doubtful);
+                                 const std::vector<bool>& doubtful, bool is_late);
 
 }  // namespace kestrel
