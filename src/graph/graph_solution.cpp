@@ -26,8 +26,10 @@ void SubmapGraph::solve() {
   ++solutions_;
   track_.learn(chain_);
   do {
-    PoseGraph joint = withOdometry();
+    PoseGraph joint = graph_;
+    const OdometrySelection tracked = track_.addTo(joint, chain_, doubtful_);
     const OptimizerResult result = optimize(joint);
+    track_.place(tracked, joint);
     std::copy_n(joint.vertices.begin(), graph_.vertices.size(), graph_.vertices.begin());
     weights_ = result.edge_weights;
     if (!result.ok()) return;

@@ -258,6 +258,20 @@ void correct(const OdometryWorth& worth, std::vector<OdometryPoint>& points) {
   }
 }
 
+Eigen::Vector3d varianceOf(const OdometryWorth& worth, const Pose2& motion) {
+  const double length = lengthOf(motion);
+  const double yaw = 2.0 * worth.yaw_rad2 + worth.yaw_growth * length;
+  const double position = 2.0 * worth.position_m2 + worth.position_growth * length +
+                          yaw * motion.translation().squaredNorm();
+  return {position, position, yaw};
+}
+
+bool isExpected(const Pose2& error, const Eigen::Matrix3d& covariance) {
+  constexpr double kMostChi2 = 11.345;  // 99 % of three degrees of freedom
+  const Eigen::Vector3d e(error.x, error.y, error.yaw);
+  return e.dot(covariance.inverse() * e) <= kMostChi2;
+}
+
 double stepDifference(const std::vector<OdometryPoint>& points, const OdometryChain& chain) {
   std::vector<double> positions, yaws;
   for (std::size_t i = 1; i < points.size(); ++i) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/offline/graph_result.h"
 
-#include <algorithm>
 #include <cstdio>
 
 #include "kestrel_slam/graph/composed_map.h"
@@ -17,16 +16,11 @@ std::map<std::string, std::size_t> GraphResult::counts() const {
   return result;
 }
 
-Trajectory corrected(const Trajectory& trajectory, const std::vector<std::size_t>& keyframes,
+Trajectory corrected(const Trajectory& trajectory, const std::vector<TrackedScan>& scans,
                      const SubmapGraph& graph) {
   Trajectory result = trajectory;
-  if (graph.keyframes().empty()) return result;
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    // Poses before the first keyframe of this run, which may go on from an older graph.
-    const std::size_t keyframe =
-        std::min(std::max(keyframes[i], graph.loadedCount() + 1), graph.keyframes().size()) - 1;
-    result[i].pose = graph.mapTLocal(keyframe) * result[i].pose;
-  }
+  const std::vector<Pose2> poses = scanPoses(scans, graph);
+  for (std::size_t i = 0; i < poses.size(); ++i) result[i].pose = poses[i];
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "kestrel_slam/graph/scan_poses.h"
 #include "kestrel_slam/graph/submap_graph.h"
 #include "kestrel_slam/offline/arrival_order.h"
 #include "kestrel_slam/offline/polish.h"
@@ -96,8 +97,8 @@ class Runner {
   OfflineRun run(const ProgressCallback& progress) {
     const Clock::time_point start = Clock::now();
     const std::size_t total = std::min(options_.max_scans, recording_.scanCount());
-    ArrivingMessage message;
     bool stopped = false;
+    ArrivingMessage message;
     while (readNext(message)) {
       const auto* scan = std::get_if<RecordedScan>(&message.message);
       if (scan != nullptr && read_ == options_.max_scans) break;
@@ -232,7 +233,7 @@ class Runner {
     run_.scans.push_back(entry);
     run_.trajectory.push_back({sweep.scan.stamp, result.pose});
     if (const SubmapGraph* graph = pipeline_.graph())
-      keyframes_.push_back(graph->keyframes().size());
+      tracked_.push_back(trackedScan(result, graph->keyframes().size()));
     if (options_.polish) polish_.keep(sweep.scan);
     addDistance(result.pose);
     const std::string place = placeOf(sweep.input);
@@ -261,7 +262,7 @@ class Runner {
   void correct(SubmapGraph& graph) {
     graph.finish();
     run_.graph = resultOf(graph, run_.trajectory);
-    run_.trajectory = corrected(run_.trajectory, keyframes_, graph);
+    run_.trajectory = corrected(run_.trajectory, tracked_, graph);
     if (options_.polish) run_.trajectory = polish_.polished(run_.trajectory, graph);
     for (std::size_t i = 0; i < run_.scans.size(); ++i)
       run_.scans[i].uncertain = placedAt(run_.trajectory[i].pose, run_.scans[i].uncertain);
@@ -329,7 +330,7 @@ class Runner {
   double work_s_ = 0.0;           ///< time in earlier calls since the last scan
 
   OfflineRun run_;
-  std::vector<std::size_t> keyframes_;  ///< number of keyframes at every scan
+  std::vector<TrackedScan> tracked_;
   std::size_t read_ = 0;
   std::optional<double> first_time_;
   std::optional<double> first_stamp_;  ///< arrival of the first scan, s

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "kestrel_slam/graph/odometry_selection.h"
 #include "kestrel_slam/graph/odometry_worth.h"
 #include "kestrel_slam/graph/pose_graph.h"
 
@@ -18,6 +19,12 @@ struct TrackedKeyframe {
   Pose2 local_T_base;
   std::vector<Pose2> odometry;  ///< at some scans before and after it
   std::size_t own = 0;          ///< which of them is that of its own scan
+};
+
+/// Where the optimized graph places a pose of the odometry.
+struct PlacedOdometry {
+  std::size_t keyframe = 0;
+  Pose2 map_T_base;
 };
 
 /// The wheel odometry along the keyframes of a graph. Matches are more accurate over some meters;
@@ -46,20 +53,22 @@ class OdometryTrack {
   int delayScans() const { return delay_scans_; }
 
   /// Adds the vertices and edges of the odometry. The edges have robust kernels, because wheels
-  /// slip. Matches that may be wrong (`doubtful`, for each keyframe) and that contradict the
-  /// odometry lose their weight.
-  void addTo(PoseGraph& graph, const OdometryChain& chain, const std::vector<bool>& doubtful) const;
+  /// slip. Matches that may be wrong (`doubtful`, for each keyframe) lose their weight where the
+  /// odometry refutes them (selectOdometry). The new vertices are in the order of the points that
+  /// are returned.
+  OdometrySelection addTo(PoseGraph& graph, const OdometryChain& chain,
+                          const std::vector<bool>& doubtful) const;
+
+  /// Remembers where the optimization has moved the points, which are the last vertices.
+  void place(const OdometrySelection& selection, const PoseGraph& graph);
+  const std::vector<PlacedOdometry>& placed() const { return placed_; }
+  /// Of single poses, with the matches of keyframes.
+  const Contradictions& singleContradictions() const { return single_; }
 
   std::size_t memoryBytes() const;
 
  private:
   std::vector<OdometryPoint> pointsAt(int delay_scans) const;
-  std::vector<OdometryPoint> usable(const OdometryChain& chain) const;
-  std::size_t nextUsable(const std::vector<OdometryPoint>& points, const OdometryPoint& last,
-                         std::size_t i, const OdometryChain& chain) const;
-  bool agree(const OdometryPoint& a, const OdometryPoint& b, const OdometryChain& chain,
-             bool only_yaw) const;
-  Eigen::Vector3d varianceBetween(const OdometryPoint& a, const OdometryPoint& b) const;
   PoseEdge edgeBetween(const OdometryPoint& a, const OdometryPoint& b, std::size_t to) const;
 
   std::vector<TrackedKeyframe> keyframes_;
@@ -67,6 +76,8 @@ class OdometryTrack {
   std::vector<Pose2> recent_;
   int delay_scans_ = 0;
   OdometryWorth worth_;
+  std::vector<PlacedOdometry> placed_;
+  Contradictions single_;
 };
 
 }  // namespace kestrel

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <vector>
 
@@ -37,6 +38,13 @@ OdometryWorth worthOf(std::vector<OdometryPoint> points, const OdometryChain& ch
 
 /// Takes the systematic errors away.
 void correct(const OdometryWorth& worth, std::vector<OdometryPoint>& points);
+
+/// Variances (x, y, yaw) of the error of the corrected odometry over a motion, with those of the
+/// poses at both ends.
+Eigen::Vector3d varianceOf(const OdometryWorth& worth, const Pose2& motion);
+
+/// Whether 99 % of the errors with this covariance are smaller.
+bool isExpected(const Pose2& error, const Eigen::Matrix3d& covariance);
 
 /// How much the single steps of the odometry differ from the matches: a number to compare with
 /// others, small if they agree.

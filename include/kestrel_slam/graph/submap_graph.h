@@ -83,6 +83,7 @@ class SubmapGraph {
   const PoseGraph& graph() const { return graph_; }
   std::size_t submapCount() const { return places_.all().size(); }
   const Places& places() const { return places_; }
+  const OdometryTrack& odometry() const { return track_; }
   GraphRecord record() const {
     return {keyframes_, places_.all(), graph_, loops_, track_.keyframes()};
   }

@@ -8,6 +8,7 @@
 
 #include "kestrel_slam/graph/loop.h"
 #include "kestrel_slam/graph/pose_graph.h"
+#include "kestrel_slam/graph/scan_poses.h"
 #include "kestrel_slam/map/map_snapshot.h"
 #include "kestrel_slam/recording/trajectory.h"
 
@@ -29,8 +30,8 @@ struct GraphResult {
   std::map<std::string, std::size_t> counts() const;
 };
 
-/// Moves every pose with the keyframe before it. `keyframes`: number of keyframes at every pose.
-Trajectory corrected(const Trajectory& trajectory, const std::vector<std::size_t>& keyframes,
+/// The poses of the scans in map, see scanPoses().
+Trajectory corrected(const Trajectory& trajectory, const std::vector<TrackedScan>& scans,
                      const SubmapGraph& graph);
 
 /// The map of all keyframes at their corrected poses.
