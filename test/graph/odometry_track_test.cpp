@@ -82,8 +82,8 @@ TEST(OdometryTrack, SlipsDoNoHarm) {
 /// Matches of a part of the drive stand still while the vehicle moves on.
 TEST(OdometryTrack, DoubtfulMatchesThatSlipDoNoHarm) {
   const auto exact = [](const std::vector<Pose2>& truth, std::size_t i) { return truth[i]; };
-  Drive drive(exact);
-  const double error = Drive(exact).error();
+  MeasuredDrive drive(exact);
+  const double error = MeasuredDrive(exact).error();
   drive.track = OdometryTrack();
   for (std::size_t i = 0; i < drive.truth.size(); ++i) {
     if (i > 0) {
