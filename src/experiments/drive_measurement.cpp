@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/experiments/drive_measurement.h"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
