@@ -189,6 +189,15 @@ double lengthOf(const VehicleMap& map) {
   return length;
 }
 
+/// Places the keyframes as each vehicle has mapped them, as before they are optimized.
+void placeAsMapped(const MapMerger& merger, MergeResult& result) {
+  std::size_t vertex = 0;
+  for (std::size_t v = 0; v < merger.vehicles().size(); ++v) {
+    for (const Pose2& pose : merger.vehicles()[v].poses)
+      result.graph.vertices[vertex++].pose = result.world_T_map[v] * pose;
+  }
+}
+
 /// Merges the sessions while they grow.
 void measureSteps(const Options& options) {
   const SlamConfig config = configOf(options);
@@ -211,8 +220,9 @@ void measureSteps(const Options& options) {
     const double begin = processorSeconds();
     MergeResult result = merger.merge();
     const double seconds = processorSeconds() - begin;
+    placeAsMapped(merger, result);
     const double joint_begin = processorSeconds();
-    optimize(result.graph);
+    optimize(result.graph, jointOptions());
     std::printf("%8.0f %10zu %8zu %9zu %8.2f %8.2f\n", length, keyframes, result.largestGroup(),
                 merger.memory().searches() - searches, seconds, processorSeconds() - joint_begin);
     std::fflush(stdout);

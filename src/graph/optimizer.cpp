@@ -9,6 +9,8 @@
 #include <cmath>
 #include <memory>
 
+#include "kestrel_slam/geometry/square.h"
+
 namespace kestrel {
 namespace {
 
@@ -145,11 +147,16 @@ class Optimization {
     return cost;
   }
 
+  /// The narrowest kernel that leaves the worst loop half of its weight, if that is a bad one.
   std::size_t firstStage(const std::vector<double>& chi2) const {
+    double worst = 0.0;
     for (std::size_t i = 0; i < chi2.size(); ++i) {
-      if (isRobust(graph_.edges[i]) && chi2[i] > options_.graduate_above_chi2) return 0;
+      if (isRobust(graph_.edges[i])) worst = std::max(worst, chi2[i]);
     }
-    return kScaleFactors.size() - 1;
+    std::size_t stage = kScaleFactors.size() - 1;
+    if (worst <= options_.graduate_above_chi2) return stage;
+    while (stage > 0 && worst > square(kScaleFactors[stage] * options_.kernel_scale)) --stage;
+    return stage;
   }
 
   bool solve(double min_decrease, OptimizerResult& result) {

@@ -73,12 +73,12 @@ std::vector<bool> heldVertices(const PoseGraph& graph) {
 Eigen::Vector3d edgeError(const Pose2& measured, const Pose2& from, const Pose2& to,
                           Eigen::Matrix3d* J_error_from, Eigen::Matrix3d* J_error_to) {
   const Pose2 error = measured.inverse() * (from.inverse() * to);
+  const Eigen::Matrix2d r = Pose2(0.0, 0.0, -from.yaw - measured.yaw).rotation();
   if (J_error_to != nullptr) {
     J_error_to->setIdentity();
-    J_error_to->topLeftCorner<2, 2>() = Pose2(0.0, 0.0, -from.yaw - measured.yaw).rotation();
+    J_error_to->topLeftCorner<2, 2>() = r;
   }
   if (J_error_from != nullptr) {
-    const Eigen::Matrix2d r = Pose2(0.0, 0.0, -from.yaw - measured.yaw).rotation();
     J_error_from->setZero();
     J_error_from->topLeftCorner<2, 2>() = -r;
     J_error_from->topRightCorner<2, 1>() = r * Eigen::Vector2d(to.y - from.y, from.x - to.x);

@@ -40,18 +40,6 @@ int stepsInTile(std::int64_t x, std::int64_t y, std::int64_t step_x, std::int64_
       std::min(stepsInTile(x, step_x), stepsInTile(y, step_y)), std::numeric_limits<int>::max()));
 }
 
-/// The next coarser level: the maximum of each 2 × 2 block of a square of `side` cells.
-void poolMaximum(const std::int16_t* fine, int side, std::int16_t* coarse) {
-  for (int row = 0; row < side / 2; ++row) {
-    const std::int16_t* a = fine + 2 * row * side;
-    const std::int16_t* b = a + side;
-    for (int column = 0; column < side / 2; ++column) {
-      coarse[row * side / 2 + column] = std::max(std::max(a[2 * column], a[2 * column + 1]),
-                                                 std::max(b[2 * column], b[2 * column + 1]));
-    }
-  }
-}
-
 }  // namespace
 
 OccupancyGrid::OccupancyGrid(const OccupancyGridConfig& config)
@@ -221,7 +209,6 @@ void OccupancyGrid::apply(Tile& tile, std::int16_t hit_in_free) {
   tile.touched = false;
   if (!tile.changed) changed_tiles_.push_back(&tile);
   tile.changed = true;
-  pool(tile);
 }
 
 void OccupancyGrid::applyMisses(Tile& tile) {
@@ -237,11 +224,6 @@ void OccupancyGrid::applyMisses(Tile& tile) {
           {tile.corner.x + column, tile.corner.y + static_cast<int>(row)});
     }
   }
-}
-
-void OccupancyGrid::pool(Tile& tile) {
-  poolMaximum(tile.log_odds.data(), kTileSide, tile.level1.data());
-  poolMaximum(tile.level1.data(), kTileSide / 2, tile.level2.data());
 }
 
 double OccupancyGrid::probability(const Cell& cell) const { return levelProbability(0, cell); }

@@ -26,6 +26,18 @@ MapperConfig withoutLaserOdometry(MapperConfig config) {
   return config;
 }
 
+/// The hits of a scan without the space before them: all that a comparison of poses needs, and far
+/// quicker to insert.
+PlanarScan wallsOf(const PlanarScan& scan) {
+  PlanarScan walls;
+  for (const PlanarRay& ray : scan.rays) {
+    if (!ray.hit || ray.known) continue;
+    walls.rays.push_back(ray);
+    walls.rays.back().origin = ray.end;
+  }
+  return walls;
+}
+
 }  // namespace
 
 LaserOdometry::LaserOdometry(const MapperConfig& config) : config_(config) {}
@@ -94,7 +106,7 @@ bool LaserOdometry::agrees(const MatchRequest& request, const MatchResult& found
   const Pose2 moved = request.initial_guesses.front().between(found.pose);
   if (moved.distance() <= near.linear_m && std::abs(moved.yaw) <= near.angular_rad) return true;
   Submap last(config_.matchedGrid(), submapOptions(config_.matcher));
-  last.insert(*first_scan_, first_pose_);
+  last.insert(wallsOf(*first_scan_), first_pose_);
   return !secondExplanation(last, request, found, config_.matcher, config_.matcher.jump_margin);
 }
 

@@ -13,19 +13,26 @@ constexpr int kMargin = 2 * kReach;
 /// Work per pixel of each layer, and per tile of the map.
 constexpr std::int64_t kWorkPerPixel = 2, kWorkPerWallTile = 100;
 
-using Bytes = WallImage::Bytes;
+/// Not zeroed: all bytes are written by takeMaximum.
+std::unique_ptr<std::uint8_t[]> newPixels(std::ptrdiff_t size) {
+  return std::unique_ptr<std::uint8_t[]>(new std::uint8_t[static_cast<std::size_t>(size)]);
+}
 
 /// The maximum of every byte and of those `step` bytes before and after it, which are divided by
-/// 2^shift. Plain pointers and a known shift, so that the compiler uses vector instructions.
+/// 2^shift; zero where there is no byte before or after. Plain pointers and a known shift, so that
+/// the compiler uses vector instructions.
 template <int shift>
-void takeMaximum(const Bytes& in, std::ptrdiff_t step, Bytes& out) {
-  const auto count = static_cast<std::ptrdiff_t>(in.size()) - 2 * step;
-  const std::uint8_t *before = in.data(), *middle = before + step, *after = middle + step;
-  std::uint8_t* result = out.data() + step;
+void takeMaximum(const std::uint8_t* in, std::ptrdiff_t size, std::ptrdiff_t step,
+                 std::uint8_t* out) {
+  const std::ptrdiff_t count = size - 2 * step;
+  const std::uint8_t *before = in, *middle = before + step, *after = middle + step;
+  std::uint8_t* result = out + step;
+  std::fill(out, result, std::uint8_t{0});
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     const std::uint8_t beside = std::max(before[i], after[i]);
     result[i] = std::max(middle[i], static_cast<std::uint8_t>(beside >> shift));
   }
+  std::fill(result + count, out + size, std::uint8_t{0});
 }
 
 }  // namespace
@@ -36,14 +43,13 @@ WallImage::WallImage(const SurfelField& surface, const CellBox& box, int shift, 
       width_((box.high.x >> shift) - low_.x + 1 + kMargin),
       height_((box.high.y >> shift) - low_.y + 1 + kMargin),
       layers_(static_cast<std::size_t>(layers)) {
-  const std::size_t size = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
-  for (Bytes& layer : layers_) layer.assign(size, 0);
+  for (auto& layer : layers_) layer = newPixels(size());
+  std::fill_n(layers_[0].get(), size(), std::uint8_t{0});
   surface.forEachTile(box.low, box.high,
                       [this](const Cell& corner, const auto& rows) { mark(corner, rows); });
-  // Its first and last bytes are not written: like the margin of every layer, they stay zero.
-  Bytes buffer(size, 0);
-  soften(buffer);
-  for (int n = 1; n < layers; ++n) spread(n, n == 1 ? 1 : 1 << (n - 2), buffer);
+  const auto buffer = newPixels(size());
+  soften(buffer.get());
+  for (int n = 1; n < layers; ++n) spread(n, n == 1 ? 1 : 1 << (n - 2), buffer.get());
 }
 
 std::int64_t WallImage::workFor(const CellBox& box, int shift, int layers) {
@@ -74,16 +80,16 @@ void WallImage::mark(const Cell& tile_corner, const SurfelField::OccupiedRows& r
   }
 }
 
-void WallImage::soften(Bytes& buffer) {
-  takeMaximum<1>(layers_[0], 1, buffer);
-  takeMaximum<1>(buffer, width_, layers_[0]);
+void WallImage::soften(std::uint8_t* buffer) {
+  takeMaximum<1>(layers_[0].get(), size(), 1, buffer);
+  takeMaximum<1>(buffer, size(), width_, layers_[0].get());
 }
 
 /// Makes a layer from the one before it, which is extended by `pixels` in all directions.
-void WallImage::spread(int layer, int pixels, Bytes& buffer) {
-  takeMaximum<0>(layers_[static_cast<std::size_t>(layer - 1)], pixels, buffer);
-  takeMaximum<0>(buffer, static_cast<std::ptrdiff_t>(pixels) * width_,
-                 layers_[static_cast<std::size_t>(layer)]);
+void WallImage::spread(int layer, int pixels, std::uint8_t* buffer) {
+  const auto n = static_cast<std::size_t>(layer);
+  takeMaximum<0>(layers_[n - 1].get(), size(), pixels, buffer);
+  takeMaximum<0>(buffer, size(), static_cast<std::ptrdiff_t>(pixels) * width_, layers_[n].get());
 }
 
 }  // namespace kestrel

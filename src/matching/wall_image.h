@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "kestrel_slam/map/surfel_field.h"
@@ -20,7 +21,6 @@ class WallImage {
  public:
   static constexpr int kMostLayers = 5;
   static constexpr int kWall = 63;
-  using Bytes = std::vector<std::uint8_t>;
 
   /// Covers the cells of `box`.
   WallImage(const SurfelField& surface, const CellBox& box, int shift, int layers);
@@ -29,19 +29,20 @@ class WallImage {
   Cell corner() const { return {low_.x << shift_, low_.y << shift_}; }
   int cellsPerPixel() const { return 1 << shift_; }
   int stride() const { return width_; }
-  const std::uint8_t* layer(int n) const { return layers_[static_cast<std::size_t>(n)].data(); }
+  const std::uint8_t* layer(int n) const { return layers_[static_cast<std::size_t>(n)].get(); }
   /// Work to make an image of this size.
   static std::int64_t workFor(const CellBox& box, int shift, int layers);
 
  private:
   void mark(const Cell& tile_corner, const SurfelField::OccupiedRows& rows);
-  void soften(Bytes& buffer);
-  void spread(int layer, int pixels, Bytes& buffer);
+  void soften(std::uint8_t* buffer);
+  void spread(int layer, int pixels, std::uint8_t* buffer);
+  std::ptrdiff_t size() const { return static_cast<std::ptrdiff_t>(width_) * height_; }
 
   int shift_;
   Cell low_;  ///< in pixels
   int width_, height_;
-  std::vector<Bytes> layers_;
+  std::vector<std::unique_ptr<std::uint8_t[]>> layers_;
 };
 
 }  // namespace kestrel

@@ -6,12 +6,16 @@
 #include <numeric>
 
 #include "kestrel_slam/graph/optimizer.h"
+#include "kestrel_slam/merging/map_merger.h"
 
 namespace kestrel {
 namespace {
 
 /// A pair is contradicted if the loops between its vehicles have a smaller mean weight.
 constexpr double kLeastWeight = 0.3;
+/// So many of the refined loops of a pair are used, evenly distributed over the way: those of
+/// neighboring keyframes say nearly the same.
+constexpr std::size_t kMostRefined = 1000;
 /// Error of a pose that was given.
 constexpr double kGivenM = 0.5, kGivenRad = 0.1;
 
@@ -77,7 +81,8 @@ void JointSolution::join(std::size_t pair, std::size_t a, std::size_t b,
     graph_.edges.push_back(graphEdgeOf(loop));
   };
   for (const Loop& loop : loops) add(loop, false);
-  for (const Loop& loop : refined) add(loop, true);
+  const std::size_t step = refined.size() / kMostRefined + 1;
+  for (std::size_t i = 0; i < refined.size(); i += step) add(refined[i], true);
 }
 
 void JointSolution::move(std::size_t group, std::size_t onto, const Pose2& onto_T_group) {
@@ -90,7 +95,7 @@ void JointSolution::move(std::size_t group, std::size_t onto, const Pose2& onto_
 }
 
 void JointSolution::solve() {
-  const OptimizerResult result = optimize(graph_);
+  const OptimizerResult result = optimize(graph_, jointOptions());
   weights_ = result.ok() ? result.edge_weights : std::vector<double>(graph_.edges.size(), 0.0);
 }
 

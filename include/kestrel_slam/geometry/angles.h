@@ -9,6 +9,7 @@ constexpr double kPi = 3.14159265358979323846;
 
 /// Wraps an angle in radians to (-pi, pi].
 inline double normalizeAngle(double angle) {
+  if (angle > -kPi && angle <= kPi) return angle;
   const double wrapped = std::remainder(angle, 2.0 * kPi);  // in [-pi, pi]
   return wrapped <= -kPi ? kPi : wrapped;
 }

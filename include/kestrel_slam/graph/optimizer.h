@@ -13,8 +13,9 @@ struct OptimizerOptions {
   /// Scale s of the Cauchy kernel s² log(1 + chi2 / s²) of loops, in standard deviations: a loop
   /// with chi2 = s² has half its weight. 0: no kernel.
   double kernel_scale = 3.0;
-  /// If a loop begins with a larger chi2, the graph is optimized with kernels of 30 s and 5 s
-  /// before that of s. A narrow kernel at once rejects a true loop that closes a large error.
+  /// If a loop begins with a larger chi2, the graph is optimized with wider kernels before that of
+  /// s: 5 s, and before that 30 s if the chi2 is above (5 s)². A narrow kernel at once rejects a
+  /// true loop that closes a large error.
   double graduate_above_chi2 = 100.0;
   /// Of each of the up to three optimizations.
   int max_iterations = 100;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -23,7 +24,7 @@ struct InterpolatedValue {
 
 /// Growing log-odds occupancy grid [MAV SLAM 2013, eq. 6-10] with multi-resolution levels.
 ///
-/// Level 0 stores the log odds. A cell of level k covers 2^k × 2^k cells of level 0 and holds their
+/// Level 0 stores the log odds. A cell of level k covers 2^k × 2^k cells of level 0 and has their
 /// maximum, so that it is an upper bound. The memory is proportional to the visited area.
 class OccupancyGrid {
  public:
@@ -107,8 +108,6 @@ class OccupancyGrid {
 
   struct Tile {
     std::array<std::int16_t, kTileCells> log_odds{};  ///< fixed point; 0: unknown
-    std::array<std::int16_t, kTileCells / 4> level1{};
-    std::array<std::int16_t, kTileCells / 16> level2{};
     std::array<Row, kTileSide> occupied{};
     std::array<Row, kTileSide> missed{};    ///< passed by a beam of the current scan
     std::array<Row, kTileSide> hit{};       ///< hit by a beam of the current scan
@@ -130,15 +129,23 @@ class OccupancyGrid {
                    std::int64_t step_x, std::int64_t step_y, int count);
   void apply(Tile& tile, std::int16_t hit_in_free);
   void applyMisses(Tile& tile);
-  static void pool(Tile& tile);
   std::int16_t levelLogOdds(int level, const Cell& cell) const {
-    const Tile* tile = tiles_.find({cell.x * (1 << level), cell.y * (1 << level)});
+    const Cell corner{cell.x * (1 << level), cell.y * (1 << level)};
+    const Tile* tile = tiles_.find(corner);
     if (tile == nullptr) return 0;
-    const unsigned side = static_cast<unsigned>(kTileSide) >> level;
-    const std::size_t offset = (static_cast<unsigned>(cell.y) & (side - 1U)) * side +
-                               (static_cast<unsigned>(cell.x) & (side - 1U));
-    if (level == 0) return tile->log_odds[offset];
-    return level == 1 ? tile->level1[offset] : tile->level2[offset];
+    const std::int16_t* const first = tile->log_odds.data() + offsetInTile(corner);
+    if (level == 0) return *first;
+    return level == 1 ? maximum<2>(first) : maximum<4>(first);
+  }
+  /// The maximum of a square of cells of a tile.
+  template <int side>
+  static std::int16_t maximum(const std::int16_t* first) {
+    std::int16_t result = *first;
+    for (int row = 0; row < side; ++row) {
+      for (int column = 0; column < side; ++column)
+        result = std::max(result, first[row * kTileSide + column]);
+    }
+    return result;
   }
 
   double resolution_m_;

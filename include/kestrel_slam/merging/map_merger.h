@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kestrel_slam/graph/loop.h"
+#include "kestrel_slam/graph/optimizer.h"
 #include "kestrel_slam/graph/pairwise_consistency.h"
 #include "kestrel_slam/mapping/mapper_config.h"
 #include "kestrel_slam/merging/common_places.h"
@@ -83,6 +84,9 @@ struct MergeResult {
   /// Vehicles in the largest group.
   std::size_t largestGroup() const;
 };
+
+/// Of the optimization of the graph of all vehicles.
+OptimizerOptions jointOptions();
 
 /// Merges the maps of any number of vehicles. Deterministic: no clock, no thread. The result
 /// depends only on the maps, not on what they were before. Maps may grow: what was searched for
