@@ -46,9 +46,8 @@ class Observer {
     for (std::size_t i = 0; i < world_.parts().walkers.size(); ++i) {
       const Eigen::Vector2d position =
           true_pose->pose.inverse() * world_.walkerAt(i, scan.stamp - kFlightStart);
-      if (isVisible(scan, motion, position)) {
-        people_.push_back({scan.stamp, static_cast<long>(i), position});
-      }
+      people_.push_back(
+          {scan.stamp, static_cast<long>(i), position, isVisible(scan, motion, position)});
     }
   }
 
