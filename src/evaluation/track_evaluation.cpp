@@ -16,6 +16,7 @@ constexpr double kSpeedTime = 0.25;       ///< s before and after, for the true 
 struct PlacedObject {
   double stamp;
   Eigen::Vector2d position;  ///< in map, m
+  bool visible;
 };
 using Path = std::vector<PlacedObject>;
 
@@ -41,7 +42,7 @@ class Evaluator {
         moving_(options.max_distance_m) {
     for (const TrueObject& object : truth) {
       const Pose2 map_T_sensor = poseOf(object.stamp) * options_.base_T_sensor;
-      paths_[object.id].push_back({object.stamp, map_T_sensor * object.position});
+      paths_[object.id].push_back({object.stamp, map_T_sensor * object.position, object.visible});
     }
     first_ = truth.front().stamp - options_.stamp_tolerance_s;
     last_ = truth.back().stamp + options_.stamp_tolerance_s;
@@ -99,6 +100,15 @@ class Evaluator {
     return std::nullopt;
   }
 
+  /// Visible at the mark nearest to this time?
+  static bool isVisible(const Path& path, double stamp) {
+    const auto next = firstAfter(path, stamp);
+    if (next == path.end()) return path.back().visible;
+    if (next == path.begin()) return next->visible;
+    const auto last = std::prev(next);
+    return (stamp - last->stamp < next->stamp - stamp ? last : next)->visible;
+  }
+
   /// The shown tracks of a scan that lie in the compared part of the view.
   std::vector<const TrackRow*> shownAt(double stamp) const {
     std::vector<const TrackRow*> shown = rowsAt(stamp);
@@ -124,7 +134,7 @@ class Evaluator {
 
   bool moves(const Path& path, double stamp, const Eigen::Vector2d& position) const {
     return std::any_of(path.begin(), path.end(), [&](const PlacedObject& at) {
-      return at.stamp <= stamp && at.stamp >= stamp - options_.moved_within_s &&
+      return at.visible && at.stamp <= stamp && at.stamp >= stamp - options_.moved_within_s &&
              (at.position - position).norm() > options_.moved_m;
     });
   }
@@ -140,11 +150,12 @@ class Evaluator {
       const auto marked = positionAt(path, stamp);
       const auto position = marked ? marked : positionBetween(path, stamp, options_.unmarked_s);
       if (!position) continue;
-      frame.truth.push_back({id, {position->x(), position->y(), 0.0}, marked.has_value()});
+      const bool counts = marked && isVisible(path, stamp);
+      frame.truth.push_back({id, {position->x(), position->y(), 0.0}, counts});
       moving.truth.push_back(frame.truth.back());
-      moving.truth.back().counts = marked && moves(path, stamp, *position);
+      moving.truth.back().counts = counts && moves(path, stamp, *position);
       if (moving.truth.back().counts) addLoss(stamp, *position);
-      if (marked) addSpeed(path, stamp, *position, rows);
+      if (counts) addSpeed(path, stamp, *position, rows);
     }
     all_.add(frame);
     moving_.add(moving);

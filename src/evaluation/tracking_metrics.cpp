@@ -148,10 +148,8 @@ void ClearMotCounter::assignRest(const TrackedFrame& frame, std::vector<int>& tr
 
 void ClearMotCounter::count(const TrackedObject& object, const TrackedObject* track) {
   Seen& seen = objects_[object.id];
-  const bool known = seen.track >= 0;
   const bool found_before = seen.found;
   seen.found = track != nullptr;
-  const long last = seen.track;
   if (track != nullptr) seen.track = track->id;
   if (!object.counts) return;
   ++result_.truths;
@@ -163,8 +161,11 @@ void ClearMotCounter::count(const TrackedObject& object, const TrackedObject* tr
   ++result_.matches;
   ++seen.by_track[track->id];
   result_.distance_sum += (track->position - object.position).norm();
-  if (known && last != track->id) ++result_.switches;
+  // What it was while it did not count does not hide a switch.
+  const bool known = seen.counted >= 0;
+  if (known && seen.counted != track->id) ++result_.switches;
   if (known && !found_before) ++result_.fragments;
+  seen.counted = track->id;
 }
 
 std::map<long, double> ClearMotCounter::identityShares() const {

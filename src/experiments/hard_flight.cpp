@@ -30,6 +30,9 @@ class CellClassifier {
  public:
   CellClassifier(const World::Parts& parts, const Trajectory& flown, double end_s)
       : walkers_(parts.walkers), flown_(flown) {
+    for (std::size_t i = 0; i < walkers_.size(); ++i) {
+      reach_.push_back(kGhostReach + mostAside(walkers_, i));
+    }
     at_end_.cylinders = parts.cylinders;
     for (const Box& box : parts.boxes) {
       (box.from_s <= end_s && end_s < box.until_s ? at_end_ : gone_).boxes.push_back(box);
@@ -42,8 +45,8 @@ class CellClassifier {
 
   bool isGhost(const Eigen::Vector2d& point) const {
     if (distanceToUprightSurface(gone_, point) < kGhostReach) return true;
-    for (const Walker& walker : walkers_) {
-      if (walker.distanceToPath(point) < kGhostReach) return true;
+    for (std::size_t i = 0; i < walkers_.size(); ++i) {
+      if (walkers_[i].distanceToPath(point) < reach_[i]) return true;
     }
     return std::any_of(flown_.begin(), flown_.end(), [&](const auto& flown) {
       return (flown.pose.translation() - point).norm() < kGhostReach;
@@ -53,6 +56,7 @@ class CellClassifier {
  private:
   World::Parts at_end_, gone_;
   std::vector<Walker> walkers_;
+  std::vector<double> reach_;  ///< of each walker: ghost cells are nearer to its path, m
   const Trajectory& flown_;
 };
 

@@ -19,7 +19,7 @@ constexpr std::ptrdiff_t kVisibleReturns = 3;  // of a person who can be tracked
 class Observer {
  public:
   explicit Observer(const FlightTrial& trial)
-      : walkers_(trial.place.parts.walkers),
+      : world_(trial.place.parts),
         truth_(SimulatedRecording(trial.place, trial.vehicle, trial.seed).truth()) {}
 
   void add(const MappedSweep& sweep) {
@@ -43,12 +43,11 @@ class Observer {
         std::lower_bound(truth_.begin(), truth_.end(), scan.stamp,
                          [](const StampedPose& pose, double stamp) { return pose.stamp < stamp; });
     if (true_pose == truth_.end()) return;
-    for (std::size_t i = 0; i < walkers_.size(); ++i) {
+    for (std::size_t i = 0; i < world_.parts().walkers.size(); ++i) {
       const Eigen::Vector2d position =
-          true_pose->pose.inverse() * walkers_[i].at(scan.stamp - kFlightStart);
-      if (isVisible(scan, motion, position)) {
-        people_.push_back({scan.stamp, static_cast<long>(i), position});
-      }
+          true_pose->pose.inverse() * world_.walkerAt(i, scan.stamp - kFlightStart);
+      people_.push_back(
+          {scan.stamp, static_cast<long>(i), position, isVisible(scan, motion, position)});
     }
   }
 
@@ -70,7 +69,7 @@ class Observer {
            behind < kVisibleRadius + (ray.hit ? 0.0 : kFreeBefore);
   }
 
-  std::vector<Walker> walkers_;
+  World world_;
   Trajectory truth_, path_;
   std::vector<TrackRow> rows_;
   std::vector<TrueObject> people_;

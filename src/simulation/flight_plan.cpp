@@ -36,11 +36,14 @@ std::vector<Eigen::Vector3d> sphereDirections() {
 class FreeSpace {
  public:
   explicit FreeSpace(World::Parts parts)
-      : walkers_(std::move(parts.walkers)), world_(solid(std::move(parts))) {}
+      : walkers_(std::move(parts.walkers)), world_(solid(std::move(parts))) {
+    for (std::size_t i = 0; i < walkers_.size(); ++i) aside_.push_back(mostAside(walkers_, i));
+  }
 
   bool isFree(const Eigen::Vector3d& point) const {
-    for (const Walker& walker : walkers_) {
-      if (walker.distanceToPath(point.head<2>()) < kClearance + kWalkerRadius) return false;
+    for (std::size_t i = 0; i < walkers_.size(); ++i) {
+      const double reach = kClearance + kWalkerRadius + aside_[i];
+      if (walkers_[i].distanceToPath(point.head<2>()) < reach) return false;
     }
     for (const Eigen::Vector3d& direction : directions_) {
       if (world_.cast(point, direction, 0.0, kClearance).distance < kClearance) return false;
@@ -68,6 +71,7 @@ class FreeSpace {
   }
 
   std::vector<Walker> walkers_;
+  std::vector<double> aside_;  ///< of each walker
   World world_;
   std::vector<Eigen::Vector3d> directions_ = sphereDirections();
 };

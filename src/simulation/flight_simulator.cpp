@@ -173,8 +173,8 @@ void FlightSimulator::State::addTruth() {
   if (world.parts().walkers.empty()) return;
   add(kWalkers, kWalkersRate, 0.0, [this](double time) {
     TrueWalkers walkers;
-    for (const Walker& walker : world.parts().walkers) {
-      walkers.positions.push_back(walker.at(time));
+    for (std::size_t i = 0; i < world.parts().walkers.size(); ++i) {
+      walkers.positions.push_back(world.walkerAt(i, time));
     }
     return walkers;
   });

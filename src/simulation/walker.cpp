@@ -61,9 +61,12 @@ WalkerPath::WalkerPath(const Walker& walker) : walker_(walker), corner_at_{0.0} 
 }
 
 WalkerPath::Step WalkerPath::at(double time) const {
+  return alongPath(walker_.phase_m + time * walker_.speed_m_s);
+}
+
+WalkerPath::Step WalkerPath::alongPath(double traveled) const {
   const std::vector<Eigen::Vector2d>& corners = walker_.corners;
   const double length = corner_at_.back();
-  const double traveled = walker_.phase_m + time * walker_.speed_m_s;
   if (corners.empty()) return {Eigen::Vector2d::Zero(), Eigen::Vector2d::UnitX(), traveled};
   if (length == 0.0) return {corners.front(), Eigen::Vector2d::UnitX(), traveled};
   const double along = traveled - length * std::floor(traveled / length);
@@ -74,8 +77,7 @@ WalkerPath::Step WalkerPath::at(double time) const {
   return {from + (along - corner_at_[side]) * direction, direction, traveled};
 }
 
-void WalkerPath::intersect(const Ray& ray, double time, RayHit& nearest) const {
-  const Step step = at(time);
+void intersectPerson(const WalkerPath::Step& step, const Ray& ray, RayHit& nearest) {
   if (!passesNear(ray, step.position)) return;
   const Eigen::Vector2d left(-step.direction.y(), step.direction.x());
   const Eigen::Vector2d swing =

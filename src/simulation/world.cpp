@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "crowd.h"
 #include "solid_grid.h"
-#include "walker.h"
 
 namespace kestrel {
 namespace {
@@ -47,13 +47,11 @@ void validate(const World::Parts& parts) {
 
 struct World::Index {
   explicit Index(Parts all)
-      : parts(std::move(all)),
-        grid(parts.boxes, parts.cylinders),
-        walkers(parts.walkers.begin(), parts.walkers.end()) {}
+      : parts(std::move(all)), grid(parts.boxes, parts.cylinders), crowd(parts) {}
 
   Parts parts;
   SolidGrid grid;
-  std::vector<WalkerPath> walkers;
+  Crowd crowd;
 };
 
 World::World(Parts parts) {
@@ -72,10 +70,14 @@ RayHit World::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& directi
   nearest.distance = max_distance;
   intersectPlane(0.0, ray, nearest);
   if (std::isfinite(index_->parts.ceiling_m)) intersectPlane(index_->parts.ceiling_m, ray, nearest);
-  for (const WalkerPath& walker : index_->walkers) walker.intersect(ray, time, nearest);
+  index_->crowd.intersect(ray, nearest);
   index_->grid.intersect(ray, nearest);
   if (!(nearest.distance < max_distance)) return {std::numeric_limits<double>::infinity()};
   return nearest;
+}
+
+Eigen::Vector2d World::walkerAt(std::size_t person, double time) const {
+  return index_->crowd.at(person, time).position;
 }
 
 const World::Parts& World::parts() const { return index_->parts; }

@@ -31,8 +31,7 @@ constexpr double kMissed = 1.5;  ///< periods between two observations, from whi
 /// A surface that is at least as long as a person is wide, and not deeper than this share of its
 /// length, is flat.
 constexpr double kFlat = 0.2;
-constexpr double kInFree = 0.8;       ///< the other returns are at the borders of the free cells
-constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
+constexpr double kInFree = 0.8;  ///< the other returns are at the borders of the free cells
 
 std::vector<GridIndex<2>> cellsOf(const ObjectCluster& object, const MotionGrid<2>& grid) {
   std::vector<GridIndex<2>> cells;

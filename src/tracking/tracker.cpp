@@ -22,7 +22,8 @@ constexpr double kSharpSigma = 0.3;      ///< m; twice the sigma of a place that
 /// At a grazing angle, the returns of neighboring beams on a wall are this many beam spacings
 /// apart.
 constexpr double kGrazingFactor = 6.0;
-constexpr int kModes = 3;  ///< motion models: constant velocity, standing, turn
+constexpr double kNoiseStep = 0.1;  ///< s, of scans at 10 Hz
+constexpr int kModes = 3;           ///< motion models: constant velocity, standing, turn
 constexpr double kStandingJitter =
     0.1;  ///< m/sqrt(s): the visible part of a person who stands changes
 
@@ -61,11 +62,18 @@ std::vector<bool> attachedToStatic(const std::vector<GridRay<2>>& rays,
   return attached;
 }
 
+/// The accelerations are for scans at 10 Hz. At a higher rate, those of neighboring scans are not
+/// independent: the noise is scaled, so that it adds up to the same after the same time.
+std::vector<MotionModel<5>> motionsOf(const TrackerConfig& config, double seconds) {
+  const double scale = seconds > 0.0 ? std::sqrt(std::max(1.0, kNoiseStep / seconds)) : 1.0;
+  const double acceleration = scale * config.acceleration_sigma;
+  return {constantVelocity<5, 2>(acceleration, 0.3),
+          standing<5, 2>(kStandingJitter, config.start_speed_sigma),
+          constantTurn<2>(acceleration, scale * config.turn_acceleration_sigma)};
+}
+
 PhdModel<5, 2> modelOf(const TrackerConfig& config) {
   PhdModel<5, 2> model;
-  model.motions = {constantVelocity<5, 2>(config.acceleration_sigma, 0.3),
-                   standing<5, 2>(kStandingJitter, config.start_speed_sigma),
-                   constantTurn<2>(config.acceleration_sigma, config.turn_acceleration_sigma)};
   model.clutter = [density = config.clutter_per_m2](const auto&) { return density; };
   model.expect = expectPosition<5, 2>;
   return model;
@@ -180,12 +188,17 @@ struct Tracker::State {
 
   void setModel(double seconds, const Visibility& visibility) {
     PhdModel<5, 2>& model = filter.model();
+    model.motions = motionsOf(config, seconds);
     const double change = 0.5 * (1.0 - std::exp(-config.mode_change_per_s * seconds));
     model.mode_transition = Eigen::MatrixXd::Constant(kModes, kModes, change);
     model.mode_transition.diagonal().setConstant(1.0 - (kModes - 1) * change);
     model.survival = [p = std::exp(-seconds / config.lifetime_s)](const auto&) { return p; };
     model.may_cause = [this](const PhdComponent<5>& component, std::size_t observation) {
       return mayCause(component.label, observation);
+    };
+    // Where nearly all places of a target are hidden, scans are not independent: it stays hidden.
+    model.missed = [hidden = kHiddenShare * config.detection](double detection) {
+      return detection < hidden ? 1.0 : 1.0 - detection;
     };
     model.detection = [&](const PhdComponent<5>& component) {
       const Eigen::Vector2d center = component.mean.head<2>();

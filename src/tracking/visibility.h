@@ -8,6 +8,8 @@
 
 namespace kestrel {
 
+constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
+
 /// How far the beams of a scan go in each direction: tells whether the sensor can see a place.
 class Visibility {
  public:

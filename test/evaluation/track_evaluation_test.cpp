@@ -50,6 +50,15 @@ TEST(TrackEvaluation, TrackWithAKnownError) {
   EXPECT_EQ(e.moving.truths, 44U);
 }
 
+TEST(TrackEvaluation, TrackOnAHiddenObjectIsNeitherRightNorWrong) {
+  Case c = movingObject(0.2);
+  for (std::size_t i = 20; i < 40; ++i) c.truth[i].visible = false;
+  const TrackEvaluation e = evaluateTracks(c.trajectory, c.rows, c.truth, {});
+  EXPECT_EQ(e.all.truths, 30U);
+  EXPECT_EQ(e.all.matches, 30U);
+  EXPECT_EQ(e.all.false_tracks, 0U);
+}
+
 TEST(TrackEvaluation, InterpolatedTruthGivesTheVelocity) {
   const Case c = movingObject(0.0);
   TrackEvaluationOptions options;

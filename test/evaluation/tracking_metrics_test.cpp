@@ -120,6 +120,14 @@ TEST(ClearMotCounter, ObjectThatDoesNotCountHidesItsTrack) {
   EXPECT_EQ(counter.result().misses, 0U);
 }
 
+TEST(ClearMotCounter, SwitchWhileTheObjectDoesNotCountIsOne) {
+  ClearMotCounter counter(1.0);
+  counter.add({{object(1, 0.0)}, {object(7, 0.1)}});
+  counter.add({{object(1, 0.0, false)}, {object(8, 0.1)}});
+  counter.add({{object(1, 0.0)}, {object(8, 0.1)}});
+  EXPECT_EQ(counter.result().switches, 1U);
+}
+
 TEST(ClearMotCounter, MatchesAsManyAsPossible) {
   // The cheapest pair alone would leave the second object without a track.
   ClearMotCounter counter(1.0);

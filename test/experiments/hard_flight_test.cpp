@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cctype>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace kestrel {
 namespace {
@@ -32,6 +35,36 @@ HardFlight blockedFlight() {
     if (flight.lost_expected && !flight.trial.vehicle.imu) return flight;
   }
   throw std::logic_error("no hard flight blocks the view");
+}
+
+HardFlight flightCalled(const std::string& name) {
+  for (const HardFlight& flight : hardFlights()) {
+    if (flight.trial.name == name) return flight;
+  }
+  throw std::logic_error("no hard flight has this name");
+}
+
+TEST(HardFlight, TwelvePeopleKeepApartAndAreNotInWalls) {
+  const World world(flightCalled("twelve people").trial.place.parts);
+  const std::vector<Walker>& walkers = world.parts().walkers;
+  ASSERT_EQ(walkers.size(), 12U);
+  constexpr double kEvery = 0.02, kEnd = 45.0;  // s
+  std::vector<double> ways(walkers.size(), 0.0);
+  for (double time = 0.0; time < kEnd; time += kEvery) {
+    for (std::size_t i = 0; i < walkers.size(); ++i) {
+      const Eigen::Vector2d place = world.walkerAt(i, time);
+      const double step = (world.walkerAt(i, time + kEvery) - place).norm();
+      ASSERT_LT(step, 1.001 * walkers[i].speed_m_s * kEvery) << i << " at " << time << " s";
+      ways[i] += step;
+      ASSERT_GT(distanceToUprightSurface(world.parts(), place), 0.2) << i << " at " << time << " s";
+      for (std::size_t j = 0; j < i; ++j) {
+        ASSERT_GT((world.walkerAt(j, time) - place).norm(), kBodyDistance - 0.01);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < walkers.size(); ++i) {
+    EXPECT_GT(ways[i], 0.6 * walkers[i].speed_m_s * kEnd) << i;
+  }
 }
 
 TEST(HardFlight, MapperThatAcceptsEverythingMissesLostScans) {

@@ -138,6 +138,20 @@ TEST(PhdFilter, HiddenTargetStays) {
   EXPECT_EQ(filter.targets().front().observation, -1);
 }
 
+TEST(PhdFilter, MissedTargetKeepsTheWeightThatTheModelSays) {
+  PhdModel<4, 2> model = modelWith(0.2, 1.0, 0.0);
+  model.missed = [](double detection) { return detection < 0.3 ? 1.0 : 1.0 - detection; };
+  PhdFilter<4, 2> filter(model);
+  PhdComponent<4> target;
+  target.weight = 0.8;
+  filter.add({target});
+  for (int i = 0; i < 50; ++i) filter.update({});
+  EXPECT_NEAR(filter.expectedCount(), 0.8, 1e-12);
+  filter.model().detection = [](const auto&) { return 0.5; };
+  filter.update({});
+  EXPECT_NEAR(filter.expectedCount(), 0.4, 1e-12);
+}
+
 TEST(PhdFilter, SpawnedTargetHasItsOwnLabel) {
   PhdModel<4, 2> model = modelWith(0.98, 0.99, 1e-4);
   SpawnModel<4> spawn;

@@ -74,6 +74,7 @@ class ClearMotCounter {
     std::size_t frames = 0;
     std::map<long, std::size_t> by_track;
     long track = -1;     ///< the last that it had; -1: none yet
+    long counted = -1;   ///< the last while it counted
     bool found = false;  ///< in the last frame
   };
 

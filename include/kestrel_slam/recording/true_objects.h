@@ -12,6 +12,8 @@ struct TrueObject {
   double stamp = 0.0;  ///< s
   long id = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< in the frame of the sensor, m
+  /// False: the sensor cannot see it. A track on it is neither right nor wrong.
+  bool visible = true;
 };
 
 /// Reads true positions, sorted by stamp.

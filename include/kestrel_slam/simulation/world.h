@@ -35,16 +35,23 @@ struct Cylinder {
   Material material = Material::kMatt;
 };
 
-/// A person who walks along a closed polygon at constant speed. Modeled by two legs and a trunk.
+/// A person who wants to walk along a closed polygon at constant speed, and does if nobody is in
+/// the way. Modeled by two legs and a trunk.
 struct Walker {
   std::vector<Eigen::Vector2d> corners;
   double speed_m_s = 1.0;
   double phase_m = 0.0;  ///< distance along the polygon at time 0
-  /// Position in world, m, at `time`, s.
+  /// Position in world, m, at `time`, s, if it is alone. With others: World::walkerAt().
   Eigen::Vector2d at(double time) const;
   /// Distance from `point` to the polygon, m; infinite without corners.
   double distanceToPath(const Eigen::Vector2d& point) const;
 };
+
+/// The middles of two people are never closer than this, m.
+constexpr double kBodyDistance = 0.5;
+/// How far a person steps aside from its path to let others pass, at most, m. 0 if all other paths
+/// are so far away that it never meets anybody.
+double mostAside(const std::vector<Walker>& walkers, std::size_t person);
 
 /// The first surface that a beam hits.
 struct RayHit {
@@ -54,7 +61,8 @@ struct RayHit {
 };
 
 /// The solid objects of a place: an infinite floor at z = 0, optionally a ceiling, and boxes,
-/// cylinders and walking people. A grid in the plane makes ray casting fast.
+/// cylinders and walking people, who keep a distance from each other. A grid in the plane makes ray
+/// casting fast.
 class World {
  public:
   struct Parts {
@@ -75,6 +83,10 @@ class World {
   /// ignored.
   RayHit cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double time,
               double max_distance) const;
+
+  /// Position of a person in world, m, at `time`, s: what the beams hit. Those who can meet others
+  /// stand before time 0 and after one hour.
+  Eigen::Vector2d walkerAt(std::size_t person, double time) const;
 
   const Parts& parts() const;
 

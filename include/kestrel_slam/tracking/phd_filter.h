@@ -66,6 +66,9 @@ struct PhdModel {
   std::function<double(const State&)> survival;  ///< P_S
   /// P_D, of a Gaussian, so that it can be the mean over all places where the target may be.
   std::function<double(const PhdComponent<N>&)> detection;
+  /// Share of the weight that is left after a scan without detection, given P_D. Empty: 1 - P_D,
+  /// which takes the scans as independent.
+  std::function<double(double)> missed;
   std::function<double(const Value&)> clutter;  ///< false measurements per unit of the value
   std::function<ExpectedObservation<N, M>(const State&)> expect;
   /// False if what else is known of the observation (by its index) excludes this target. Empty: any

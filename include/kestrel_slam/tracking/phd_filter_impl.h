@@ -114,7 +114,8 @@ template <int N, int M>
 void PhdFilter<N, M>::addMissed(const std::vector<Prepared>& prepared) {
   for (std::size_t j = 0; j < components_.size(); ++j) {
     append(components_[j], -1);
-    updated_.back().weight *= 1.0 - prepared[j].detection;
+    const double p = prepared[j].detection;
+    updated_.back().weight *= model_.missed ? model_.missed(p) : 1.0 - p;
   }
 }
 
@@ -336,8 +337,7 @@ std::optional<PhdComponent<N>> PhdFilter<N, M>::find(TargetLabel label) const {
   for (const Component& component : components_) {
     if (component.label == label) parts.push_back(&component);
   }
-  if (parts.empty()) return std::nullopt;
-  return mergedOf(parts);
+  return parts.empty() ? std::nullopt : std::optional<Component>(mergedOf(parts));
 }
 
 template <int N, int M>

@@ -27,7 +27,7 @@ struct TrackerConfig {
   /// object of this width gives.
   double min_width_m = 0.08;
 
-  // Motion and sensor of the PHD filter.
+  // Motion and sensor of the PHD filter. The accelerations are for scans at 10 Hz.
   double acceleration_sigma = 2.0;       ///< m/s², constant velocity
   double turn_acceleration_sigma = 1.0;  ///< rad/s², constant turn
   double start_speed_sigma = 0.7;        ///< m/s, of an object that starts to move
