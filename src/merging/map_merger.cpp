@@ -13,9 +13,6 @@ namespace {
 
 /// The second explanation is similar if it has more than this share of the loops of the first.
 constexpr double kSimilar = 0.5;
-/// The solution has converged when a step lowers the cost by a smaller share. With 10 000 loops
-/// that is a chi2 of 0.01, far less than the loops can tell.
-constexpr double kMinDecrease = 1e-6;
 
 std::string text(std::size_t count, const char* what) { return std::to_string(count) + what; }
 
@@ -59,12 +56,6 @@ std::size_t MergeResult::largestGroup() const {
     largest =
         std::max(largest, static_cast<std::size_t>(std::count(group.begin(), group.end(), first)));
   return largest;
-}
-
-OptimizerOptions jointOptions() {
-  OptimizerOptions options;
-  options.min_decrease = kMinDecrease;
-  return options;
 }
 
 MapMerger::MapMerger(const MapperConfig& mapper, const LoopConfig& loops,
