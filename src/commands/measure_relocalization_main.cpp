@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -10,11 +12,15 @@
 #include "kestrel_slam/commands/mapping_command.h"
 #include "kestrel_slam/commands/run_tool.h"
 #include "kestrel_slam/evaluation/evaluation.h"
+#include "kestrel_slam/experiments/kidnapping.h"
 #include "kestrel_slam/experiments/relocalization_measurement.h"
 #include "kestrel_slam/geometry/angles.h"
+#include "kestrel_slam/simulation/random_office.h"
 
 namespace kestrel {
 namespace {
+
+constexpr std::size_t kKidnappings = 100;
 
 struct Options {
   std::vector<std::string> recordings, others;
@@ -22,9 +28,16 @@ struct Options {
   double travel_m = 2.0;
   std::string trials;
   bool search = true, localize = true;
-  std::size_t kidnappings = 100;
+  std::optional<std::size_t> kidnappings;
   std::size_t strangers = 0, gaps = 0;
+  std::vector<std::string> worlds;
 };
+
+/// A place for simulated flights. Throws std::invalid_argument if there is none of this name.
+Place worldCalled(const std::string& name) {
+  constexpr std::size_t kRooms = 12;
+  return name == "office" ? randomOffice(1, OfficeChange::kNone, 0, kRooms) : place(name);
+}
 
 struct Log {
   std::string name;
@@ -170,49 +183,65 @@ void printLocalization(const Log& log, const LocalizationTrial& trial, const std
   std::fflush(stdout);
 }
 
+/// Scans of the second half in a fixed sequence that visits all places, and for each another one.
+/// `attempt` tries one and returns whether it counts. Returns how many count.
+std::size_t visitPlaces(
+    const Log& log, std::size_t count,
+    const std::function<bool(std::size_t from, std::size_t to, std::size_t number)>& attempt) {
+  const std::size_t half = log.scans.size() / 2, room = half - half / 8;
+  std::size_t trials = 0;
+  for (std::size_t n = 0; trials < count && n < 50 * count; ++n) {
+    if (attempt(half + n * 7919 % room + 1, half + n * 104729 % room + 1, trials)) ++trials;
+  }
+  return trials;
+}
+
 /// Carries the vehicle from place to place of the second half, 5 to 40 m away.
 void printKidnapping(const Log& log, const RelocalizationMap& map, std::size_t count) {
-  constexpr double kLeastM = 5.0, kMostM = 40.0, kTravelM = 3.0;
-  const std::size_t half = log.scans.size() / 2, room = half - half / 8;
-  std::size_t trials = 0, noticed = 0, found = 0, wrong = 0;
-  for (std::size_t n = 0; trials < count && n < 50 * count; ++n) {
-    // A fixed sequence that visits all places.
-    const std::size_t from = half + n * 7919 % room + 1, to = half + n * 104729 % room + 1;
+  KidnapSummary sum;
+  visitPlaces(log, count, [&](std::size_t from, std::size_t to, std::size_t number) {
     const double away = log.scans[from].pose.between(log.scans[to].pose).distance();
-    if (away < kLeastM || away > kMostM || !map.isKnown(log.scans[from]) ||
+    if (away < kLeastKidnapM || away > kMostKidnapM || !map.isKnown(log.scans[from]) ||
         !map.isKnown(log.scans[to]))
-      continue;
-    ++trials;
-    const double covered_s = trials % 4 == 0 ? 0.0 : 2.0;
-    const KidnapTrial trial = map.kidnap(log.scans, from, to, covered_s, kTravelM);
-    noticed += trial.noticed && !trial.wrong ? 1 : 0;
-    found += trial.found ? 1 : 0;
-    wrong += trial.wrong ? 1 : 0;
+      return false;
+    const double covered_s = number % 4 == 3 ? 0.0 : 2.0;
+    const KidnapTrial trial = map.kidnap(log.scans, from, to, covered_s, kKidnapTravelM);
+    sum.add(trial);
+    return true;
+  });
+  std::printf("%s, a quarter of the time in no time: %s\n", log.name.c_str(), sum.text().c_str());
+  std::fflush(stdout);
+}
+
+/// The same in simulated flights.
+void printSimulatedKidnapping(const std::string& world, std::size_t count) {
+  const KidnappedFlights flights(worldCalled(world));
+  KidnapSummary sum;
+  for (std::uint64_t n = 0; sum.trials < count && n < 50 * count; ++n) {
+    const std::optional<KidnapTrial> trial = flights.fly(n);
+    if (!trial) continue;
+    sum.add(*trial);
   }
-  std::printf(
-      "%s: carried %.0f to %.0f m away, a quarter of the time in no time: noticed within 1 "
-      "s %zu of %zu, found within %.0f m %zu, at a wrong place after 1 s %zu\n",
-      log.name.c_str(), kLeastM, kMostM, noticed, trials, kTravelM, found, wrong);
+  std::printf("%s, simulated flights: %s\n", world.c_str(), sum.text().c_str());
   std::fflush(stdout);
 }
 
 /// Leaves out the scans of 0.2 to 4 s at places of the second half.
 void printGaps(const Log& log, std::size_t count) {
   const RelocalizationMap map(log.scans, 0, log.scans.size() / 2);
-  const std::size_t half = log.scans.size() / 2, room = half - half / 8;
-  std::size_t trials = 0, wrong_trials = 0;
+  std::size_t wrong_trials = 0;
   GapTrial sum;
-  for (std::size_t n = 0; trials < count && n < 50 * count; ++n) {
-    const std::size_t from = half + n * 7919 % room + 1;
-    if (!map.isKnown(log.scans[from])) continue;
+  const auto attempt = [&](std::size_t from, std::size_t /*to*/, std::size_t number) {
+    if (!map.isKnown(log.scans[from])) return false;
     const GapTrial trial =
-        map.followOverGap(log.scans, from, 0.2 * static_cast<double>(1 + trials % 20));
-    ++trials;
+        map.followOverGap(log.scans, from, 0.2 * static_cast<double>(1 + number % 20));
     wrong_trials += trial.wrong > 0 ? 1 : 0;
     sum.scans += trial.scans;
     sum.lost += trial.lost;
     sum.wrong += trial.wrong;
-  }
+    return true;
+  };
+  const std::size_t trials = visitPlaces(log, count, attempt);
   std::printf(
       "%s: %zu gaps of 0.2 to 4 s: of %zu scans after them %zu lost, %zu wrong and not "
       "said to be lost, after %zu gaps\n",
@@ -224,12 +253,18 @@ void measureLocalization(const Options& options, const Log& log, const std::stri
   const RelocalizationMap map(log.scans, 0, log.scans.size() / 2);
   std::string relations = path.substr(0, path.rfind(".clf")) + ".relations";
   const std::size_t half = log.scans.size() / 2, end = log.scans.size();
-  printLocalization(log, map.localize(log.scans, half, end, false), relations, "map");
-  printLocalization(log, map.localize(log.scans, half, end, true), relations, "pgm file");
-  if (options.kidnappings > 0) printKidnapping(log, map, options.kidnappings);
+  if (options.localize) {
+    printLocalization(log, map.localize(log.scans, half, end, false), relations, "map");
+    printLocalization(log, map.localize(log.scans, half, end, true), relations, "pgm file");
+  }
+  const std::size_t kidnappings = options.kidnappings.value_or(options.localize ? kKidnappings : 0);
+  if (kidnappings > 0) printKidnapping(log, map, kidnappings);
 }
 
 void run(const Options& options) {
+  for (const std::string& world : options.worlds)
+    printSimulatedKidnapping(world, options.kidnappings.value_or(kKidnappings));
+  if (options.recordings.empty()) return;
   std::FILE* trials = options.trials.empty() ? nullptr : std::fopen(options.trials.c_str(), "w");
   if (trials == nullptr && !options.trials.empty())
     throw std::runtime_error(options.trials + ": cannot be written");
@@ -246,7 +281,7 @@ void run(const Options& options) {
   for (std::size_t m = 0; m < maps && options.search; ++m) measure(options, logs[m], logs, trials);
   for (std::size_t m = 0; m < maps && options.strangers > 0; ++m)
     measureStrangers(options, logs[m], logs, trials);
-  for (std::size_t m = 0; m < maps && options.localize; ++m)
+  for (std::size_t m = 0; m < maps; ++m)
     measureLocalization(options, logs[m], options.recordings[m]);
   for (std::size_t m = 0; m < maps && options.gaps > 0; ++m) printGaps(logs[m], options.gaps);
   if (trials != nullptr) std::fclose(trials);
@@ -268,7 +303,9 @@ int main(int argc, char** argv) {
       "if 60 % of the hits of the scan are in its known part at the true pose. Right: within 0.5 m "
       "and 5 degrees.\n"
       "Exit code 0: done; 1: bad input; 2: wrong usage.");
-  app.add_option("RECORDING", options.recordings, "recordings of different buildings")->required();
+  app.add_option("RECORDING", options.recordings, "recordings of different buildings");
+  app.add_option("--world", options.worlds,
+                 "built-in worlds, or office: the vehicle is carried away in simulated flights");
   app.add_option("--others", options.others, "more recordings, whose scans are only queries");
   app.add_option("--step", options.step,
                  "every so many scans one is searched for; of another "
@@ -289,9 +326,13 @@ int main(int argc, char** argv) {
                  "1: localize the second half in the map of the first; relations are read from the "
                  "file with the ending .relations beside the recording")
       ->capture_default_str();
-  app.add_option("--kidnappings", options.kidnappings, "how often the vehicle is carried away")
-      ->capture_default_str();
+  app.add_option("--kidnappings", options.kidnappings,
+                 "how often the vehicle is carried away (100)");
   app.add_option("--gaps", options.gaps, "how often the scans of 0.2 to 4 s are left out")
       ->capture_default_str();
+  app.callback([&] {
+    if (options.recordings.empty() && options.worlds.empty())
+      throw CLI::RequiredError("RECORDING or --world");
+  });
   return runTool("measure_relocalization", app, argc, argv, [&] { run(options); });
 }

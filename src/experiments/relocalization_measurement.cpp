@@ -22,13 +22,13 @@ namespace kestrel {
 namespace {
 
 /// Goals for a right answer.
-constexpr double kRightM = 0.5, kRightDeg = 5.0;
+constexpr double kRightM = kWrongPoseM, kRightDeg = 5.0;
 /// The path is measured in steps of this length, m.
 constexpr double kPathStepM = 0.1;
 constexpr std::int64_t kWorkStep = 50'000'000;
 /// Of a kidnapping: scans before it, and limits of the time between two scans, s.
 constexpr std::size_t kFollowedScans = 20;
-constexpr double kLeastStepS = 0.01, kMostStepS = 0.5, kCoveredStepS = 0.1, kNoticeS = 1.0;
+constexpr double kLeastStepS = 0.01, kMostStepS = 0.5, kCoveredStepS = 0.1;
 
 Submap mapOfScans(const std::vector<PlacedScan>& scans, std::size_t first, std::size_t last,
                   const OccupancyGridConfig& grid) {
@@ -196,17 +196,8 @@ KidnapTrial RelocalizationMap::kidnap(const std::vector<PlacedScan>& scans, std:
     const MapperResult result = process(scans[i].scan, stepTo(i));
     if (i > to) trial.travel_m += scans[i - 1].pose.between(scans[i].pose).distance();
     const double error = scans[i].pose.between(result.pose).distance();
-    if (localizer.isLost()) {
-      if (!trial.noticed) trial.noticed_s = time - uncovered;
-      trial.noticed = true;
-      continue;
-    }
-    if (error < kRightM) {
-      trial.found = true;
-      trial.noticed = true;
-      break;
-    }
-    if (time - uncovered > kNoticeS) trial.wrong = true;
+    trial.reason = result.reason;
+    if (trial.add(time - uncovered, localizer.isLost(), error)) break;
   }
   return trial;
 }

@@ -39,8 +39,9 @@ BoundImages::BoundImages(const Submap& map) {
   Bytes likelihood(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0);
   markUnknown(known, likelihood);
   rasterize(map, likelihood);
-  for (std::size_t n = 0; n < kSides.size(); ++n)
-    images_[n] = sorted(maxima(likelihood, kSides[n]));
+  image_size_ = width_ * height_ + kTileBlocks;
+  images_.reserve(kSides.size() * static_cast<std::size_t>(image_size_));
+  for (const int side : kSides) addSorted(maxima(likelihood, side));
   markFree(known);
 }
 
@@ -146,22 +147,21 @@ BoundImages::Bytes BoundImages::maxima(const Bytes& likelihood, int side) const 
   return along(along(likelihood, 1), width_);
 }
 
-/// Every row with its cells in the order of the images.
-BoundImages::Bytes BoundImages::sorted(const Bytes& image) const {
-  Bytes result(image.size() + kTileBlocks, 0);
+/// Adds the image with the cells of every row in their order.
+void BoundImages::addSorted(const Bytes& image) {
+  const std::size_t first = images_.size();
+  images_.resize(first + static_cast<std::size_t>(image_size_), 0);
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
-      result[offset(x, y)] = image[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                                   static_cast<std::size_t>(x)];
+      images_[first + offset(x, y)] =
+          image[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                static_cast<std::size_t>(x)];
     }
   }
-  return result;
 }
 
 std::size_t BoundImages::memoryBytes() const {
-  std::size_t bytes = free_.capacity() + tiles_.capacity() * sizeof(Tile);
-  for (const Bytes& image : images_) bytes += image.capacity();
-  return bytes;
+  return images_.capacity() + free_.capacity() + tiles_.capacity() * sizeof(Tile);
 }
 
 }  // namespace kestrel

@@ -41,7 +41,8 @@ class BoundImages {
   /// Whether an image has this cell. If not, it is unknown.
   bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_; }
   const std::uint8_t* at(int image, int x, int y) const {
-    return images_[static_cast<std::size_t>(image)].data() + offset(x, y);
+    return images_.data() + static_cast<std::ptrdiff_t>(image) * image_size_ +
+           static_cast<std::ptrdiff_t>(offset(x, y));
   }
   /// The values of kTileBlocks cells, from (x, y) on, 4 apart; or nullptr if they reach out of the
   /// image: then all are unknown, because the image has a margin.
@@ -49,6 +50,22 @@ class BoundImages {
     const bool inside = static_cast<unsigned>(x) < static_cast<unsigned>(width_ - kTileCells + 4) &&
                         static_cast<unsigned>(y) < static_cast<unsigned>(height_);
     return inside ? at(image, x, y) : nullptr;
+  }
+  /// For points whose cells are all in the images: the values of stripAt() for a point are at
+  /// rows(x, y) + place, where (x, y) is the pose and `place` is placeFor() of the point. It holds
+  /// for all poses with the same x % 4.
+  const std::uint8_t* rows(int x, int y) const {
+    return images_.data() + static_cast<std::ptrdiff_t>(y) * width_ + (x >> 2);
+  }
+  std::int32_t placeFor(int image, int x, int y, int phase) const {
+    const int column = phase + x;
+    return image * image_size_ + y * width_ + (column & 3) * (width_ >> 2) + (column >> 2);
+  }
+  /// Whether a point that is from `low` to `high` relative to the pose is in the images in all
+  /// lanes.
+  bool containsStrip(const Cell& low, const Cell& high, int x, int y) const {
+    return x + low.x >= 0 && y + low.y >= 0 && x + high.x < width_ - kTileCells + 4 &&
+           y + high.y < height_;
   }
   /// The likelihood in a cell.
   int likelihood(int x, int y) const { return valueAt(0, x, y); }
@@ -80,14 +97,15 @@ class BoundImages {
   void markUnknown(const MapSnapshot& known, Bytes& likelihood) const;
   void markFree(const MapSnapshot& known);
   Bytes maxima(const Bytes& likelihood, int side) const;
-  Bytes sorted(const Bytes& image) const;
+  void addSorted(const Bytes& image);
 
   double cell_m_ = 0.05;
   int shift_ = 0;  ///< a cell has 2^shift × 2^shift cells of the map
   Cell low_{};     ///< the cell of the map at the corner
   Eigen::Vector2d corner_ = Eigen::Vector2d::Zero();
   int width_ = 0, height_ = 0;
-  std::array<Bytes, kSides.size()> images_;
+  Bytes images_;  ///< one after the other
+  int image_size_ = 0;
   std::vector<std::uint8_t> free_;
   std::vector<Tile> tiles_;
 };

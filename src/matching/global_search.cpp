@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <unordered_set>
+#include <utility>
 
 #include "bound_images.h"
 #include "kestrel_slam/geometry/angles.h"
@@ -43,7 +44,7 @@ struct GlobalSearch::State {
   bool run(WorkBudget& budget);
   bool bounds(WorkBudget& budget);
   bool fillBatch();
-  void boundTile(const std::vector<RotatedPoint>& rotated, const BoundImages::Tile& tile);
+  void boundTile(const std::vector<RotatedPoint>& turned, const BoundImages::Tile& tile);
   void expand(const SearchNode& node);
   void divide(const SearchNode& node, int k, int x, int y, int limit);
   void look(const SearchNode& node);
@@ -54,7 +55,7 @@ struct GlobalSearch::State {
 
   bool isInRegion(int x, int y, int side) const;
   Pose2 poseOf(const SearchNode& node) const;
-  const std::vector<RotatedPoint>& rotated(int level, int k);
+  const RotatedPoints& rotated(int level, int k);
   double scoreAt(const Pose2& pose) const;
   int sumFor(double score) const {
     return static_cast<int>(score * BoundImages::kMax * static_cast<double>(points.size()));
@@ -79,7 +80,7 @@ struct GlobalSearch::State {
   int yaws = 1;                          ///< of the coarsest level
   int next_yaw = 0;
   std::size_t next_tile = 0;
-  std::array<std::vector<std::vector<RotatedPoint>>, BoundImages::kLevels> rotations;
+  std::array<std::vector<RotatedPoints>, BoundImages::kLevels> rotations;
   std::vector<SearchNode> nodes;           ///< a heap as soon as all bounds are known
   std::vector<SearchNode> batch;           ///< the next ones, in reverse order
   std::size_t divided = 0;                 ///< nodes so far
@@ -113,13 +114,14 @@ GlobalSearch::State::State(const GlobalMap& m, const Points& all, const GlobalSe
     rotations[static_cast<std::size_t>(level)].resize(static_cast<std::size_t>(yaws) << level);
 }
 
-const std::vector<RotatedPoint>& GlobalSearch::State::rotated(int level, int k) {
-  std::vector<RotatedPoint>& result =
-      rotations[static_cast<std::size_t>(level)][static_cast<std::size_t>(k)];
+const RotatedPoints& GlobalSearch::State::rotated(int level, int k) {
+  RotatedPoints& result = rotations[static_cast<std::size_t>(level)][static_cast<std::size_t>(k)];
   if (!result.empty()) return result;
   const double step = kTwoPi / (static_cast<double>(yaws) * (1 << level));
   const double yaw = (k + 0.5) * step;
   const double c = std::cos(yaw), s = std::sin(yaw);
+  std::vector<RotatedPoint> turned;
+  turned.reserve(cells.size());
   for (const Eigen::Vector2f& cell : cells) {
     const Eigen::Vector2d p = cell.cast<double>();
     const Eigen::Vector2d at(c * p.x() - s * p.y(), s * p.x() + c * p.y());
@@ -127,9 +129,9 @@ const std::vector<RotatedPoint>& GlobalSearch::State::rotated(int level, int k) 
     const auto low = (at.array() - reach).floor().cast<int>().eval();
     const auto high = (at.array() + reach).floor().cast<int>().eval();
     const int side = (high - low).maxCoeff() + (4 >> level);
-    result.push_back({low.x(), low.y(), BoundImages::imageFor(side)});
+    turned.push_back({low.x(), low.y(), BoundImages::imageFor(side)});
   }
-  return result;
+  return result = RotatedPoints(images, std::move(turned));
 }
 
 bool GlobalSearch::State::run(WorkBudget& budget) {
@@ -188,7 +190,7 @@ bool GlobalSearch::State::bounds(WorkBudget& budget) {
   const auto additions = static_cast<std::int64_t>(points.size() / 4 + 4);
   const std::int64_t work = kWorkPerTile + kWorkPerRow * additions * BoundImages::kTileBlocks;
   for (; next_yaw < yaws; ++next_yaw) {
-    const std::vector<RotatedPoint>& turned = rotated(0, next_yaw);
+    const std::vector<RotatedPoint>& turned = rotated(0, next_yaw).points();
     for (; next_tile < tiles.size(); ++next_tile) {
       if (!budget.take(work)) return false;
       boundTile(turned, tiles[next_tile]);
@@ -332,8 +334,12 @@ const std::vector<GlobalHypothesis>& GlobalSearch::hypotheses() const { return s
 std::size_t GlobalSearch::memoryBytes() const {
   std::size_t bytes =
       sizeof(State) + (state_->nodes.capacity() + state_->batch.capacity()) * sizeof(SearchNode);
+  // A node of the set is a pointer and the number; the allocator adds as much.
+  bytes += state_->tried.bucket_count() * sizeof(void*) +
+           state_->tried.size() * 2 * (sizeof(void*) + sizeof(std::int64_t));
   for (const auto& level : state_->rotations) {
-    for (const auto& points : level) bytes += points.capacity() * sizeof(RotatedPoint);
+    bytes += level.capacity() * sizeof(RotatedPoints);
+    for (const RotatedPoints& points : level) bytes += points.memoryBytes();
   }
   return bytes;
 }

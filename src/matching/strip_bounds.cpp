@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace kestrel {
 namespace {
@@ -25,6 +26,26 @@ inline const std::uint8_t* rowAt(const BoundImages& images, const RotatedPoint& 
 }
 
 }  // namespace
+
+RotatedPoints::RotatedPoints(const BoundImages& images, std::vector<RotatedPoint> points)
+    : points_(std::move(points)) {
+  constexpr int kPhases = 4;
+  places_.reserve(kPhases * points_.size());
+  for (int phase = 0; phase < kPhases; ++phase) {
+    for (const RotatedPoint& p : points_)
+      places_.push_back(images.placeFor(p.image, p.x, p.y, phase));
+  }
+  if (points_.empty()) return;
+  low_ = high_ = {points_.front().x, points_.front().y};
+  for (const RotatedPoint& p : points_) {
+    low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y)};
+    high_ = {std::max(high_.x, p.x), std::max(high_.y, p.y)};
+  }
+}
+
+std::size_t RotatedPoints::memoryBytes() const {
+  return points_.capacity() * sizeof(RotatedPoint) + places_.capacity() * sizeof(std::int32_t);
+}
 
 inline void StripBounds::Sums::add(const Row& row) {
   Words words;
@@ -69,10 +90,16 @@ inline StripBounds::Row StripBounds::rowOf(const std::uint8_t* values) {
   return result;
 }
 
-void StripBounds::set(const BoundImages& images, const std::vector<RotatedPoint>& points, int x,
-                      int y, unsigned lanes) {
+void StripBounds::set(const BoundImages& images, const RotatedPoints& points, int x, int y,
+                      unsigned lanes) {
   rows_.clear();
-  for (const RotatedPoint& p : points) rows_.push_back(rowAt(images, p, x, y));
+  if (points.areIn(images, x, y)) {
+    const std::uint8_t* rows = images.rows(x, y);
+    const std::int32_t* places = points.places(x & 3);
+    for (std::size_t n = 0; n < points.points().size(); ++n) rows_.push_back(rows + places[n]);
+  } else {
+    for (const RotatedPoint& p : points.points()) rows_.push_back(rowAt(images, p, x, y));
+  }
   lookups_ += static_cast<std::int64_t>(rows_.size());
   whole_ = Sums();
   for (std::size_t n = 0; n < rows_.size(); n += kTogether)
@@ -102,10 +129,10 @@ void StripBounds::sort(std::size_t lane) {
     order_[rows_[n][lane] > BoundImages::kMax / 2 ? first++ : --last] = n;
 }
 
-unsigned StripBounds::within(const BoundImages& images, const std::vector<RotatedPoint>& points,
-                             int x, int y, int limit) {
+/// `row`: the values of a point in the parts.
+template <typename RowAt>
+unsigned StripBounds::subtract(const RowAt& row, int limit) {
   Sums left = whole_;
-  const auto row = [&](std::uint32_t n) { return rowOf(rowAt(images, points[n], x, y)); };
   for (std::size_t g = 0; g < groups_.size();) {
     const std::size_t end = std::min(g + kGroupsAtOnce, groups_.size());
     lookups_ += static_cast<std::int64_t>((end - g) * kTogether);
@@ -121,6 +148,17 @@ unsigned StripBounds::within(const BoundImages& images, const std::vector<Rotate
   for (std::size_t i = 0; i < kLanes; ++i)
     if (sums_[i] >= limit) result |= 1U << i;
   return result;
+}
+
+unsigned StripBounds::within(const BoundImages& images, const RotatedPoints& points, int x, int y,
+                             int limit) {
+  if (points.areIn(images, x, y)) {
+    const std::uint8_t* rows = images.rows(x, y);
+    const std::int32_t* places = points.places(x & 3);
+    return subtract([rows, places](std::uint32_t n) { return rowOf(rows + places[n]); }, limit);
+  }
+  const std::vector<RotatedPoint>& all = points.points();
+  return subtract([&](std::uint32_t n) { return rowOf(rowAt(images, all[n], x, y)); }, limit);
 }
 
 }  // namespace kestrel

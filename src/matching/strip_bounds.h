@@ -16,6 +16,30 @@ struct RotatedPoint {
   std::int32_t x, y, image;  ///< its lower left cell, and the image for its side
 };
 
+/// All points of a scan at a yaw interval, and where their values are in the images.
+class RotatedPoints {
+ public:
+  RotatedPoints() = default;
+  RotatedPoints(const BoundImages& images, std::vector<RotatedPoint> points);
+
+  bool empty() const { return points_.empty(); }
+  const std::vector<RotatedPoint>& points() const { return points_; }
+  /// BoundImages::placeFor() each point, if the pose has this x % 4.
+  const std::int32_t* places(int phase) const {
+    return places_.data() + static_cast<std::size_t>(phase) * points_.size();
+  }
+  /// Whether the values of all points are in the images.
+  bool areIn(const BoundImages& images, int x, int y) const {
+    return images.containsStrip(low_, high_, x, y);
+  }
+  std::size_t memoryBytes() const;
+
+ private:
+  std::vector<RotatedPoint> points_;
+  std::vector<std::int32_t> places_;  ///< of all points, for each phase
+  Cell low_{}, high_{};               ///< of the points
+};
+
 /// The bounds of the single points in a strip: blocks of poses in a row, 4 cells apart, with the
 /// same yaw interval. They bound the parts of the blocks, too. In the images the blocks of a strip
 /// are neighbors in memory, so that all of them cost about as much as one.
@@ -30,14 +54,12 @@ class StripBounds {
 
   /// The blocks at the cells (x, y), (x + 4, y), …; bit n of `lanes` is set if block n counts.
   /// The number of points is a multiple of kTogether and at most kMostPoints.
-  void set(const BoundImages& images, const std::vector<RotatedPoint>& points, int x, int y,
-           unsigned lanes);
+  void set(const BoundImages& images, const RotatedPoints& points, int x, int y, unsigned lanes);
 
   /// Bounds the parts of the blocks at (x, y), (x + 4, y), …. Returns the lanes whose bounds reach
   /// `limit`, see sums(). Most parts are far below or just below the limit. So what the points lose
   /// is subtracted from the bounds of the blocks: few points decide.
-  unsigned within(const BoundImages& images, const std::vector<RotatedPoint>& points, int x, int y,
-                  int limit);
+  unsigned within(const BoundImages& images, const RotatedPoints& points, int x, int y, int limit);
 
   /// The bounds of the last call of `within`, of the lanes that it returned.
   const std::array<std::int16_t, kLanes>& sums() const { return sums_; }
@@ -60,6 +82,8 @@ class StripBounds {
     bool reach(int limit) const;
   };
   static Row rowOf(const std::uint8_t* values);
+  template <typename RowAt>
+  unsigned subtract(const RowAt& row, int limit);
   static std::array<std::int16_t, kLanes> values(const Sums& sums);
   void sort(std::size_t lane);
 

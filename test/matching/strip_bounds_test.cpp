@@ -41,11 +41,14 @@ TEST_P(Strips, GiveTheSumOfEveryBlock) {
   for (const BoundImages::Tile& tile : images_.tiles()) {
     const int y = tile.y + 8;
     StripBounds strip;
-    strip.set(images_, blocks, tile.x, y, 0xFFFF);
-    ASSERT_EQ(strip.within(images_, parts, tile.x + 2, y + 1, 1), 0xFFFFU);
-    for (int i = 0; i < kLanes; ++i)
-      EXPECT_EQ(strip.sums()[static_cast<std::size_t>(i)],
-                sumAt(images_, parts, tile.x + 2 + 4 * i, y + 1));
+    strip.set(images_, RotatedPoints(images_, blocks), tile.x, y, 0xFFFF);
+    const RotatedPoints rotated(images_, parts);
+    for (int phase = 0; phase < 4; ++phase) {
+      ASSERT_EQ(strip.within(images_, rotated, tile.x + phase, y + 1, 1), 0xFFFFU);
+      for (int i = 0; i < kLanes; ++i)
+        EXPECT_EQ(strip.sums()[static_cast<std::size_t>(i)],
+                  sumAt(images_, parts, tile.x + phase + 4 * i, y + 1));
+    }
     const TileSums sums = boundsIn(images_, blocks, tile);
     for (int i = 0; i < kLanes; ++i)
       EXPECT_EQ(sums[static_cast<std::size_t>(2 * kLanes + i)],
@@ -60,11 +63,12 @@ TEST_P(Strips, ReturnTheLanesThatReachTheLimit) {
   for (const BoundImages::Tile& tile : images_.tiles()) {
     const int limit = sumAt(images_, points, tile.x + 24, tile.y + 4);
     StripBounds strip;
-    strip.set(images_, points, tile.x, tile.y + 4, kCounting);
+    const RotatedPoints rotated(images_, points);
+    strip.set(images_, rotated, tile.x, tile.y + 4, kCounting);
     unsigned expected = 0;
     for (int i = 0; i < kLanes; ++i)
       if (sumAt(images_, points, tile.x + 4 * i, tile.y + 4) >= limit) expected |= 1U << i;
-    EXPECT_EQ(strip.within(images_, points, tile.x, tile.y + 4, limit), expected & kCounting);
+    EXPECT_EQ(strip.within(images_, rotated, tile.x, tile.y + 4, limit), expected & kCounting);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "kestrel_slam/experiments/kidnapping.h"
 #include "kestrel_slam/graph/relocalizer.h"
 #include "kestrel_slam/map/submap.h"
 #include "kestrel_slam/mapping/mapper_config.h"
@@ -50,15 +51,6 @@ struct LocalizationTrial {
   double mean_m = 0.0, max_m = 0.0;  ///< distance from the trajectory with loops
   double seconds = 0.0;              ///< processor time
   double mapping_seconds = 0.0;      ///< of mapping the same scans
-};
-
-/// A vehicle that was carried away with a covered laser.
-struct KidnapTrial {
-  bool noticed = false;    ///< while it was covered, or within a second of seeing again
-  bool found = false;      ///< at the right place
-  bool wrong = false;      ///< it was told to be somewhere else
-  double noticed_s = 0.0;  ///< after it saw again
-  double travel_m = 0.0;   ///< until it was found
 };
 
 /// A vehicle whose scans stayed away for some time.
