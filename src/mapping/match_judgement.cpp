@@ -2,6 +2,7 @@
 // The mapper's decision what a match is worth.
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "mapper_state.h"
 
@@ -18,6 +19,20 @@ constexpr double kFoundSigmas = 3.0;
 /// After a lost or ambiguous pose, and after a gap in which the vehicle may have left the search
 /// window, this many scans must fit before the state is ok.
 constexpr int kSettlingScans = 10;
+/// The few points that are farther away do not count in the reach of a scan.
+constexpr double kNearlyAll = 0.9;
+
+/// Nearly all points are nearer than this, m.
+double reachOf(const Points& points) {
+  std::vector<float> ranges;
+  for (const Eigen::Vector2f& p : points) ranges.push_back(p.norm());
+  if (ranges.empty()) return 0.0;
+  const auto nearly_all =
+      static_cast<std::size_t>(kNearlyAll * static_cast<double>(ranges.size() - 1));
+  const auto place = ranges.begin() + static_cast<std::ptrdiff_t>(nearly_all);
+  std::nth_element(ranges.begin(), place, ranges.end());
+  return static_cast<double>(*place);
+}
 
 }  // namespace
 
@@ -37,10 +52,13 @@ void Mapper::State::settle(bool out_of_reach, MapperResult& result) {
 bool Mapper::State::isLikely(const MatchResult& match, const MatchRequest& request,
                              const PredictionError& error) {
   const MatcherConfig& limits = config.matcher;
+  const Pose2& predicted = request.initial_guesses.front();
+  // A hand over the laser fits wherever a wall ends. What a scan shows must reach as far as the
+  // jump that it is to explain.
+  if (predicted.between(match.pose).distance() > reachOf(request.points)) return false;
   if (request.prior) {
     return match.score >= limits.search_score || request.prior->isPlausible(match.pose);
   }
-  const Pose2& predicted = request.initial_guesses.front();
   const bool sure = match.score >= limits.search_score && match.known >= kSureKnownShare;
   if (!request.lost && !jumps.accepts(predicted, match.pose, error) && (few_hits || !sure))
     return false;

@@ -81,6 +81,33 @@ TEST(MapperRecovery, IsLostWithABlockedViewAndRecoversFarAway) {
   EXPECT_NEAR(normalizeAngle(result.pose.yaw - truth.yaw), 0.0, 0.02);
 }
 
+/// A hand over the laser, and a round column near the vehicle: the circle of returns fits the
+/// column.
+TEST(MapperRecovery, AHandOverTheLaserIsNotAColumn) {
+  double time = 0.0;
+  const auto scanAt = [&](const Pose2& pose) {
+    PlanarScan scan = freeScan(pose, time += 0.1);
+    for (double angle = 0.0; angle < 2.0 * kPi; angle += 0.05) {
+      const Eigen::Vector2d on_column(1.2 + 0.25 * std::cos(angle), 1.0 + 0.25 * std::sin(angle));
+      const Eigen::Vector2d point = pose.inverse() * on_column;
+      scan.rays.push_back({Eigen::Vector2f::Zero(), point.cast<float>(), true});
+    }
+    return scan;
+  };
+  Mapper mapper{MapperConfig()};
+  for (int i = 0; i < 30; ++i) mapper.process(scanAt(Pose2(0.01 * i, 0, 0)));
+  const Pose2 last(0.3, 0, 0);
+  for (int i = 0; i < 40; ++i) {
+    PlanarScan hand = freeScan(last, time += 0.1);
+    for (PlanarRay& ray : hand.rays) ray = {ray.origin, 0.25F * ray.end.normalized(), true};
+    const MapperResult result = mapper.process(hand);
+    EXPECT_NE(result.state, MatchState::kOk) << i;
+    if (result.state != MatchState::kLost) {
+      EXPECT_LT(last.between(result.pose).distance(), 0.5) << i;
+    }
+  }
+}
+
 TEST(MapperRecovery, RecoversAfterSecondsWithoutScans) {
   double time = 0.0;
   Mapper mapper = mapperInRoom(time);
