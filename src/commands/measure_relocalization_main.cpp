@@ -250,6 +250,8 @@ void printGaps(const Log& log, std::size_t count) {
 }
 
 void measureLocalization(const Options& options, const Log& log, const std::string& path) {
+  const std::size_t kidnappings = options.kidnappings.value_or(options.localize ? kKidnappings : 0);
+  if (!options.localize && kidnappings == 0) return;
   const RelocalizationMap map(log.scans, 0, log.scans.size() / 2);
   std::string relations = path.substr(0, path.rfind(".clf")) + ".relations";
   const std::size_t half = log.scans.size() / 2, end = log.scans.size();
@@ -257,7 +259,6 @@ void measureLocalization(const Options& options, const Log& log, const std::stri
     printLocalization(log, map.localize(log.scans, half, end, false), relations, "map");
     printLocalization(log, map.localize(log.scans, half, end, true), relations, "pgm file");
   }
-  const std::size_t kidnappings = options.kidnappings.value_or(options.localize ? kKidnappings : 0);
   if (kidnappings > 0) printKidnapping(log, map, kidnappings);
 }
 
