@@ -130,7 +130,7 @@ MapperResult Localizer::search(const PlanarScan& scan, const std::optional<Pose2
 std::optional<MapperResult> Localizer::confirm(const PlanarScan& scan,
                                                const std::optional<Pose2>& odom_T_base,
                                                const Pose2& pose) {
-  tracker_.setFoundPose(pose, scan.time);
+  tracker_.setPose(pose);
   const MapperResult result = tracker_.process(scan, odom_T_base);
   if (!fits(result) || result.pose.between(pose).distance() > kConfirmM) return std::nullopt;
   lost_ = false;
