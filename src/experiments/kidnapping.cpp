@@ -43,6 +43,21 @@ SlamConfig kidnapConfig() {
   return config;
 }
 
+/// From when to when the vehicle is away from both places.
+BlockedView coverOf(const Motion& motion, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  const auto awayFrom = [&](double time, const Eigen::Vector2d& place) {
+    return (motion.at(time).world_T_base.translation().head<2>() - place).norm();
+  };
+  BlockedView cover;
+  double time = 0.0;
+  while (time < motion.duration() && awayFrom(time, to) > kCoverM) {
+    if (awayFrom(time, from) < kCoverM) cover.from_s = time;
+    time += kMotionStepS;
+  }
+  cover.until_s = time;
+  return cover;
+}
+
 }  // namespace
 
 bool KidnapTrial::add(double seconds, bool lost, double error_m) {
@@ -112,25 +127,6 @@ std::optional<KidnappedFlights::Carriage> KidnappedFlights::carriage(std::uint64
   return result;
 }
 
-namespace {
-
-/// From when to when the vehicle is away from both places.
-BlockedView coverOf(const Motion& motion, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-  const auto awayFrom = [&](double time, const Eigen::Vector2d& place) {
-    return (motion.at(time).world_T_base.translation().head<2>() - place).norm();
-  };
-  BlockedView cover;
-  double time = 0.0;
-  while (time < motion.duration() && awayFrom(time, to) > kCoverM) {
-    if (awayFrom(time, from) < kCoverM) cover.from_s = time;
-    time += kMotionStepS;
-  }
-  cover.until_s = time;
-  return cover;
-}
-
-}  // namespace
-
 std::optional<KidnapTrial> KidnappedFlights::fly(std::uint64_t number) const {
   const std::optional<Carriage> carried = carriage(number);
   if (!carried) return std::nullopt;
@@ -156,7 +152,6 @@ std::optional<KidnapTrial> KidnappedFlights::fly(std::uint64_t number) const {
     if (seconds < 0.0 || done) return;
     if (last) trial.travel_m += last->between(truth).distance();
     last = truth;
-    trial.reason = result.reason;
     done = trial.travel_m > kKidnapTravelM ||
            trial.add(seconds, lost, truth.between(result.pose).distance());
   };

@@ -196,7 +196,6 @@ KidnapTrial RelocalizationMap::kidnap(const std::vector<PlacedScan>& scans, std:
     const MapperResult result = process(scans[i].scan, stepTo(i));
     if (i > to) trial.travel_m += scans[i - 1].pose.between(scans[i].pose).distance();
     const double error = scans[i].pose.between(result.pose).distance();
-    trial.reason = result.reason;
     if (trial.add(time - uncovered, localizer.isLost(), error)) break;
   }
   return trial;

@@ -2,7 +2,6 @@
 // The mapper's decision what a match is worth.
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "mapper_state.h"
 
@@ -22,16 +21,12 @@ constexpr int kSettlingScans = 10;
 /// The few points that are farther away do not count in the reach of a scan.
 constexpr double kNearlyAll = 0.9;
 
-/// Nearly all points are nearer than this, m.
-double reachOf(const Points& points) {
-  std::vector<float> ranges;
-  for (const Eigen::Vector2f& p : points) ranges.push_back(p.norm());
-  if (ranges.empty()) return 0.0;
-  const auto nearly_all =
-      static_cast<std::size_t>(kNearlyAll * static_cast<double>(ranges.size() - 1));
-  const auto place = ranges.begin() + static_cast<std::ptrdiff_t>(nearly_all);
-  std::nth_element(ranges.begin(), place, ranges.end());
-  return static_cast<double>(*place);
+/// Whether nearly all points are nearer than `distance`, m.
+bool reachLess(const Points& points, double distance) {
+  const auto nearer = std::count_if(points.begin(), points.end(), [&](const Eigen::Vector2f& p) {
+    return static_cast<double>(p.norm()) < distance;
+  });
+  return static_cast<double>(nearer) >= kNearlyAll * static_cast<double>(points.size());
 }
 
 }  // namespace
@@ -55,7 +50,7 @@ bool Mapper::State::isLikely(const MatchResult& match, const MatchRequest& reque
   const Pose2& predicted = request.initial_guesses.front();
   // A hand over the laser fits wherever a wall ends. What a scan shows must reach as far as the
   // jump that it is to explain.
-  if (predicted.between(match.pose).distance() > reachOf(request.points)) return false;
+  if (reachLess(request.points, predicted.between(match.pose).distance())) return false;
   if (request.prior) {
     return match.score >= limits.search_score || request.prior->isPlausible(match.pose);
   }

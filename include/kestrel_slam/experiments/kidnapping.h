@@ -20,7 +20,6 @@ struct KidnapTrial {
   bool wrong = false;      ///< it was told to be somewhere else
   double noticed_s = 0.0;  ///< after it saw again
   double travel_m = 0.0;   ///< until it was found
-  std::string reason;      ///< of the last pose, if it was not found
 
   /// Adds a scan `seconds` after the laser sees again. `error_m`: of its pose. Returns whether the
   /// vehicle is found.
