@@ -134,11 +134,11 @@ bool MapperClient::waitFor(const std::function<bool()>& condition, double timeou
   return false;
 }
 
-bool MapperClient::connect() {
+bool MapperClient::connect(std::size_t nodes) {
   return waitFor(
-      [this] {
-        return scan_publisher_.getNumSubscribers() > 0 && subscribers_[0].getNumPublishers() > 0 &&
-               subscribers_[1].getNumPublishers() > 0;
+      [&] {
+        return scan_publisher_.getNumSubscribers() >= nodes &&
+               subscribers_[0].getNumPublishers() > 0 && subscribers_[1].getNumPublishers() > 0;
       },
       10.0);
 }

@@ -68,8 +68,8 @@ class MapperClient {
   /// Runs callbacks until `condition` is true. Returns false after `timeout_s` of wall time.
   bool waitFor(const std::function<bool()>& condition, double timeout_s = 5.0);
 
-  /// Waits until the mapper subscribes to the scans.
-  bool connect();
+  /// Waits until the mapper, and so many nodes in all, subscribe to the scans.
+  bool connect(std::size_t nodes = 1);
   /// Whether the poses of the mapper arrive here.
   bool hearsPoses() const { return subscribers_[0].getNumPublishers() > 0; }
 

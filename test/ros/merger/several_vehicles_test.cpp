@@ -133,9 +133,11 @@ class SeveralVehicles : public testing::Test {
       return std::all_of(vehicles_.begin(), vehicles_.end(),
                          [](Vehicle& vehicle) { return vehicle.client->hearsPoses(); });
     });
-    // A mapper subscribes to the scans after it has announced its poses.
+    // A mapper subscribes to the scans after it has announced its poses. The other subscriber finds
+    // the vehicle in the map of all.
+    constexpr std::size_t kNodes = 2;
     return hears && std::all_of(vehicles_.begin(), vehicles_.end(),
-                                [](Vehicle& vehicle) { return vehicle.client->connect(); });
+                                [](Vehicle& vehicle) { return vehicle.client->connect(kNodes); });
   }
 
   /// Saves as autosave does, so that nothing is lost when the mapper is killed.
