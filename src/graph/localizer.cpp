@@ -17,6 +17,8 @@ constexpr double kWorkPerSecond = 5e8;
 constexpr std::int64_t kLeastWork = 2'000'000, kMostWork = 80'000'000;
 /// The match of the current scan must confirm the pose that was found, m.
 constexpr double kConfirmM = 0.5;
+/// A pose that was found in a smaller map is checked for so long, m.
+constexpr double kCheckM = 5.0;
 /// Standard deviations of an unknown pose.
 constexpr double kUnknownM = 100.0, kUnknownRad = 2.0;
 
@@ -62,6 +64,8 @@ MapperResult Localizer::track(const PlanarScan& scan, const std::optional<Pose2>
   // Without anything to see, the odometry knows the pose.
   if (!fit_time_ || good || (result.blank && result.state != MatchState::kLost)) {
     fit_time_ = scan.time;
+    if (mustCheck(result.pose)) return result.blank ? result : doubt(scan, odom_T_base, result);
+    check_from_.reset();
     finder_.reset();
     return result;
   }
@@ -72,6 +76,11 @@ MapperResult Localizer::track(const PlanarScan& scan, const std::optional<Pose2>
   }
   if (doubtful_s > kDoubtAfter) return doubt(scan, odom_T_base, result);
   return result;
+}
+
+/// A pose from a smaller map may be that of a place which looks alike.
+bool Localizer::mustCheck(const Pose2& map_T_base) const {
+  return check_from_ && check_from_->between(map_T_base).distance() <= kCheckM;
 }
 
 /// People or moved furniture, or the vehicle is somewhere else: the whole map is searched while the
@@ -86,6 +95,7 @@ MapperResult Localizer::doubt(const PlanarScan& scan, const std::optional<Pose2>
   finder_.reset();
   if (result.pose.between(found).distance() <= kConfirmM) {
     fit_time_ = scan.time;
+    check_from_.reset();
     return result;
   }
   if (const auto confirmed = confirm(scan, odom_T_base, found)) return *confirmed;
@@ -130,11 +140,12 @@ MapperResult Localizer::search(const PlanarScan& scan, const std::optional<Pose2
 std::optional<MapperResult> Localizer::confirm(const PlanarScan& scan,
                                                const std::optional<Pose2>& odom_T_base,
                                                const Pose2& pose) {
-  tracker_.setPose(pose);
+  tracker_.setFoundPose(pose, scan.time);
   const MapperResult result = tracker_.process(scan, odom_T_base);
   if (!fits(result) || result.pose.between(pose).distance() > kConfirmM) return std::nullopt;
   lost_ = false;
   fit_time_ = scan.time;
+  check_from_.reset();
   local_.reset();
   finder_.reset();
   return result;
@@ -142,6 +153,7 @@ std::optional<MapperResult> Localizer::confirm(const PlanarScan& scan,
 
 void Localizer::lose(const Pose2& map_T_base) {
   lost_ = true;
+  check_from_.reset();
   guess_ = map_T_base;
   local_.reset();
   finder_.reset();
@@ -151,8 +163,14 @@ void Localizer::setPose(const Pose2& map_T_base) {
   tracker_.setPose(map_T_base);
   lost_ = false;
   fit_time_.reset();
+  check_from_.reset();
   local_.reset();
   finder_.reset();
+}
+
+void Localizer::setLikelyPose(const Pose2& map_T_base) {
+  setPose(map_T_base);
+  check_from_ = map_T_base;
 }
 
 void Localizer::relocalize() { lose(tracker_.pose()); }

@@ -314,6 +314,13 @@ void Mapper::setPose(const Pose2& map_T_base) {
   state_->unsettled_scans = 0;
 }
 
+void Mapper::setFoundPose(const Pose2& map_T_base, double time) {
+  if (!isUsable(map_T_base)) return;
+  setPose(map_T_base);
+  state_->motion.setFound(time);
+  state_->motion_check.clear();
+}
+
 bool Mapper::isOutOfReach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const {
   return state_->motion.isOutOfReach(scan, odom_T_base);
 }

@@ -324,4 +324,10 @@ void MotionModel::setPose(const Pose2& map_T_base) {
   placed_ = true;
 }
 
+void MotionModel::setFound(double time) {
+  time_ = found_time_ = time;
+  lost_scans_ = 0;
+  carried_ = false;
+}
+
 }  // namespace kestrel

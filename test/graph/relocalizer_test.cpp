@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../merging/building.h"
 #include "kestrel_slam/graph/localizer.h"
 #include "kestrel_slam/map/picture_map.h"
 #include "loop_world.h"
@@ -248,6 +249,30 @@ TEST(Localizer, AfterAGapTheWholeMapIsSearchedIfThePlacesInReachDoNotFit) {
   }
   ASSERT_NE(result.state, MatchState::kLost) << localizer.answer().reason;
   EXPECT_LT(truth.between(result.pose).distance(), 0.05);
+}
+
+/// A vehicle that was found in a map of the west, although it is in the east: the corridor looks
+/// the same from its other end. Then the map grows.
+TEST(Localizer, APoseFromASmallerMapIsCheckedInTheGrownOne) {
+  const building::Walls walls = building::walls();
+  const std::vector<Pose2> way = building::tour(0, 2);
+  const std::vector<Pose2> back(way.rbegin(), way.rend());
+  constexpr std::size_t kFirst = 85, kScans = 20;
+  const Pose2 half_turn(24.0, 0.0, kPi);
+  for (const bool found_right : {false, true}) {
+    Submap map{OccupancyGridConfig()};
+    for (const Pose2& pose : way) map.insert(room::scanFrom(pose, walls, 180), pose);
+    Localizer localizer(MapperConfig(), std::move(map));
+    localizer.setLikelyPose(found_right ? back[kFirst] : half_turn * back[kFirst]);
+    double time = 0.0, error = 0.0;
+    for (std::size_t i = kFirst; i < kFirst + kScans; ++i) {
+      const MapperResult result = process(localizer, back[i], time += 0.1, walls);
+      error = back[i].between(result.pose).distance();
+      EXPECT_NE(result.state, MatchState::kLost);
+      EXPECT_TRUE(!found_right || error < 0.05) << error;
+    }
+    EXPECT_LT(error, 0.05);
+  }
 }
 
 TEST(PictureMap, AVehicleIsFoundInThePicture) {

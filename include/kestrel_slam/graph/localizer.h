@@ -28,6 +28,9 @@ class Localizer {
 
   /// A user says where the vehicle is.
   void setPose(const Pose2& map_T_base);
+  /// The vehicle was found here in a map that has grown since. While the matching goes on, the
+  /// whole map is searched for a place that explains the scans better.
+  void setLikelyPose(const Pose2& map_T_base);
   /// The pose is unknown: search the whole map.
   void relocalize();
   /// After a gap: the motion is unknown, but the pose may still be right.
@@ -46,6 +49,7 @@ class Localizer {
   MapperResult track(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base);
   MapperResult doubt(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                      const MapperResult& result);
+  bool mustCheck(const Pose2& map_T_base) const;
   std::int64_t workFor(const PlanarScan& scan) const;
   MapperResult search(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base);
   std::optional<MapperResult> confirm(const PlanarScan& scan,
@@ -58,9 +62,10 @@ class Localizer {
   PlaceFinder finder_;
   std::unique_ptr<Mapper> local_;  ///< while lost: measures the motion
   bool lost_ = true;
-  Pose2 guess_;                     ///< map_T_local while lost: where the vehicle was last seen
-  std::optional<double> fit_time_;  ///< of the last scan that fitted well, s
-  std::optional<double> time_;      ///< of the last scan, s
+  std::optional<Pose2> check_from_;  ///< where a likely pose was set, until it is checked
+  Pose2 guess_;                      ///< map_T_local while lost: where the vehicle was last seen
+  std::optional<double> fit_time_;   ///< of the last scan that fitted well, s
+  std::optional<double> time_;       ///< of the last scan, s
 };
 
 }  // namespace kestrel

@@ -88,6 +88,10 @@ class Mapper {
   /// `map_T_base` is not finite or too large.
   void setPose(const Pose2& map_T_base);
 
+  /// The pose at `time` was found in the whole map. Unlike after setPose, the next scan is matched
+  /// near it only: that it fits in a second place nearby, too, says nothing against the pose.
+  void setFoundPose(const Pose2& map_T_base, double time);
+
   /// Whether scans are missing before `scan` for so long that the vehicle may be outside of the
   /// largest search window around the prediction.
   bool isOutOfReach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;

@@ -99,6 +99,8 @@ class MotionModel {
 
   /// Sets the pose. The motion so far is not used for the next prediction.
   void setPose(const Pose2& map_T_base);
+  /// The pose of setPose is accurate, and belongs to this time.
+  void setFound(double time);
 
  private:
   std::vector<Pose2> initialGuesses(const PlanarScan& scan,

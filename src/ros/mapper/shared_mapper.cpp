@@ -131,9 +131,8 @@ void SharedMapper::localizeInGrown(GraphRecord record) {
   map->add(*graph);
   const Lock lock(mutex_);
   const bool is_known = mapping_.localizer() != nullptr && !mapping_.localizer()->isLost();
-  const Pose2 pose = mapping_.mapper().pose();
+  if (is_known) localizer->setLikelyPose(mapping_.mapper().pose());
   mapping_.localizeWith(std::move(localizer));
-  if (is_known) mapping_.setPose(pose);
   localizing_ = true;
   graph_->replace(std::move(graph), std::move(map));
   ++map_number_;
