@@ -84,20 +84,24 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
   }
   const bool is_weak = match.degenerate || match.constraint < kWeakConstraint;
   if (is_weak) {
-    if (!weak_) along_ = firstError(along, prediction_source);
+    if (!weak_) {
+      along_ = drifted_ = firstError(along, prediction_source);
+      base_variance_ = along.dot(last_.map_covariance.topLeftCorner<2, 2>() * along);
+    }
     const bool nothing_shown = match.degenerate && !match.predicted_along;
     drift(seconds, moved_m, prediction_source,
           nothing_shown ? std::numeric_limits<double>::infinity() : match.along_variance);
   }
-  if (match.degenerate) {
+  if (is_weak && prediction_source == PredictionSource::kVelocity) {
+    next.map_covariance = stretched(next.map_covariance, along, 0.0);
+    next.match_covariance = stretched(next.match_covariance, along, 0.0);
+    next.map_covariance.topLeftCorner<2, 2>() +=
+        (base_variance_ + drifted_.covariance(0, 0)) * along * along.transpose();
+  } else if (match.degenerate) {
     next.map_covariance = stretched(next.map_covariance, along, 0.0);
     next.match_covariance = stretched(next.match_covariance, along, 0.0);
     next.map_covariance.topLeftCorner<2, 2>() +=
         (entry_variance_ + drift_variance_) * along * along.transpose();
-  } else if (match.predicted_along) {
-    next.match_covariance = stretched(next.match_covariance, along, 0.0);
-    next.match_covariance.topLeftCorner<2, 2>() +=
-        along_.covariance(0, 0) * along * along.transpose();
   }
   drifting_ = match.degenerate;
   weak_ = is_weak;
@@ -117,9 +121,7 @@ void AlongError::predict(double seconds, double moved_m, PredictionSource source
     noise << seconds * seconds / 3.0, seconds / 2.0, seconds / 2.0, 1.0;
     covariance = step * covariance * step.transpose() +
                  square(kUnknownAcceleration) * kAccelerationTime * seconds * noise;
-    const double factor = std::min(1.0, kMaxSpeed / std::sqrt(covariance(1, 1)));
-    covariance.row(1) *= factor;
-    covariance.col(1) *= factor;
+    limitSpeed(kMaxSpeed);
     return;
   }
   Eigen::Vector2d sigmas = covariance.diagonal().cwiseSqrt();
@@ -130,6 +132,12 @@ void AlongError::predict(double seconds, double moved_m, PredictionSource source
     sigmas.y() += seconds * kAccelerometerError;
   }
   covariance = sigmas * sigmas.transpose();
+}
+
+void AlongError::limitSpeed(double sigma_m_s) {
+  const double factor = std::min(1.0, sigma_m_s / std::sqrt(covariance(1, 1)));
+  covariance.row(1) *= factor;
+  covariance.col(1) *= factor;
 }
 
 /// The error of the speed of a filter or of an accelerometer comes back, because its cause remains.
@@ -164,6 +172,10 @@ void PoseUncertainty::drift(double seconds, double moved_m, PredictionSource sou
   along_.predict(seconds, moved_m, source);
   drift_variance_ += along_.covariance(0, 0) - before;
   along_.correct(along_variance, source);
+  // A few beams may be on another door frame, or on the floor. While they are followed they show
+  // the speed, but not the position.
+  drifted_.predict(seconds, moved_m, source);
+  drifted_.limitSpeed(std::sqrt(along_.covariance(1, 1)));
 }
 
 void PoseUncertainty::carry(const Pose2& predicted, const PredictionError& error) {

@@ -90,6 +90,37 @@ MapperResult flyCorridor(int beams, double seconds, bool odometry) {
   return result;
 }
 
+TEST(PoseUncertainty, AFewBeamsDoNotEndADrift) {
+  // One door frame looks like another, and the floor like a door frame.
+  Submap map{OccupancyGridConfig()};
+  map.insert(room::scanFrom(Pose2()), Pose2());
+  const Points points = hitsOf(room::scanFrom(Pose2()));
+  PoseUncertainty uncertainty;
+  uncertainty.begin(Pose2());
+  uncertainty.insert();
+  MatchResult match;
+  match.covariance = Eigen::Vector3d(1e-5, 1e-5, 1e-7).asDiagonal();
+  match.degenerate_direction = Eigen::Vector2d::UnitX();
+  match.predicted_along = true;
+  const auto sigma_after = [&](int scans) {
+    constexpr double kSeconds = 0.025;
+    for (int i = 0; i < scans; ++i) {
+      uncertainty.update(map.surface(), points, match, kSeconds, 0.0, PredictionSource::kVelocity);
+    }
+    return std::sqrt(uncertainty.last().covariance()(0, 0));
+  };
+  match.degenerate = true;
+  const double drifted = sigma_after(40);
+  EXPECT_GT(drifted, 0.2);
+  match.degenerate = false;
+  match.constraint = 0.4 * kWeakConstraint;
+  match.along_variance = 1e-4;
+  EXPECT_GT(sigma_after(3), drifted);
+  match.constraint = 2.0 * kWeakConstraint;
+  match.predicted_along = false;
+  EXPECT_LT(sigma_after(1), 0.05);
+}
+
 TEST(PoseUncertainty, GrowsAlongACorridorForAllBeamCounts) {
   for (const int beams : {360, 720, 1440}) {
     const MapperResult early = flyCorridor(beams, 3.0, true), late = flyCorridor(beams, 9.0, true);

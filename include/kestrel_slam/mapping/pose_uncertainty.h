@@ -40,6 +40,8 @@ struct AlongError {
   void predict(double seconds, double moved_m, PredictionSource source);
   /// The scan shows the position with `variance`, m².
   void correct(double variance, PredictionSource source);
+  /// The error of the speed is not larger than this standard deviation.
+  void limitSpeed(double sigma_m_s);
   /// Correction of the speed for each meter by which the position is corrected, 1/s.
   double speedGain() const { return covariance(0, 1) / covariance(0, 0); }
 };
@@ -95,6 +97,10 @@ class PoseUncertainty {
   double drift_variance_ = 0.0;     ///< variance of the motion since then, m²
   double inserted_variance_ = 0.0;  ///< the same at the last insertion
   AlongError along_;
+  /// The same without the positions that the scans show, which a few beams do not show for certain.
+  /// This is what the pose claims without a motion sensor.
+  AlongError drifted_;
+  double base_variance_ = 0.0;  ///< variance of the map along it when the direction became weak, m²
   double carried_speed_m_s_ = 0.0;  ///< the same for a pose that is only predicted
 };
 
