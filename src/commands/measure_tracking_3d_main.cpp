@@ -11,7 +11,8 @@ namespace {
 
 struct Options {
   int frames = 200;
-  std::string only;
+  std::string only, lidar;
+  double height = 0.0;
 };
 
 constexpr double kPercent = 100.0, kMegabyte = 1e6;
@@ -32,6 +33,10 @@ void printMot(const char* name, const ClearMot& m) {
 
 void runScene(TrafficScene scene, const Options& options) {
   scene.frames = options.frames;
+  for (const LidarModel& lidar : lidarModels()) {
+    if (lidar.name == options.lidar) scene.lidar = lidar;
+  }
+  if (options.height > 0.0) scene.lidar_height_m = options.height;
   const LidarMeasurement m = measureScene(scene, CloudTrackerConfig());
   std::printf("\n### %s, %s, %d frames of %.0f points\n\n", scene.name.c_str(),
               scene.lidar.name.c_str(), scene.frames, m.mean_points);
@@ -68,5 +73,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--only", options.only, "only this scene")
       ->check(CLI::IsMember({"crossing", "street"}));
+  app.add_option("--lidar", options.lidar, "another lidar than that of the scene")
+      ->check(CLI::IsMember({"vlp16", "hdl32e", "hdl64e"}));
+  app.add_option("--height", options.height, "M: another height of the lidar above the ground")
+      ->check(CLI::PositiveNumber);
   return runTool("measure_tracking_3d", app, argc, argv, [&] { run(options); });
 }

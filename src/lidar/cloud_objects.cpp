@@ -159,12 +159,13 @@ Eigen::Vector2d middleOf(const std::vector<std::size_t>& own, const Plane& cente
   return sum / static_cast<double>(own.size());
 }
 
-/// True if the middle of `part` lies in the box of the object, so that both are parts of one: a
-/// lidar sees the hull and the cabin of a vehicle with a gap in between.
-bool covers(const CloudObject& object, const CloudObject& part) {
+/// True if the middle of the visible points of a part lies in the box of the object, so that both
+/// are parts of one: a lidar sees the hull and the cabin of a vehicle with a gap in between. (The
+/// box of the part says less: what was completed may be beside the object.)
+bool covers(const CloudObject& object, const Eigen::Vector2d& middle) {
   const OrientedBox& box = object.box;
   const Eigen::Vector2d u(std::cos(box.yaw), std::sin(box.yaw));
-  const Eigen::Vector2d offset = part.box.center - box.center;
+  const Eigen::Vector2d offset = middle - box.center;
   const double across = u.x() * offset.y() - u.y() * offset.x();
   return std::abs(u.dot(offset)) <= 0.5 * box.size.x() && std::abs(across) <= 0.5 * box.size.y();
 }
@@ -191,7 +192,10 @@ class ObjectBuilder {
   void add(std::vector<std::size_t> own) {
     CloudObject object = build(std::move(own));
     for (std::size_t i = 0; i < objects_.size(); ++i) {
-      if (!covers(objects_[i], object) && !covers(object, objects_[i])) continue;
+      if (!covers(objects_[i], middleOf(object.voxels, centers_)) &&
+          !covers(object, middleOf(objects_[i].voxels, centers_))) {
+        continue;
+      }
       std::vector<std::size_t> both = std::move(object.voxels);
       both.insert(both.end(), objects_[i].voxels.begin(), objects_[i].voxels.end());
       objects_.erase(objects_.begin() + static_cast<std::ptrdiff_t>(i));

@@ -19,6 +19,7 @@ struct MovingVoxel {
   Eigen::Vector3d centroid;
   std::vector<Eigen::Vector3f> points;
   bool was_free = false;  ///< known as free before this sweep
+  bool has_come = false;  ///< see MotionGrid
 };
 
 /// Points that move together.

@@ -12,9 +12,12 @@ constexpr double kPersonWidth = 0.6, kPersonHeight = 1.6;  ///< m
 /// Points farther than this from the box of a track belong to something else, m.
 constexpr double kMargin = 0.5;
 constexpr double kProvenWay = 2.0;  ///< m; a false track on a surface does not get so far
+/// s; what has moved by less than that and then stands as long may be a surface that came into view
+constexpr double kStill = 2.0;
 constexpr double kBoxMargin = 0.3;  ///< m; how far points may lie outside of the predicted box
 /// A place is left if it gave no return for this time, s.
 constexpr double kLeftTime = 0.15;
+constexpr double kInside = 0.15;      ///< s; a prediction may be inside of another object by chance
 constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
 constexpr double kKnownSpeed = 1.5;   ///< m/s; from here on, an object points where it goes
 /// What was seen of the size fades in each sweep: a label may go over from one object to another.
@@ -44,6 +47,15 @@ std::vector<GridIndex<3>> cellsOf(const CloudObject& object, const std::vector<M
   return cells;
 }
 
+/// The box of a track goes with it; that of the last sweep is where it was then.
+bool isInBox(const Track& track, const Eigen::Vector2d& point, double margin) {
+  const Eigen::Vector2d u(std::cos(track.box.yaw), std::sin(track.box.yaw));
+  const Eigen::Vector2d offset = point - track.position;
+  const double along = std::abs(u.dot(offset));
+  const double across = std::abs(u.x() * offset.y() - u.y() * offset.x());
+  return along <= 0.5 * track.box.size.x() + margin && across <= 0.5 * track.box.size.y() + margin;
+}
+
 }  // namespace
 
 void CloudTrackList::predict(double seconds) {
@@ -68,6 +80,7 @@ void CloudTrackList::update(PhdFilter<7, 3>& filter, const std::vector<CloudObje
   for (Entry& entry : entries_) {
     if (entry.observation < 0) miss(entry, filter, view);
   }
+  for (Entry& entry : entries_) entry.inside_s = isInOther(entry) ? entry.inside_s + seconds_ : 0.0;
   removeOver(filter);
   track_of_.assign(objects.size(), -1);
   for (std::size_t i = 0; i < entries_.size(); ++i) {
@@ -86,11 +99,21 @@ CloudTrackList::Entry& CloudTrackList::entryOf(const LabeledTarget<7>& target,
   Entry entry;
   entry.label = target.label;
   entry.track.plane.id = next_id_++;
-  entry.first = object.box.center;
-  entry.first_time = grid.time();
-  entry.first_cells = cellsOf(object, voxels, grid);
+  startAt(entry, object, voxels, grid);
   entries_.push_back(std::move(entry));
   return entries_.back();
+}
+
+/// From here on, it has to show that it moves.
+void CloudTrackList::startAt(Entry& entry, const CloudObject& object,
+                             const std::vector<MovingVoxel>& voxels, const MotionGrid<3>& grid) {
+  entry.first = entry.place = object.box.center;
+  entry.first_time = entry.place_time = grid.time();
+  entry.first_points.clear();
+  for (const std::size_t v : object.voxels) {
+    entry.first_points.push_back(voxels[v].centroid.cast<float>());
+  }
+  entry.way = 0.0;
 }
 
 void CloudTrackList::see(Entry& entry, const LabeledTarget<7>& target, const CloudObject& object,
@@ -108,7 +131,19 @@ void CloudTrackList::see(Entry& entry, const LabeledTarget<7>& target, const Clo
     track.state = TrackState::kConfirmed;
   }
   entry.way = std::max(entry.way, (track.position - entry.first).norm());
-  if (!track.moved) track.moved = hasMoved(entry, object, voxels, grid);
+  if ((track.position - entry.place).norm() > config_.moved_m) {
+    entry.place = track.position;
+    entry.place_time = grid.time();
+  }
+  const bool is_still = grid.time() - entry.place_time >= kStill;
+  if (track.moved && is_still && (track.position - entry.moved_at).norm() < kProvenWay) {
+    track.moved = false;
+    startAt(entry, object, voxels, grid);
+  }
+  if (!track.moved && hasMoved(entry, object, voxels, grid)) {
+    track.moved = true;
+    entry.moved_at = track.position;
+  }
 }
 
 /// The extents along and across the motion; while its direction is not known, only the size.
@@ -123,27 +158,32 @@ void CloudTrackList::learnShape(Entry& entry, const CloudObject& object) const {
 }
 
 /// It is elsewhere, a part of the place where it was first seen gives no returns any more, and the
-/// place where it is now was known as free. So surfaces that come into view do not move.
+/// place where it is now was known as free. So surfaces that come into view do not move. Beams must
+/// have passed at its height: now at the old place, or before at the new one, which may have been
+/// hidden behind the object itself.
 bool CloudTrackList::hasMoved(const Entry& entry, const CloudObject& object,
                               const std::vector<MovingVoxel>& voxels,
                               const MotionGrid<3>& grid) const {
   if ((object.box.center - entry.first).norm() < config_.moved_m) return false;
   const auto cells = cellsOf(object, voxels, grid);
-  const auto isNow = [&](const GridIndex<3>& cell) {
-    return std::find(cells.begin(), cells.end(), cell) != cells.end();
-  };
   const double left_before = grid.time() - kLeftTime;
-  const auto left = std::count_if(entry.first_cells.begin(), entry.first_cells.end(),
-                                  [&](const GridIndex<3>& cell) {
-                                    return !isNow(cell) && grid.lastReturn(cell) < left_before;
-                                  });
-  const auto arrived = std::count_if(cells.begin(), cells.end(), [&](const GridIndex<3>& cell) {
-    return grid.cameAfter(cell, entry.first_time);
-  });
-  const auto was_free = std::count_if(object.voxels.begin(), object.voxels.end(),
-                                      [&](const std::size_t v) { return voxels[v].was_free; });
-  return left > 0 && 2 * static_cast<std::size_t>(was_free) > cells.size() &&
-         2 * static_cast<std::size_t>(arrived) > cells.size();
+  std::size_t left = 0, passed = 0, arrived = 0, was_free = 0, has_come = 0;
+  for (const Eigen::Vector3f& point : entry.first_points) {
+    const GridIndex<3> cell = grid.indexOf(point);
+    const bool is_now = std::find(cells.begin(), cells.end(), cell) != cells.end();
+    if (is_now || grid.lastReturn(cell) >= left_before) continue;
+    ++left;
+    if (grid.wasPassedAt(point)) ++passed;
+  }
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const MovingVoxel& voxel = voxels[object.voxels[i]];
+    if (grid.cameAfter(cells[i], entry.first_time)) ++arrived;
+    if (voxel.was_free) ++was_free;
+    if (voxel.has_come) ++has_come;
+  }
+  const bool is_shown_by_beams =
+      2 * has_come > cells.size() || 2 * passed > entry.first_points.size();
+  return left > 0 && 2 * was_free > cells.size() && 2 * arrived > cells.size() && is_shown_by_beams;
 }
 
 void CloudTrackList::miss(Entry& entry, const PhdFilter<7, 3>& filter,
@@ -163,7 +203,18 @@ void CloudTrackList::miss(Entry& entry, const PhdFilter<7, 3>& filter,
   }
 }
 
+/// Two bodies are not at one place: what is only predicted where another one is seen is a second
+/// track of that.
+bool CloudTrackList::isInOther(const Entry& entry) const {
+  if (entry.observation >= 0) return false;
+  return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& other) {
+    return other.observation >= 0 && other.track.plane.moved &&
+           isInBox(other.track.plane, entry.track.plane.position, 0.0);
+  });
+}
+
 bool CloudTrackList::isOver(const Entry& entry) const {
+  if (entry.inside_s > kInside) return true;
   const double unseen = entry.track.plane.unseen_s;
   return unseen - entry.hidden_s > config_.coast_s || unseen > config_.hidden_s;
 }
@@ -183,13 +234,20 @@ std::vector<CloudTrack> CloudTrackList::tracks() const {
   return result;
 }
 
-const CloudTrackList::Entry* CloudTrackList::at(const Eigen::Vector2d& point) const {
+/// `whole`: also in the part of the box behind the visible sides. The middle of a vehicle of which
+/// only the rear is seen is far ahead of all points. But what lies in the part that is not seen,
+/// and stands, must not be taken for the object.
+const CloudTrackList::Entry* CloudTrackList::nearestAt(const Eigen::Vector2d& point,
+                                                       bool whole) const {
   const Entry* nearest = nullptr;
   double best = std::numeric_limits<double>::infinity();
   for (const Entry& entry : entries_) {
     const double distance = (entry.track.plane.position - point).norm();
     const double reach = 0.5 * std::max({entry.length, entry.width, kPersonWidth}) + kMargin;
-    if (distance > reach || distance >= best) continue;
+    if (distance >= best ||
+        (distance > reach && !(whole && isInBox(entry.track.plane, point, kMargin)))) {
+      continue;
+    }
     best = distance;
     nearest = &entry;
   }
@@ -199,12 +257,7 @@ const CloudTrackList::Entry* CloudTrackList::at(const Eigen::Vector2d& point) co
 bool CloudTrackList::claims(const Eigen::Vector3d& point, const MotionGrid<3>& grid) const {
   const Entry* entry = at(point.head<2>());
   if (entry == nullptr || !entry->track.plane.moved || entry->way < kProvenWay) return false;
-  const OrientedBox& box = entry->track.plane.box;
-  const Eigen::Vector2d u(std::cos(box.yaw), std::sin(box.yaw));
-  const Eigen::Vector2d offset = point.head<2>() - entry->track.plane.position;
-  const double along = std::abs(u.dot(offset));
-  const double across = std::abs(u.x() * offset.y() - u.y() * offset.x());
-  return along <= 0.5 * box.size.x() + kBoxMargin && across <= 0.5 * box.size.y() + kBoxMargin &&
+  return isInBox(entry->track.plane, point.head<2>(), kBoxMargin) &&
          point.z() <= entry->track.top + kBoxMargin &&
          grid.cameAfter(grid.indexOf(point.cast<float>()), entry->first_time);
 }
@@ -217,7 +270,7 @@ Eigen::Vector3d CloudTrackList::velocityAt(const Eigen::Vector3d& point) const {
 }
 
 std::optional<KnownShape> CloudTrackList::shapeAt(const Eigen::Vector2d& point) const {
-  const Entry* entry = at(point);
+  const Entry* entry = nearestAt(point, true);
   if (entry == nullptr || entry->track.plane.state == TrackState::kTentative) return std::nullopt;
   const Track& track = entry->track.plane;
   KnownShape shape;

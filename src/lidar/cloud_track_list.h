@@ -48,25 +48,34 @@ class CloudTrackList {
   struct Entry {
     CloudTrack track;
     TargetLabel label = 0;
-    Eigen::Vector2d first = Eigen::Vector2d::Zero();  ///< where it was seen first
-    double way = 0.0;                                 ///< largest distance from there, m
-    double first_time = 0.0;                          ///< of the grid, s
-    std::vector<GridIndex<3>> first_cells;            ///< that it filled then
-    double length = 0.0, width = 0.0;                 ///< largest extents that were seen, m
-    double seen_s = 0.0;                              ///< time with observations
+    Eigen::Vector2d first = Eigen::Vector2d::Zero();     ///< where it was seen first
+    double way = 0.0;                                    ///< largest distance from there, m
+    double first_time = 0.0;                             ///< of the grid, s
+    Eigen::Vector2d moved_at = Eigen::Vector2d::Zero();  ///< where its motion was seen
+    Eigen::Vector2d place = Eigen::Vector2d::Zero();     ///< near which it was last
+    double place_time = 0.0;                             ///< since when, of the grid, s
+    std::vector<Eigen::Vector3f> first_points;           ///< where it was then
+    double length = 0.0, width = 0.0;                    ///< largest extents that were seen, m
+    double seen_s = 0.0;                                 ///< time with observations
     double hidden_s = 0.0;
-    int observation = -1;  ///< of the last update
+    double inside_s = 0.0;  ///< without observations, in the box of another object
+    int observation = -1;   ///< of the last update
   };
 
-  const Entry* at(const Eigen::Vector2d& point) const;
+  const Entry* nearestAt(const Eigen::Vector2d& point, bool whole) const;
+  /// The track of which this may be a visible part.
+  const Entry* at(const Eigen::Vector2d& point) const { return nearestAt(point, false); }
   Entry& entryOf(const LabeledTarget<7>& target, const CloudObject& object,
                  const std::vector<MovingVoxel>& voxels, const MotionGrid<3>& grid);
+  static void startAt(Entry& entry, const CloudObject& object,
+                      const std::vector<MovingVoxel>& voxels, const MotionGrid<3>& grid);
   void see(Entry& entry, const LabeledTarget<7>& target, const CloudObject& object,
            const std::vector<MovingVoxel>& voxels, const MotionGrid<3>& grid) const;
   void learnShape(Entry& entry, const CloudObject& object) const;
   bool hasMoved(const Entry& entry, const CloudObject& object,
                 const std::vector<MovingVoxel>& voxels, const MotionGrid<3>& grid) const;
   void miss(Entry& entry, const PhdFilter<7, 3>& filter, const LidarView& view) const;
+  bool isInOther(const Entry& entry) const;
   bool isOver(const Entry& entry) const;
   void removeOver(PhdFilter<7, 3>& filter);
 

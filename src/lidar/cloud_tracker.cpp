@@ -117,7 +117,7 @@ struct CloudTracker::State {
         break;
       }
       slot[v] = static_cast<std::uint32_t>(moving.size());
-      moving.push_back({v, centroid, {}, inserted.was_free[v]});
+      moving.push_back({v, centroid, {}, inserted.was_free[v], inserted.has_come[v]});
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
       const std::uint32_t v = voxels.voxel_of[i];

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "offsets.h"
 
@@ -58,7 +59,8 @@ const typename MotionGrid<D>::Result& MotionGrid<D>::insert(const std::vector<Gr
     if (end.cell == nullptr) continue;
     const bool was_free = stateOf(*end.cell) == CellState::kFree;
     if (was_free) result_.was_free[i] = true;
-    if (was_free || (end.cell->has_come && hasStopped(*end.cell))) result_.has_come[i] = true;
+    const bool comes = was_free && isPassedAt(*end.cell, rays[i].end);
+    if (comes || (end.cell->has_come && hasStopped(*end.cell))) result_.has_come[i] = true;
   }
   ++scan_;
   time_ += std::max(seconds, 0.0);
@@ -118,6 +120,9 @@ void MotionGrid<D>::updateHit(std::size_t number) {
   if (cell->last_hit < 0.0F || now - cell->last_hit > kEpisodeGap) cell->first_hit = now;
   cell->last_hit = now;
   cell->has_come = result_.has_come[number];
+  if constexpr (D == 3) {
+    if (!cell->has_come) cell->lowest_pass = std::numeric_limits<float>::infinity();
+  }
   cell->was_moving = is_moving || (cell->was_moving && motion == CellMotion::kStopped);
   const bool by_medium = is_moving || motion == CellMotion::kStopped;
   add(*cell, by_medium ? medium_ : high_, is_moving ? high_ : low_);
@@ -221,6 +226,18 @@ template <int D>
 bool MotionGrid<D>::wasPassed(const Index& index) const {
   const CellData* cell = cells_.find(index);
   return cell != nullptr && cell->last_pass > cell->last_hit;
+}
+
+template <int D>
+bool MotionGrid<D>::isPassedAt(const CellData& cell, const Vector& point) {
+  if constexpr (D == 3) return cell.lowest_pass <= point.z();
+  return true;
+}
+
+template <int D>
+bool MotionGrid<D>::wasPassedAt(const Vector& point) const {
+  const CellData* cell = cells_.find(indexOf(point));
+  return cell != nullptr && cell->last_pass > cell->last_hit && isPassedAt(*cell, point);
 }
 
 template <int D>

@@ -174,13 +174,17 @@ void MotionGrid<D>::passAlong(const GridRay<D>& ray, const Vector& first) {
       });
     }
   } else {
-    traverse<D>(from, to, [&](const Index& index) {
-      CellData* cell = cells_.obtain(index);
+    CellWalk<D> walk(from, to);
+    const float fall = ray.end.z() - first.z();
+    for (float height = first.z(); walk.remaining > 0;) {
+      CellData* cell = cells_.obtain(Eigen::Map<const Index>(walk.index));
       result_.full |= cell == nullptr;
-      if (cell == nullptr) return false;
+      if (cell == nullptr) return;
       if (cell->scan < scan) passCell(*cell, ray.presumed);
-      return true;
-    });
+      const float entry = height;
+      height = first.z() + static_cast<float>(walk.advance()) * fall;
+      cell->lowest_pass = std::min({cell->lowest_pass, entry, height});
+    }
   }
 }
 

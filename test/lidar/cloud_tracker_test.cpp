@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "kestrel_slam/experiments/lidar_measurement.h"
@@ -80,6 +81,35 @@ TEST(CloudTrackerTest, CrossingIsTrackedAndTheLidarStands) {
   EXPECT_GT(m.objects.matches, 25U);
   EXPECT_LT(m.objects.false_tracks, m.objects.matches / 4);
   EXPECT_GT(m.points.right, 4 * m.points.wrong);
+}
+
+/// The street with fewer columns, and with these actors only.
+TrafficScene streetWith(const std::vector<long>& actors, int frames) {
+  TrafficScene scene = streetScene();
+  std::vector<Actor> kept;
+  for (const Actor& actor : scene.actors) {
+    if (std::find(actors.begin(), actors.end(), actor.id) != actors.end()) kept.push_back(actor);
+  }
+  scene.actors = kept;
+  scene.lidar.columns = 1040;
+  scene.frames = frames;
+  return scene;
+}
+
+// Before, the parts of its rear were tracks of their own, and its middle jumped by half its length.
+TEST(CloudTrackerTest, AVehicleAheadIsOneTrackAroundItsMiddle) {
+  constexpr long kCarAhead = 5;
+  const LidarMeasurement m = measureScene(streetWith({kCarAhead}, 60), CloudTrackerConfig());
+  EXPECT_GT(m.objects.matches, 30U);
+  EXPECT_LT(m.objects.false_tracks, 10U);
+  EXPECT_LT(m.objects.motp(), 0.45);
+}
+
+// Roofs of parked cars and doorways that come into view.
+TEST(CloudTrackerTest, WhatStandsIsNotTrackedForLong) {
+  TrafficScene scene = streetWith({}, 110);
+  scene.lidar_height_m = 2.2;
+  EXPECT_LT(measureScene(scene, CloudTrackerConfig()).objects.false_tracks, 40U);
 }
 
 TEST(CloudTrackerTest, TheSameSweepsGiveTheSameTracks) {

@@ -219,6 +219,24 @@ TYPED_TEST(MotionGridTest, OnlyWhatWasFreeHasBeenComeTo) {
   EXPECT_EQ(claimed.insert(rayTo<D>(2.05F), 0.1).motion[0], CellMotion::kStopped);
 }
 
+// The roof of a parked car lies in a voxel through whose upper part beams pass to what is behind
+// it.
+TEST(MotionGridHeight, WhatComesIntoViewBelowTheBeamsHasNotCome) {
+  MotionGridConfig config = exactConfig();
+  config.resolution_m = 0.4;
+  MotionGrid<3> grid(config);
+  const auto beamTo = [](float x, float z) {
+    return std::vector<GridRay<3>>{{{0.1F, 0.1F, 0.35F}, {x, 0.1F, z}, true, false}};
+  };
+  for (int i = 0; i < 20; ++i) grid.insert(beamTo(5.0F, 0.35F), 0.1);
+  EXPECT_TRUE(grid.wasPassedAt({3.0F, 0.1F, 0.36F}));
+  EXPECT_FALSE(grid.wasPassedAt({3.0F, 0.1F, 0.1F}));
+  const auto below = grid.insert(beamTo(3.0F, 0.1F), 0.1);
+  EXPECT_TRUE(below.was_free[0]);
+  EXPECT_FALSE(below.has_come[0]);
+  EXPECT_TRUE(grid.insert(beamTo(2.0F, 0.38F), 0.1).has_come[0]);
+}
+
 /// Cells that many points of the segment lie in.
 template <int D>
 std::set<std::vector<int>> sampledCells(const Eigen::Matrix<float, D, 1>& from,

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "kestrel_slam/tracking/cell_map.h"
@@ -86,7 +87,9 @@ class MotionGrid {
     std::vector<CellMotion> motion;  ///< of each ray
     std::vector<bool> was_free;      ///< of each ray: the return is in a cell that was free
     /// Of each ray: the return is of something that has come into free space, now or before it
-    /// stopped. Not so what is only taken as moving because of the imposed map or a claim.
+    /// stopped. Not so what is only taken as moving because of the imposed map or a claim. In 3D, a
+    /// beam must have passed at this height or below: what comes into view below the beams, as the
+    /// roof of a parked car, has not come.
     std::vector<bool> has_come;
     std::vector<MovingCell> moving;  ///< occupied cells of the new dynamic map
     bool full = false;               ///< cells are missing because of the memory limit
@@ -118,6 +121,8 @@ class MotionGrid {
   double time() const { return time_; }
   /// True if a beam has passed the cell since its last return.
   bool wasPassed(const Index& index) const;
+  /// The same for a point: in 3D, at its height or below.
+  bool wasPassedAt(const Vector& point) const;
   /// Time of the last return in this cell or next to it, s; negative if there was none.
   double lastReturn(const Index& index) const;
   /// True if nothing was in this cell or next to it at `time` (s) or before: what is here now has
@@ -131,7 +136,13 @@ class MotionGrid {
 
  private:
   static constexpr std::uint32_t kClear = std::numeric_limits<std::uint32_t>::max();
-  struct CellData {
+  struct PassHeight {
+    /// Of the beams that have passed since the last return that does not move, m. Voxels are large:
+    /// one in which the top of something lies is free for the beams above it.
+    float lowest_pass = std::numeric_limits<float>::infinity();
+  };
+  struct Nothing {};
+  struct CellData : std::conditional_t<D == 3, PassHeight, Nothing> {
     float static_odds = 0.0F, dynamic_odds = 0.0F;  ///< log odds; the prior of 0.5 is 0
     /// That updated it last; kClear if another beam that passes changes nothing.
     std::uint32_t scan = 0;
@@ -173,6 +184,7 @@ class MotionGrid {
   void updateMiss(const GridRay<D>& ray, float shared);
   void passAlong(const GridRay<D>& ray, const Vector& from);
   void passCell(CellData& cell, bool presumed) const;
+  static bool isPassedAt(const CellData& cell, const Vector& point);
   bool isNew(const CellData& cell) const;
   bool hasStopped(const CellData& cell) const;
   void add(CellData& cell, float static_change, float dynamic_change) const;
@@ -209,6 +221,19 @@ struct CellWalk {
       remaining += std::abs(last[i] - index[i]);
     }
   }
+
+  /// Goes to the next cell, and returns the share of the way at which it leaves this one.
+  double advance() {
+    int axis = 0;
+    for (int i = 1; i < D; ++i) {
+      if (next[i] < next[axis]) axis = i;
+    }
+    const double share = next[axis];
+    index[axis] += step[axis];
+    next[axis] = index[axis] != last[axis] ? share + per_cell[axis] : kNever;
+    --remaining;
+    return share;
+  }
 };
 
 /// Calls `visit(index)` for every cell of a walk but the last, until it returns false.
@@ -216,15 +241,9 @@ template <int D, typename Visit>
 void traverse(const Eigen::Matrix<float, D, 1>& from, const Eigen::Matrix<float, D, 1>& to,
               Visit visit) {
   CellWalk<D> walk(from, to);
-  for (; walk.remaining > 0; --walk.remaining) {
+  while (walk.remaining > 0) {
     if (!visit(GridIndex<D>(Eigen::Map<const GridIndex<D>>(walk.index)))) return;
-    int axis = 0;
-    for (int i = 1; i < D; ++i) {
-      if (walk.next[i] < walk.next[axis]) axis = i;
-    }
-    walk.index[axis] += walk.step[axis];
-    walk.next[axis] = walk.index[axis] != walk.last[axis] ? walk.next[axis] + walk.per_cell[axis]
-                                                          : CellWalk<D>::kNever;
+    walk.advance();
   }
 }
 
