@@ -140,12 +140,14 @@ MapperResult Localizer::search(const PlanarScan& scan, const std::optional<Pose2
 std::optional<MapperResult> Localizer::confirm(const PlanarScan& scan,
                                                const std::optional<Pose2>& odom_T_base,
                                                const Pose2& pose) {
-  tracker_.setFoundPose(pose, scan.time);
+  tracker_.setFoundPose(pose, local_ ? *local_ : tracker_);
   const MapperResult result = tracker_.process(scan, odom_T_base);
   if (!fits(result) || result.pose.between(pose).distance() > kConfirmM) return std::nullopt;
   lost_ = false;
   fit_time_ = scan.time;
   check_from_.reset();
+  // No time passed between both matches of this scan, so the second one has no speed.
+  if (local_) tracker_.setFoundPose(result.pose, *local_);
   local_.reset();
   finder_.reset();
   return result;
@@ -168,9 +170,12 @@ void Localizer::setPose(const Pose2& map_T_base) {
   finder_.reset();
 }
 
-void Localizer::setLikelyPose(const Pose2& map_T_base) {
-  setPose(map_T_base);
-  check_from_ = map_T_base;
+void Localizer::continueFrom(const Localizer& before) {
+  if (before.lost_) return;
+  setPose(before.tracker_.pose());
+  tracker_.continueFrom(before.tracker_);
+  check_from_ = before.tracker_.pose();
+  time_ = before.time_;
 }
 
 void Localizer::relocalize() { lose(tracker_.pose()); }

@@ -314,10 +314,18 @@ void Mapper::setPose(const Pose2& map_T_base) {
   state_->unsettled_scans = 0;
 }
 
-void Mapper::setFoundPose(const Pose2& map_T_base, double time) {
+void Mapper::setFoundPose(const Pose2& map_T_base, const Mapper& measured) {
   if (!isUsable(map_T_base)) return;
+  MotionModel motion = measured.state_->motion;
   setPose(map_T_base);
-  state_->motion.setFound(time);
+  motion.setFound(map_T_base);
+  state_->motion = motion;
+  state_->motion_check.clear();
+}
+
+void Mapper::continueFrom(const Mapper& before) {
+  setPose(before.pose());
+  state_->motion = before.state_->motion;
   state_->motion_check.clear();
 }
 

@@ -324,10 +324,15 @@ void MotionModel::setPose(const Pose2& map_T_base) {
   placed_ = true;
 }
 
-void MotionModel::setFound(double time) {
-  time_ = found_time_ = time;
+void MotionModel::setFound(const Pose2& map_T_base) {
+  const Eigen::Rotation2Dd turn(map_T_base.yaw - pose_.yaw);
+  velocity_ = turn * velocity_;
+  along_ = turn * along_;
+  pose_ = map_T_base;
+  found_time_ = measured_time_ = time_;
+  error_ = PredictionError();
   lost_scans_ = 0;
-  carried_ = false;
+  carried_ = placed_ = false;
 }
 
 }  // namespace kestrel

@@ -263,7 +263,9 @@ TEST(Localizer, APoseFromASmallerMapIsCheckedInTheGrownOne) {
     Submap map{OccupancyGridConfig()};
     for (const Pose2& pose : way) map.insert(room::scanFrom(pose, walls, 180), pose);
     Localizer localizer(MapperConfig(), std::move(map));
-    localizer.setLikelyPose(found_right ? back[kFirst] : half_turn * back[kFirst]);
+    Localizer before(MapperConfig(), room::map());
+    before.setPose(found_right ? back[kFirst] : half_turn * back[kFirst]);
+    localizer.continueFrom(before);
     double time = 0.0, error = 0.0;
     for (std::size_t i = kFirst; i < kFirst + kScans; ++i) {
       const MapperResult result = process(localizer, back[i], time += 0.1, walls);
@@ -273,6 +275,30 @@ TEST(Localizer, APoseFromASmallerMapIsCheckedInTheGrownOne) {
     }
     EXPECT_LT(error, 0.05);
   }
+}
+
+/// The motion that was measured while the pose was unknown goes on: a gap right after it is seen.
+TEST(Localizer, KnowsHowFarItMayBeInAGapAfterItWasFound) {
+  const building::Walls walls = building::walls();
+  const std::vector<Pose2> way = building::tour(0, 2);
+  constexpr std::size_t kBefore = 8, kAfter = 8;
+  std::size_t found = 0;
+  for (std::size_t start = 0; start < 100; start += 9) {
+    for (const std::size_t gap : {12, 24}) {
+      Submap map{OccupancyGridConfig()};
+      for (const Pose2& pose : way) map.insert(room::scanFrom(pose, walls, 180), pose);
+      Localizer localizer(MapperConfig(), std::move(map));
+      for (std::size_t i = 0; i < kBefore + kAfter; ++i) {
+        const std::size_t at = start + i + (i < kBefore ? 0 : gap);
+        const MapperResult result =
+            process(localizer, way[at], 0.1 * static_cast<double>(at), walls);
+        if (result.state == MatchState::kLost) continue;
+        ++found;
+        EXPECT_LT(way[at].between(result.pose).distance(), 0.5) << start << ' ' << gap << ' ' << i;
+      }
+    }
+  }
+  EXPECT_GT(found, 200U);
 }
 
 TEST(PictureMap, AVehicleIsFoundInThePicture) {

@@ -20,6 +20,13 @@ UncertainPose poseAt(double x, double map_variance, double match_variance) {
   return result;
 }
 
+/// Two matches at the same time, as when a vehicle was found: no time, no error, and no NaN.
+TEST(AlongError, WithoutAnErrorNoSpeedIsCorrected) {
+  AlongError error;
+  error.predict(0.0, 0.0, PredictionSource::kVelocity);
+  EXPECT_EQ(error.speedGain(), 0.0);
+}
+
 TEST(RelativeCovariance, TheCommonErrorCancels) {
   const Eigen::Matrix3d here = relativeCovariance(poseAt(0, 0.5, 1e-4), poseAt(2, 0.5, 2e-4));
   EXPECT_NEAR(here(1, 1), 3e-4, 1e-12);

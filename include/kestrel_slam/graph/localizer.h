@@ -28,9 +28,9 @@ class Localizer {
 
   /// A user says where the vehicle is.
   void setPose(const Pose2& map_T_base);
-  /// The vehicle was found here in a map that has grown since. While the matching goes on, the
+  /// Goes on where `before` is, whose map has grown to this one. While the matching goes on, the
   /// whole map is searched for a place that explains the scans better.
-  void setLikelyPose(const Pose2& map_T_base);
+  void continueFrom(const Localizer& before);
   /// The pose is unknown: search the whole map.
   void relocalize();
   /// After a gap: the motion is unknown, but the pose may still be right.
@@ -62,7 +62,7 @@ class Localizer {
   PlaceFinder finder_;
   std::unique_ptr<Mapper> local_;  ///< while lost: measures the motion
   bool lost_ = true;
-  std::optional<Pose2> check_from_;  ///< where a likely pose was set, until it is checked
+  std::optional<Pose2> check_from_;  ///< where it went on in a grown map, until it is checked
   Pose2 guess_;                      ///< map_T_local while lost: where the vehicle was last seen
   std::optional<double> fit_time_;   ///< of the last scan that fitted well, s
   std::optional<double> time_;       ///< of the last scan, s

@@ -99,8 +99,8 @@ class MotionModel {
 
   /// Sets the pose. The motion so far is not used for the next prediction.
   void setPose(const Pose2& map_T_base);
-  /// The pose of setPose is accurate, and belongs to this time.
-  void setFound(double time);
+  /// The pose at the last scan is accurate. The vehicle moves on as before, as seen from itself.
+  void setFound(const Pose2& map_T_base);
 
  private:
   std::vector<Pose2> initialGuesses(const PlanarScan& scan,

@@ -43,7 +43,9 @@ struct AlongError {
   /// The error of the speed is not larger than this standard deviation.
   void limitSpeed(double sigma_m_s);
   /// Correction of the speed for each meter by which the position is corrected, 1/s.
-  double speedGain() const { return covariance(0, 1) / covariance(0, 0); }
+  double speedGain() const {
+    return covariance(0, 0) > 0.0 ? covariance(0, 1) / covariance(0, 0) : 0.0;
+  }
 };
 
 /// Tracks the uncertainty of the pose from scan to scan: the match covariance, the map covariance,

@@ -130,8 +130,7 @@ void SharedMapper::localizeInGrown(GraphRecord record) {
   auto map = std::make_unique<ComposedMap>(config.grid);
   map->add(*graph);
   const Lock lock(mutex_);
-  const bool is_known = mapping_.localizer() != nullptr && !mapping_.localizer()->isLost();
-  if (is_known) localizer->setLikelyPose(mapping_.mapper().pose());
+  if (mapping_.localizer() != nullptr) localizer->continueFrom(*mapping_.localizer());
   mapping_.localizeWith(std::move(localizer));
   localizing_ = true;
   graph_->replace(std::move(graph), std::move(map));
