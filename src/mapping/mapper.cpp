@@ -311,6 +311,7 @@ void Mapper::setPose(const Pose2& map_T_base) {
   if (!isUsable(map_T_base)) return;
   state_->motion.setPose(map_T_base);
   state_->laser_odometry.stop();
+  state_->motion_check.clear();
   state_->unsettled_scans = 0;
 }
 
@@ -320,13 +321,11 @@ void Mapper::setFoundPose(const Pose2& map_T_base, const Mapper& measured) {
   setPose(map_T_base);
   motion.setFound(map_T_base);
   state_->motion = motion;
-  state_->motion_check.clear();
 }
 
 void Mapper::continueFrom(const Mapper& before) {
   setPose(before.pose());
   state_->motion = before.state_->motion;
-  state_->motion_check.clear();
 }
 
 bool Mapper::isOutOfReach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const {
