@@ -115,8 +115,11 @@ PlaceHypothesis Relocalizer::hypothesisAt(const Pose2& guess) const {
 const char* Relocalizer::problemOf(const PlaceHypothesis& best) const {
   if (best.match.score < config_.min_fit) return "the scan does not fit";
   if (best.match.known < config_.min_known) return "too little of the scan is in the map";
-  if (best.walls.possibleContradiction() > config_.max_contradiction)
-    return "the scan contradicts the map";
+  // In a whole map, many places fit a scan that shows little wall.
+  const bool contradicts = query_.region
+                               ? best.walls.possibleContradiction() > kMostContradiction
+                               : best.walls.contradictionBound() > config_.max_contradiction;
+  if (contradicts) return "the scan contradicts the map";
   if (best.match.constraint < config_.min_constraint) return "a direction is unobservable";
   return "";
 }

@@ -88,10 +88,13 @@ double shareOf(double part, std::size_t whole) {
   return whole == 0 ? 0.0 : part / static_cast<double>(whole);
 }
 
-/// Variance of a share of these squares: pieces of wall fit or fail as a whole.
+/// Pieces of wall fit or fail as a whole.
+double piecesOf(std::size_t squares) {
+  return std::max(1.0, static_cast<double>(squares) * static_cast<double>(kSquareM) / kPieceM);
+}
+
 double varianceOf(double share, std::size_t squares) {
-  const double pieces = static_cast<double>(squares) * static_cast<double>(kSquareM) / kPieceM;
-  return share * (1.0 - share) / std::max(1.0, pieces);
+  return share * (1.0 - share) / piecesOf(squares);
 }
 
 }  // namespace
@@ -102,6 +105,14 @@ double WallAgreement::contradiction() const {
 
 double WallAgreement::possibleContradiction() const {
   return contradiction() + std::sqrt(varianceOf(contradiction(), known + crossed));
+}
+
+double WallAgreement::contradictionBound() const {
+  constexpr double kSigmas2 = 4.0;
+  const double share = contradiction(), pieces = piecesOf(known + crossed);
+  const double deviation =
+      std::sqrt(kSigmas2 * (share * (1.0 - share) + kSigmas2 / 4.0 / pieces) / pieces);
+  return (share + kSigmas2 / 2.0 / pieces + deviation) / (1.0 + kSigmas2 / pieces);
 }
 
 double WallAgreement::score() const {

@@ -75,6 +75,10 @@ TEST(WallAgreement, FewWallsAreLessCertain) {
   EXPECT_NEAR(few.variance(), 4.0 * many.variance(), 1e-12);
   EXPECT_GT(few.possibleContradiction(), many.possibleContradiction());
   EXPECT_GT(many.possibleContradiction(), many.contradiction());
+  EXPECT_GT(few.contradictionBound(), many.contradictionBound());
+  EXPECT_GT(many.contradictionBound(), many.possibleContradiction());
+  const WallAgreement all_fit{40, 40, 40, 0};
+  EXPECT_NEAR(all_fit.contradictionBound(), 4.0 / (8.0 + 4.0), 1e-6) << "8 pieces of wall";
   EXPECT_EQ(WallAgreement().score(), 0.0);
   EXPECT_EQ(WallAgreement().contradiction(), 0.0);
 }

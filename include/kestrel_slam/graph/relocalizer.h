@@ -20,8 +20,8 @@ struct RelocalizationConfig {
   double min_known = 0.6;        ///< share of the scan in the known part of the map
   double min_constraint = 0.02;  ///< share of the scan that constrains the weakest direction
   double min_margin = 0.1;       ///< by which the score is at least better than at any other place
-  double max_contradiction = kMostContradiction;  ///< share of the walls
-  double min_agreement = 0.7;              ///< share of the single scans that fit at the same place
+  double max_contradiction = 0.31;  ///< share of the walls, see WallAgreement::contradictionBound
+  double min_agreement = 0.7;       ///< share of the single scans that fit at the same place
   std::int64_t most_work = 1'500'000'000;  ///< of one search, see WorkBudget
 };
 

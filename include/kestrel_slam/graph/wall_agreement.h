@@ -25,6 +25,10 @@ struct WallAgreement {
   double contradiction() const;
   /// The same with its standard deviation: as large as it may really be.
   double possibleContradiction() const;
+  /// The share that it is below with 97.7 %, for pieces of wall of half a meter [Wilson 1927, two
+  /// standard deviations]. Unlike possibleContradiction, it is large where little wall is seen,
+  /// although all of it fits.
+  double contradictionBound() const;
   /// Places are compared by it, 0 to 1. Unknown space counts as kUnknownScore.
   double score() const;
   /// Variance of the score: pieces of wall of half a meter fit or fail as a whole.
