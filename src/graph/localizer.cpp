@@ -17,6 +17,9 @@ constexpr double kWorkPerSecond = 5e8;
 constexpr std::int64_t kLeastWork = 2'000'000, kMostWork = 80'000'000;
 /// The match of the current scan must confirm the pose that was found, m.
 constexpr double kConfirmM = 0.5;
+/// The map may be exchanged for a grown one without a scan for so long, s. After it, the match with
+/// the other map must not depend on how the vehicle has moved meanwhile.
+constexpr double kExchangeS = 0.5;
 /// A pose that was found in a smaller map is checked for so long, m.
 constexpr double kCheckM = 5.0;
 /// Standard deviations of an unknown pose.
@@ -53,6 +56,9 @@ MapperResult Localizer::process(const PlanarScan& scan, const std::optional<Pose
     lose(tracker_.pose());
     finder_.limitTo(region);
   }
+  // The scans during which the map was exchanged are missing.
+  const bool is_first = check_from_ && !fit_time_ && time_;
+  if (!lost_ && is_first && scan.time - *time_ > kExchangeS) lose(tracker_.pose());
   MapperResult result = lost_ ? search(scan, odom_T_base) : track(scan, odom_T_base);
   time_ = scan.time;
   return result;
@@ -170,11 +176,12 @@ void Localizer::setPose(const Pose2& map_T_base) {
   finder_.reset();
 }
 
-void Localizer::continueFrom(const Localizer& before) {
+void Localizer::continueFrom(const Localizer& before, const Pose2& after_T_before) {
   if (before.lost_) return;
-  setPose(before.tracker_.pose());
-  tracker_.continueFrom(before.tracker_);
-  check_from_ = before.tracker_.pose();
+  const Pose2 pose = after_T_before * before.tracker_.pose();
+  setPose(pose);
+  tracker_.setFoundPose(pose, before.tracker_);
+  check_from_ = pose;
   time_ = before.time_;
 }
 

@@ -323,11 +323,6 @@ void Mapper::setFoundPose(const Pose2& map_T_base, const Mapper& measured) {
   state_->motion = motion;
 }
 
-void Mapper::continueFrom(const Mapper& before) {
-  setPose(before.pose());
-  state_->motion = before.state_->motion;
-}
-
 bool Mapper::isOutOfReach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const {
   return state_->motion.isOutOfReach(scan, odom_T_base);
 }

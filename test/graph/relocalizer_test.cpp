@@ -264,8 +264,9 @@ TEST(Localizer, APoseFromASmallerMapIsCheckedInTheGrownOne) {
     for (const Pose2& pose : way) map.insert(room::scanFrom(pose, walls, 180), pose);
     Localizer localizer(MapperConfig(), std::move(map));
     Localizer before(MapperConfig(), room::map());
-    before.setPose(found_right ? back[kFirst] : half_turn * back[kFirst]);
-    localizer.continueFrom(before);
+    const Pose2 moved(3.0, -2.0, 0.5);
+    before.setPose(moved.inverse() * (found_right ? back[kFirst] : half_turn * back[kFirst]));
+    localizer.continueFrom(before, moved);
     double time = 0.0, error = 0.0;
     for (std::size_t i = kFirst; i < kFirst + kScans; ++i) {
       const MapperResult result = process(localizer, back[i], time += 0.1, walls);

@@ -28,9 +28,10 @@ class Localizer {
 
   /// A user says where the vehicle is.
   void setPose(const Pose2& map_T_base);
-  /// Goes on where `before` is, whose map has grown to this one. While the matching goes on, the
-  /// whole map is searched for a place that explains the scans better.
-  void continueFrom(const Localizer& before);
+  /// Goes on where `before` is, whose map has grown to this one, and has moved by `after_T_before`
+  /// there. While the matching goes on, the whole map is searched for a place that explains the
+  /// scans better.
+  void continueFrom(const Localizer& before, const Pose2& after_T_before);
   /// The pose is unknown: search the whole map.
   void relocalize();
   /// After a gap: the motion is unknown, but the pose may still be right.

@@ -88,13 +88,10 @@ class Mapper {
   /// `map_T_base` is not finite or too large.
   void setPose(const Pose2& map_T_base);
 
-  /// The vehicle was found in the whole map, and moves as `measured` says, whose last scan is the
-  /// one that was found. Unlike after setPose, the next scan is matched near its prediction only:
-  /// that it fits in a second place nearby, too, says nothing against the pose.
+  /// At its last scan, `measured` was at this pose, and it moves on as `measured` says. Unlike
+  /// after setPose, the next scan is matched near its prediction only: that it fits in a second
+  /// place nearby, too, says nothing against the pose.
   void setFoundPose(const Pose2& map_T_base, const Mapper& measured);
-
-  /// Goes on with pose and motion of `before`, whose map shows the same place.
-  void continueFrom(const Mapper& before);
 
   /// Whether scans are missing before `scan` for so long that the vehicle may be outside of the
   /// largest search window around the prediction.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
 
+#include <limits>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -28,6 +30,30 @@ Submap mapOf(const GraphRecord& record, const OccupancyGridConfig& grid) {
     if (parts[i] != parts.back()) continue;
     const Keyframe& keyframe = *record.keyframes[i].keyframe;
     result.insert(keyframe.planarScan(), record.graph.vertices[i].pose, keyframe.new_view, kNumber);
+  }
+  return result;
+}
+
+/// How the map has moved where the vehicle is: as the nearest keyframe that is in both. A vehicle
+/// that was joined has another frame than before. Nothing if they have no keyframe in common.
+std::optional<Pose2> movedAt(const Pose2& pose, const GraphRecord& before,
+                             const GraphRecord& after) {
+  std::map<double, Pose2> poses;  // by stamp
+  const std::vector<std::size_t> parts = connectedParts(after.graph);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i] == parts.back())
+      poses[after.keyframes[i].keyframe->stamp] = after.graph.vertices[i].pose;
+  }
+  std::optional<Pose2> result;
+  double nearest = std::numeric_limits<double>::infinity();
+  const std::vector<std::size_t> old_parts = connectedParts(before.graph);
+  for (std::size_t i = 0; i < old_parts.size(); ++i) {
+    const Pose2& old = before.graph.vertices[i].pose;
+    const double distance = old.between(pose).distance();
+    const auto found = poses.find(before.keyframes[i].keyframe->stamp);
+    if (old_parts[i] != old_parts.back() || distance >= nearest || found == poses.end()) continue;
+    nearest = distance;
+    result = found->second * old.inverse();
   }
   return result;
 }
@@ -126,11 +152,14 @@ void SharedMapper::localizeInGrown(GraphRecord record) {
   requireGraph();
   const auto [config, loops] = parameters();
   auto localizer = std::make_unique<Localizer>(config, mapOf(record, config.grid));
+  std::optional<Pose2> moved;
+  if (isLocalizing()) moved = movedAt(pose(), graph_->snapshot().record, record);
   auto graph = std::make_unique<SubmapGraph>(config, loops, std::move(record));
   auto map = std::make_unique<ComposedMap>(config.grid);
   map->add(*graph);
   const Lock lock(mutex_);
-  if (mapping_.localizer() != nullptr) localizer->continueFrom(*mapping_.localizer());
+  if (moved && mapping_.localizer() != nullptr)
+    localizer->continueFrom(*mapping_.localizer(), *moved);
   mapping_.localizeWith(std::move(localizer));
   localizing_ = true;
   graph_->replace(std::move(graph), std::move(map));
