@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include "kestrel_slam/map/picture_map.h"
@@ -34,15 +35,22 @@ Submap mapOf(const GraphRecord& record, const OccupancyGridConfig& grid) {
   return result;
 }
 
+/// Identifies a keyframe in two sessions. Two vehicles may have scans of the same time.
+using KeyframeName = std::tuple<double, double, double, double>;
+
+KeyframeName nameOf(const LocalKeyframe& keyframe) {
+  const Keyframe& k = *keyframe.keyframe;
+  return {k.stamp, k.submap_T_base.x, k.submap_T_base.y, k.submap_T_base.yaw};
+}
+
 /// How the map has moved where the vehicle is: as the nearest keyframe that is in both. A vehicle
 /// that was joined has another frame than before. Nothing if they have no keyframe in common.
 std::optional<Pose2> movedAt(const Pose2& pose, const GraphRecord& before,
                              const GraphRecord& after) {
-  std::map<double, Pose2> poses;  // by stamp
+  std::map<KeyframeName, Pose2> poses;
   const std::vector<std::size_t> parts = connectedParts(after.graph);
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (parts[i] == parts.back())
-      poses[after.keyframes[i].keyframe->stamp] = after.graph.vertices[i].pose;
+    if (parts[i] == parts.back()) poses[nameOf(after.keyframes[i])] = after.graph.vertices[i].pose;
   }
   std::optional<Pose2> result;
   double nearest = std::numeric_limits<double>::infinity();
@@ -50,7 +58,7 @@ std::optional<Pose2> movedAt(const Pose2& pose, const GraphRecord& before,
   for (std::size_t i = 0; i < old_parts.size(); ++i) {
     const Pose2& old = before.graph.vertices[i].pose;
     const double distance = old.between(pose).distance();
-    const auto found = poses.find(before.keyframes[i].keyframe->stamp);
+    const auto found = poses.find(nameOf(before.keyframes[i]));
     if (old_parts[i] != old_parts.back() || distance >= nearest || found == poses.end()) continue;
     nearest = distance;
     result = found->second * old.inverse();
