@@ -2,7 +2,9 @@
 #include "kestrel_slam/lidar/cloud_icp.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nanoflann.hpp>
 
@@ -15,6 +17,11 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 constexpr std::size_t kLeafSize = 10;
 constexpr std::size_t kFewestPairs = 6;
 constexpr double kStill_m = 1e-4, kStill_rad = 2e-6;  ///< a smaller step ends the iteration
+/// A few pairs may change for ever. Steps up to this are far below what the maps resolve.
+constexpr double kSettled_m = 0.005, kSettled_rad = 3e-4;
+constexpr double kExplained = 3.0;  ///< standard deviations of the distance of a pair
+constexpr double kSearchStep_m = 0.5;
+constexpr std::size_t kSearchPoints = 1000, kSearchTrials = 5;
 
 /// The interface that nanoflann needs.
 struct Cells {
@@ -55,11 +62,58 @@ using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, Cells, 3>;
 
 /// Adds a pair with `direction` (unit) as the direction in which its distance is measured.
 void addPair(const Eigen::Vector3d& arm, const Eigen::Vector3d& direction, double distance,
-             Matrix6& information, Vector6& gradient) {
+             double weight, Matrix6& information, Vector6& gradient) {
   Vector6 jacobian;
   jacobian << direction, arm.cross(direction);
-  information.selfadjointView<Eigen::Lower>().rankUpdate(jacobian);
-  gradient += jacobian * distance;
+  information.selfadjointView<Eigen::Lower>().rankUpdate(jacobian, weight);
+  gradient += jacobian * (weight * distance);
+}
+
+/// The pairs by the main direction that is nearest to their normal: floors, walls, and what stands
+/// across the street, however the lidar is turned.
+template <typename Pairs>
+std::array<Pairs, 3> byDirection(const Pairs& pairs) {
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const auto& pair : pairs) spread += pair.normal * pair.normal.transpose();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(spread);
+  std::array<Pairs, 3> parts;
+  for (const auto& pair : pairs) {
+    Eigen::Index direction = 0;
+    (solver.eigenvectors().transpose() * pair.normal).cwiseAbs().maxCoeff(&direction);
+    parts[static_cast<std::size_t>(direction)].push_back(pair);
+  }
+  return parts;
+}
+
+template <typename Pairs>
+void rejectWorst(Pairs& pairs, double share) {
+  const auto kept =
+      static_cast<std::size_t>(std::lround((1.0 - share) * static_cast<double>(pairs.size())));
+  if (kept >= pairs.size()) return;
+  std::nth_element(
+      pairs.begin(), pairs.begin() + static_cast<std::ptrdiff_t>(kept), pairs.end(),
+      [](const auto& a, const auto& b) { return std::abs(a.distance) < std::abs(b.distance); });
+  pairs.resize(kept);
+}
+
+/// The worst of each direction: where few surfaces show how far the lidar has moved along a street,
+/// an error of the guess makes just their pairs the worst of all.
+template <typename Pairs>
+void rejectWorstOfEach(Pairs& pairs, double share) {
+  std::array<Pairs, 3> parts = byDirection(pairs);
+  pairs.clear();
+  for (Pairs& part : parts) {
+    rejectWorst(part, share);
+    pairs.insert(pairs.end(), part.begin(), part.end());
+  }
+}
+
+template <typename Pairs>
+double rmsOf(const Pairs& pairs) {
+  double sum = 0.0;
+  for (const auto& pair : pairs) sum += pair.distance * pair.distance;
+  return std::sqrt(sum / static_cast<double>(pairs.size()));
 }
 
 Eigen::Isometry3d moved(const Eigen::Isometry3d& pose, const Vector6& step) {
@@ -83,6 +137,14 @@ std::vector<Eigen::Vector3d> thinned(const std::vector<Eigen::Vector3d>& points,
 
 }  // namespace
 
+struct CloudIcp::Pair {
+  Eigen::Vector3d point;  ///< in the map
+  Eigen::Vector3d mean, normal;
+  double distance, weight;
+
+  double fromPlane() const { return std::abs(normal.dot(point - mean)); }
+};
+
 struct CloudIcp::Tree {
   explicit Tree(Cells usable) : data(std::move(usable)), index(3, data, {kLeafSize}) {
 #if NANOFLANN_VERSION < 0x140  // the constructor of 1.3 (Ubuntu 20.04) does not build the tree
@@ -105,6 +167,8 @@ CloudIcp::CloudIcp(const std::vector<SurfaceCell>& cells, const CloudIcpConfig& 
 
 CloudIcp::~CloudIcp() = default;
 
+/// First every direction counts, so that the pose is found; then all pairs are judged together,
+/// so that what stands out, mostly something that moves, has no weight.
 CloudIcpResult CloudIcp::align(const std::vector<Eigen::Vector3d>& all_points,
                                const Eigen::Isometry3d& guess) const {
   const std::vector<Eigen::Vector3d> points = thinned(all_points, config_.max_points);
@@ -112,35 +176,107 @@ CloudIcpResult CloudIcp::align(const std::vector<Eigen::Vector3d>& all_points,
   result.pose = guess;
   if (tree_->data.cells.empty()) return result;
   Vector6 from_guess = Vector6::Zero();
-  while (result.iterations < config_.max_iterations && !result.converged) {
-    ++result.iterations;
-    std::vector<Pair> pairs = pairsOf(points, result.pose);
-    rejectWorst(pairs);
-    result.pairs = pairs.size();
-    if (pairs.size() < kFewestPairs) return result;
-    double sum = 0.0;
-    for (const Pair& pair : pairs) sum += pair.distance * pair.distance;
-    result.rms = std::sqrt(sum / static_cast<double>(pairs.size()));
-    const Vector6 change = step(pairs, from_guess, result.pose.translation());
-    from_guess += change;
-    result.pose = moved(result.pose, change);
-    result.converged = change.head<3>().norm() < kStill_m && change.tail<3>().norm() < kStill_rad;
-  }
+  refine(points, true, result, from_guess);
+  refine(points, false, result, from_guess);
+  judge(pairsOf(points, result.pose, config_.reach_m), result);
   return result;
 }
 
-std::vector<CloudIcp::Pair> CloudIcp::pairsOf(const std::vector<Eigen::Vector3d>& points,
-                                              const Eigen::Isometry3d& pose) const {
-  std::vector<Pair> pairs;
+void CloudIcp::refine(const std::vector<Eigen::Vector3d>& points, bool coarse,
+                      CloudIcpResult& result, Vector6& from_guess) const {
+  result.converged = false;
+  for (int i = 0; i < config_.max_iterations && !result.converged; ++i) {
+    ++result.iterations;
+    Pairs pairs = pairsOf(points, result.pose, coarse ? config_.reach_m : config_.fine_reach_m);
+    if (coarse) rejectWorstOfEach(pairs, config_.rejected_share);
+    if (!coarse) rejectWorst(pairs, config_.rejected_share);
+    result.pairs = pairs.size();
+    if (pairs.size() < kFewestPairs) return;
+    result.rms = rmsOf(pairs);
+    const Vector6 change = step(pairs, from_guess, result.pose.translation());
+    from_guess += change;
+    result.pose = moved(result.pose, change);
+    const bool is_last = i + 1 == config_.max_iterations;
+    result.converged = change.head<3>().norm() < (is_last ? kSettled_m : kStill_m) &&
+                       change.tail<3>().norm() < (is_last ? kSettled_rad : kStill_rad);
+  }
+}
+
+CloudIcpResult CloudIcp::search(const std::vector<Eigen::Vector3d>& points,
+                                const Eigen::Isometry3d& guess, double radius) const {
+  struct Candidate {
+    double closeness;
+    Eigen::Isometry3d pose;
+  };
+  const std::vector<Eigen::Vector3d> few = thinned(points, kSearchPoints);
+  const int steps = static_cast<int>(std::ceil(radius / kSearchStep_m));
+  std::vector<Candidate> candidates;
+  for (int x = -steps; x <= steps; ++x) {
+    for (int y = -steps; y <= steps; ++y) {
+      Candidate candidate{0.0, guess};
+      candidate.pose.translation() += kSearchStep_m * Eigen::Vector3d(x, y, 0.0);
+      candidate.closeness = closenessOf(pairsOf(few, candidate.pose, config_.reach_m));
+      candidates.push_back(candidate);
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+    return a.closeness > b.closeness;
+  });
+  candidates.resize(std::min(candidates.size(), kSearchTrials));
+  CloudIcpResult best = align(points, guess);
+  for (const Candidate& candidate : candidates) {
+    const CloudIcpResult found = align(points, candidate.pose);
+    if (found.converged && found.is_fixed && found.agreement > best.agreement) best = found;
+  }
+  return best;
+}
+
+/// Directions with too few pairs say nothing.
+void CloudIcp::judge(const Pairs& pairs, CloudIcpResult& result) const {
+  result.agreement = 1.0;
+  result.is_fixed = true;
+  for (const Pairs& part : byDirection(pairs)) {
+    if (part.size() < kFewestPairs) {
+      result.is_fixed = false;
+      continue;
+    }
+    const auto explained = std::count_if(part.begin(), part.end(), [this](const Pair& pair) {
+      return pair.fromPlane() < kExplained * config_.pair_sigma_m;
+    });
+    result.agreement = std::min(result.agreement, static_cast<double>(explained) / static_cast<double>(part.size()));
+  }
+}
+
+/// How near the surfaces are, 0 to 3: a mean for each direction. A sum over all points would be
+/// largest where the rings of two sweeps lie on each other, that is without motion.
+double CloudIcp::closenessOf(const Pairs& pairs) const {
+  double sum = 0.0;
+  for (const Pairs& part : byDirection(pairs)) {
+    if (part.size() < kFewestPairs) continue;
+    double of_part = 0.0;
+    for (const Pair& pair : part) {
+      const double distance = pair.fromPlane() / kSearchStep_m;
+      of_part += std::max(0.0, 1.0 - distance * distance);
+    }
+    sum += of_part / static_cast<double>(part.size());
+  }
+  return sum;
+}
+
+CloudIcp::Pairs CloudIcp::pairsOf(const std::vector<Eigen::Vector3d>& points,
+                                  const Eigen::Isometry3d& pose, double reach) const {
+  Pairs pairs;
   pairs.reserve(points.size());
   for (const Eigen::Vector3d& point : points) {
     const Eigen::Vector3d in_map = pose * point;
     const Eigen::Vector3f place = in_map.cast<float>();
-    NearestWithin nearest{static_cast<float>(config_.reach_m * config_.reach_m)};
+    NearestWithin nearest{static_cast<float>(reach * reach)};
     tree_->index.radiusSearchCustomCallback(place.data(), nearest);
     if (!nearest.found) continue;
     const SurfaceCell& cell = tree_->data.cells[nearest.index];
-    Pair pair{in_map, cell.mean.cast<double>(), cell.normal.cast<double>(), 0.0};
+    Pair pair{in_map, cell.mean.cast<double>(), cell.normal.cast<double>(), 0.0, 1.0};
+    const double roughness = static_cast<double>(cell.thickness) / config_.range_sigma_m;
+    pair.weight = 1.0 / (1.0 + roughness * roughness);
     pair.distance = config_.metric == IcpMetric::kPlane ? pair.normal.dot(in_map - pair.mean)
                                                         : (in_map - pair.mean).norm();
     pairs.push_back(pair);
@@ -148,30 +284,20 @@ std::vector<CloudIcp::Pair> CloudIcp::pairsOf(const std::vector<Eigen::Vector3d>
   return pairs;
 }
 
-void CloudIcp::rejectWorst(std::vector<Pair>& pairs) const {
-  const auto kept = static_cast<std::size_t>(
-      std::lround((1.0 - config_.rejected_share) * static_cast<double>(pairs.size())));
-  if (kept >= pairs.size()) return;
-  std::nth_element(
-      pairs.begin(), pairs.begin() + static_cast<std::ptrdiff_t>(kept), pairs.end(),
-      [](const Pair& a, const Pair& b) { return std::abs(a.distance) < std::abs(b.distance); });
-  pairs.resize(kept);
-}
-
 /// The Gauss-Newton step of the pose: translation, and rotation about the lidar at `center`.
-Vector6 CloudIcp::step(const std::vector<Pair>& pairs, const Vector6& from_guess,
-                       const Eigen::Vector3d& center) const {
+CloudIcp::Vector6 CloudIcp::step(const Pairs& pairs, const Vector6& from_guess,
+                                 const Eigen::Vector3d& center) const {
   Matrix6 information = Matrix6::Zero();
   Vector6 gradient = Vector6::Zero();
   for (const Pair& pair : pairs) {
     const Eigen::Vector3d arm = pair.point - center;
     if (config_.metric == IcpMetric::kPlane) {
-      addPair(arm, pair.normal, pair.distance, information, gradient);
+      addPair(arm, pair.normal, pair.distance, pair.weight, information, gradient);
       continue;
     }
     const Eigen::Vector3d apart = pair.point - pair.mean;
     for (int i = 0; i < 3; ++i) {
-      addPair(arm, Eigen::Vector3d::Unit(i), apart(i), information, gradient);
+      addPair(arm, Eigen::Vector3d::Unit(i), apart(i), pair.weight, information, gradient);
     }
   }
   Vector6 prior;

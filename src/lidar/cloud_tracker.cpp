@@ -8,6 +8,7 @@
 #include "cloud_objects.h"
 #include "cloud_track_list.h"
 #include "lidar_view.h"
+#include "localization.h"
 #include "moving_points.h"
 #include "sweep_points.h"
 #include "sweep_rays.h"
@@ -16,8 +17,8 @@ namespace kestrel {
 namespace {
 
 constexpr double kMaxGap = 5.0;         ///< s; after a longer gap, tracks and maps start anew
+constexpr double kMaxLost = 1.0;        ///< s without localization, the same
 constexpr double kForgetEvery_m = 5.0;  ///< the maps forget what is far after this distance
-constexpr double kMaxPosition = 1e5;    ///< m; poses beyond this are wrong
 constexpr std::size_t kFewestPoints = 100;
 constexpr int kModes = 3;                ///< motion models: constant velocity, standing, turn
 constexpr double kSharpSigma = 0.3;      ///< m; twice the sigma of a place that counts as known
@@ -64,7 +65,10 @@ struct CloudTracker::State {
   PhdFilter<7, 3> filter;
   CloudTrackList tracks;
   Result result;
-  std::optional<double> time;
+  std::optional<double> time;        ///< of the last sweep
+  double mapped_at = 0.0;            ///< of the last sweep that is in the maps
+  Eigen::Isometry3d mapped_pose = Eigen::Isometry3d::Identity();  ///< then
+  bool is_motion_known = false;                                   ///< `rate` is measured
   Eigen::Matrix<double, 6, 1> rate = Eigen::Matrix<double, 6, 1>::Zero();  ///< of the lidar
   Eigen::Vector3d forgotten_at = Eigen::Vector3d::Zero();
   std::vector<CloudObject> objects;  ///< of the last sweep
@@ -80,18 +84,15 @@ struct CloudTracker::State {
     return "";
   }
 
-  Eigen::Isometry3d localize(const std::vector<Eigen::Vector3f>& points,
-                             const Eigen::Isometry3d& guess) {
-    const Voxels voxels = voxelize(points, {}, config.surface_resolution_m);
-    std::vector<Eigen::Vector3d> centroids;
-    for (const PointSums& sums : voxels.sums) centroids.push_back(sums.mean);
-    result.localized = surfaces.cells().empty();
-    if (result.localized) return guess;
-    const CloudIcpResult icp = CloudIcp(surfaces.cells(), config.icp).align(centroids, guess);
-    const bool usable = icp.pose.matrix().allFinite() &&
-                        icp.pose.translation().norm() < kMaxPosition && icp.pairs > 0;
-    result.localized = usable && icp.converged;
-    return usable ? icp.pose : guess;
+  /// Sets `localized` and the pose; without localization, it is `guess`.
+  void localize(const std::vector<Eigen::Vector3f>& points, const Eigen::Isometry3d& guess,
+                double seconds) {
+    const bool is_first = surfaces.cells().empty();
+    const std::optional<Eigen::Isometry3d> found = is_first ? guess
+                                : findSweep(points, surfaces, config, guess,
+                                            searchRadius(seconds, is_motion_known));
+    result.localized = found.has_value();
+    result.pose = found.value_or(guess);
   }
 
   void impose(double seconds) {
@@ -228,13 +229,33 @@ struct CloudTracker::State {
 
   void process(const LidarSweep& sweep, const SweepPoints& usable,
                const std::optional<Eigen::Isometry3d>& predicted) {
-    const double seconds = time ? sweep.cloud.stamp - *time : 0.0;
+    if (!time) mapped_at = sweep.cloud.stamp;
     time = sweep.cloud.stamp;
-    const Eigen::Isometry3d last = result.pose;
+    const double seconds = *time - mapped_at;
     const Ground ground = findGround(usable.points, config.ground);
-    result.pose = localize(usable.points, predicted.value_or(last * changeOf(rate, seconds)));
-    if (seconds > 0.0) rate = rateOf(last.inverse() * result.pose, seconds);
+    result.used = true;
+    result.saturated = usable.thinned;
+    localize(usable.points, predicted.value_or(mapped_pose * changeOf(rate, seconds)), seconds);
+    result.tracks.clear();
     const std::vector<Eigen::Vector3f> points = transformed(usable.points, result.pose);
+    if (result.localized) {
+      noteMotion(seconds);
+      map(sweep, usable, ground, points, seconds);
+    }
+    markMovingPoints({sweep.cloud.points.size(), usable, ground, points}, result.tracks,
+                     result.moving, result.ground);
+  }
+
+  void noteMotion(double seconds) {
+    is_motion_known = seconds > 0.0;
+    if (is_motion_known) rate = rateOf(mapped_pose.inverse() * result.pose, seconds);
+    mapped_pose = result.pose;
+    mapped_at = *time;
+  }
+
+  /// `points`: of the sweep, in the map.
+  void map(const LidarSweep& sweep, const SweepPoints& usable, const Ground& ground,
+           const std::vector<Eigen::Vector3f>& points, double seconds) {
     const double resolution = config.grid.resolution_m;
     const Voxels voxels = voxelize(points, inverted(ground.is_ground), resolution);
     const SweepRays beams(grid, config, result.pose);
@@ -244,16 +265,15 @@ struct CloudTracker::State {
     tracks.predict(seconds);
     impose(seconds);
     const auto& inserted = grid.insert(rays, seconds);
-    result.saturated = usable.thinned || inserted.full;
+    if (inserted.full) result.saturated = true;
     const LidarView view(usable.points, result.pose);
     const std::vector<MovingVoxel> moving = movingVoxels(voxels, inserted, points);
     follow(seconds, moving, view);
     extendSurfaces(points, voxels, inserted.motion, moving);
     forgetFar();
-    markMovingPoints({sweep.cloud.points.size(), usable, ground, points}, result.tracks,
-                     result.moving, result.ground);
-    result.used = true;
   }
+
+  bool isLostForLong() const { return time && *time - mapped_at > kMaxLost && !result.localized; }
 };
 
 CloudTracker::CloudTracker(const CloudTrackerConfig& config)
@@ -282,18 +302,23 @@ const CloudTracker::Result& CloudTracker::process(
     return state.result;
   }
   state.process(sweep, usable, predicted);
-  if (usable.thinned) {
+  if (state.isLostForLong()) {
+    startAnew();
+    state_->process(sweep, usable, predicted.value_or(state_->result.pose));
+    state_->result.localized = false;
+    state_->result.problem = "the lidar was not localized for a second; maps and tracks start anew";
+  } else if (usable.thinned) {
     state.result.problem = "the cloud has " + std::to_string(sweep.cloud.points.size()) +
                            " points; only " + std::to_string(config.max_points) + " are used";
   }
-  return state.result;
+  return state_->result;
 }
 
 /// The lidar has not moved as far as anybody knows.
 void CloudTracker::startAnew() {
   const Eigen::Isometry3d pose = state_->result.pose;
   reset();
-  state_->result.pose = pose;
+  state_->result.pose = state_->mapped_pose = pose;
 }
 
 void CloudTracker::reset() {

@@ -19,12 +19,14 @@ enum class IcpMetric {
 struct CloudIcpConfig {
   IcpMetric metric = IcpMetric::kPlane;
   double rejected_share = 0.1;  ///< of the pairs, the worst
-  double reach_m = 1.0;         ///< longest pair
+  double reach_m = 1.0;         ///< longest pair while the pose is sought
+  double fine_reach_m = 0.5;    ///< the same when it is nearly found
   int max_iterations = 20;
   std::size_t max_points = 4000;  ///< more points are thinned
   /// How well the initial guess is known. Weighs only where the surfaces say nothing.
   double guess_sigma_m = 0.1, guess_sigma_rad = 0.02;
   double pair_sigma_m = 0.05;  ///< of the distance of a pair
+  double range_sigma_m = 0.02;  ///< of the lidar; thicker surfaces weigh less
 };
 
 struct CloudIcpResult {
@@ -33,6 +35,11 @@ struct CloudIcpResult {
   double rms = 0.0;                                        ///< of their distances, m
   int iterations = 0;
   bool converged = false;
+  /// Share of the pairs whose distance is explained by noise, in the direction where it is
+  /// smallest: beside the right place, the surfaces across the error disagree, however few they
+  /// are.
+  double agreement = 0.0;
+  bool is_fixed = false;  ///< there are pairs in all directions
 };
 
 /// Iterative closest point in six degrees of freedom against the cells of a static map.
@@ -46,20 +53,24 @@ class CloudIcp {
   CloudIcpResult align(const std::vector<Eigen::Vector3d>& points,
                        const Eigen::Isometry3d& guess) const;
 
+  /// As align(), where the guess may be wrong by up to `radius` (m) in the plane: the motion of a
+  /// vehicle is not known at the start and after the pose was lost.
+  CloudIcpResult search(const std::vector<Eigen::Vector3d>& points, const Eigen::Isometry3d& guess,
+                        double radius) const;
+
  private:
   struct Tree;
-  struct Pair {
-    Eigen::Vector3d point;  ///< in the map
-    Eigen::Vector3d mean, normal;
-    double distance;
-  };
+  struct Pair;
+  using Pairs = std::vector<Pair>;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-  std::vector<Pair> pairsOf(const std::vector<Eigen::Vector3d>& points,
-                            const Eigen::Isometry3d& pose) const;
-  void rejectWorst(std::vector<Pair>& pairs) const;
-  Eigen::Matrix<double, 6, 1> step(const std::vector<Pair>& pairs,
-                                   const Eigen::Matrix<double, 6, 1>& from_guess,
-                                   const Eigen::Vector3d& center) const;
+  void refine(const std::vector<Eigen::Vector3d>& points, bool coarse, CloudIcpResult& result,
+              Vector6& from_guess) const;
+  Pairs pairsOf(const std::vector<Eigen::Vector3d>& points, const Eigen::Isometry3d& pose,
+                double reach) const;
+  void judge(const Pairs& pairs, CloudIcpResult& result) const;
+  double closenessOf(const Pairs& pairs) const;
+  Vector6 step(const Pairs& pairs, const Vector6& from_guess, const Eigen::Vector3d& center) const;
 
   CloudIcpConfig config_;
   std::unique_ptr<Tree> tree_;

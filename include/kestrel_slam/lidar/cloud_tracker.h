@@ -46,7 +46,10 @@ class CloudTracker {
   struct Result {
     bool used = false;       ///< false: the sweep cannot be used, nothing has changed
     std::string problem;     ///< why, and what to do; also says what limits a sweep that is used
-    bool localized = false;  ///< false: too few surfaces; the pose is only predicted
+    /// False: the sweep does not fit to the map anywhere near; the pose is only predicted. Such a
+    /// sweep has no tracks and no moving points, and the maps do not change. After a second of
+    /// them, maps and tracks start anew.
+    bool localized = false;
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< map_T_lidar at the stamp
     std::vector<CloudTrack> tracks;  ///< all, also those that do not move, by rising id
     /// Of each point of the cloud: true if it belongs to an object that moves.

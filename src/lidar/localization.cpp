@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "localization.h"
+
+#include <algorithm>
+
+#include "kestrel_slam/lidar/cloud_icp.h"
+#include "kestrel_slam/lidar/voxels.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kMaxPosition = 1e5;  ///< m; poses beyond this are wrong
+/// Share of the surfaces of each direction that fit; beside the right place it is less.
+constexpr double kAgreement = 0.4;
+/// m/s, m/s², m: faster vehicles are not sought.
+constexpr double kMaxLidarSpeed = 40.0, kMaxLidarAcceleration = 10.0, kMaxSearch_m = 4.0;
+
+bool isGood(const CloudIcpResult& icp) {
+  return icp.converged && icp.agreement >= kAgreement && icp.pose.matrix().allFinite() &&
+         icp.pose.translation().norm() < kMaxPosition;
+}
+
+}  // namespace
+
+double searchRadius(double seconds, bool is_motion_known) {
+  const double change = is_motion_known ? kMaxLidarAcceleration * seconds : kMaxLidarSpeed;
+  return std::min(kMaxSearch_m, change * seconds);
+}
+
+std::optional<Eigen::Isometry3d> findSweep(const std::vector<Eigen::Vector3f>& points,
+                                           const SurfaceMap& map, const CloudTrackerConfig& config,
+                                           const Eigen::Isometry3d& guess, double radius) {
+  const Voxels voxels = voxelize(points, {}, config.surface_resolution_m);
+  std::vector<Eigen::Vector3d> centroids;
+  for (const PointSums& sums : voxels.sums) centroids.push_back(sums.mean);
+  const CloudIcp icp(map.cells(), config.icp);
+  CloudIcpResult found = icp.align(centroids, guess);
+  if (!isGood(found)) found = icp.search(centroids, guess, radius);
+  if (!isGood(found)) return std::nullopt;
+  return found.pose;
+}
+
+}  // namespace kestrel
