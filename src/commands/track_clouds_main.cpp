@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <iomanip>
+#include <map>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -12,6 +13,7 @@
 
 #include "kestrel_slam/commands/mapping_command.h"
 #include "kestrel_slam/commands/run_tool.h"
+#include "kestrel_slam/evaluation/labeled_objects.h"
 #include "kestrel_slam/evaluation/track_file.h"
 #include "kestrel_slam/geometry/pose3.h"
 #include "kestrel_slam/lidar/static_map.h"
@@ -28,14 +30,19 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::vector<std::string> files;
-  std::string output, calibration;
+  std::string output, calibration, labels;
   RecordingOptions topics;
   double rate_hz = 10.0;
   std::size_t max_scans = 0;
+  LabelGoal goal;
+  double min_tracked = 0.0;  ///< %
 };
 
 constexpr int kStampDecimals = 6, kPoseDecimals = 6;
 constexpr std::size_t kMapEvery = 10;  ///< sweeps
+/// The middle of a track is in the box of its label, or this near to it, m.
+constexpr double kLabelMargin = 0.5;
+constexpr double kPercent = 100.0;
 
 /// Runs the tracker on all sweeps and collects what is written.
 class CloudRun {
@@ -43,6 +50,10 @@ class CloudRun {
   explicit CloudRun(const Options& options)
       : options_(options), static_map_(CloudTrackerConfig().surface_resolution_m) {
     if (!options.calibration.empty()) camera_ = readKittiCalibration(options.calibration);
+    if (options.labels.empty()) return;
+    for (const KittiLabel& label : readKittiLabels(options.labels, camera_)) {
+      labels_[label.frame].push_back(label);
+    }
   }
 
   void addFile(const std::string& path) {
@@ -95,12 +106,31 @@ class CloudRun {
     std::printf("%-12s%zu voxels\n", "map", static_map_.points().size());
   }
 
+  /// One line for each labeled object that moves. False: one of them was tracked too seldom.
+  bool printLabels() const {
+    if (options_.labels.empty()) return true;
+    const std::vector<LabeledObject> objects = labeledObjects(sightings_, options_.goal);
+    std::size_t missed = 0;
+    std::printf("\n%8s  %-14s %7s %7s %7s %9s %7s\n", "object", "type", "m/s", "sweeps", "shown",
+                "not shown", "tracks");
+    for (const LabeledObject& object : objects) {
+      std::printf("%8ld  %-14s %7.1f %7zu %6.1f%% %9zu %7zu\n", object.id, object.type.c_str(),
+                  object.speed, object.sweeps, kPercent * object.share(), object.hidden,
+                  object.tracks.size());
+      if (kPercent * object.share() < options_.min_tracked) ++missed;
+    }
+    std::printf("%zu labeled objects move, %zu of them are tracked less than %g %% of the time\n",
+                objects.size(), missed, options_.min_tracked);
+    return missed == 0;
+  }
+
   bool isFull() const { return options_.max_scans > 0 && sweeps_ >= options_.max_scans; }
 
  private:
   void add(PointCloud cloud) {
     const std::size_t frame = sweeps_++;
-    const CloudTracker::Result& result = tracker_.process({std::move(cloud), {}});
+    const LidarSweep sweep{std::move(cloud), {}};
+    const CloudTracker::Result& result = tracker_.process(sweep);
     if (!result.problem.empty()) warn(result.problem);
     if (!result.used) return;
     if (!result.localized) ++lost_;
@@ -111,8 +141,35 @@ class CloudRun {
       tracks.tracks.push_back(track.plane);
       if (track.isShown()) addLabel(static_cast<long>(frame), track, result.pose);
     }
+    for (const KittiLabel& label : labels_[static_cast<long>(frame)]) {
+      sightings_.push_back(sightingOf(label, sweep.cloud, result));
+    }
     frames_.push_back(std::move(tracks));
     if (frames_.size() % kMapEvery == 0) static_map_.add(tracker_);
+  }
+
+  LabelSighting sightingOf(const KittiLabel& label, const PointCloud& cloud,
+                           const CloudTracker::Result& result) const {
+    LabelSighting sighting;
+    sighting.stamp = cloud.stamp;
+    sighting.id = label.id;
+    sighting.type = label.type;
+    sighting.place = (result.pose * label.center).head<2>();
+    for (const PointCloud::Point& p : cloud.points) {
+      if (isInLabel(label, {p.x, p.y, p.z}, 0.0)) ++sighting.points;
+    }
+    for (const CloudTrack& track : result.tracks) {
+      Eigen::Vector3d at =
+          result.pose.inverse() *
+          Eigen::Vector3d(track.plane.position.x(), track.plane.position.y(), track.z);
+      at.z() = label.center.z();
+      if (!isInLabel(label, at, kLabelMargin)) continue;
+      sighting.has_track = true;
+      if (!track.isShown() || sighting.is_shown) continue;
+      sighting.is_shown = true;
+      sighting.track = track.plane.id;
+    }
+    return sighting;
   }
 
   /// Each problem once.
@@ -156,9 +213,12 @@ class CloudRun {
   Trajectory path_;
   std::vector<TrackFrame> frames_;
   std::set<std::string> warned_;
+  std::map<long, std::vector<KittiLabel>> labels_;  ///< by frame
+  std::vector<LabelSighting> sightings_;
 };
 
-void run(const Options& options) {
+/// False: a limit that was asked for is missed.
+bool run(const Options& options) {
   const fs::path folder =
       options.output.empty() ? nameOf(options.files.front()) + "_tracks" : options.output;
   prepareOutput(folder);
@@ -169,6 +229,7 @@ void run(const Options& options) {
   run.write(folder);
   run.printSummary();
   std::printf("%-12s%s\n", "output", folder.string().c_str());
+  return run.printLabels();
 }
 
 }  // namespace
@@ -193,5 +254,22 @@ int main(int argc, char** argv) {
   app.add_option("--base-frame", options.topics.base_frame, "bags: frame of the vehicle");
   app.add_option("--calibration", options.calibration,
                  "calibration file of the KITTI tracking benchmark, for tracks_kitti.txt");
-  return runTool("track_clouds", app, argc, argv, [&] { run(options); });
+  CLI::Option* labels = app.add_option(
+      "--labels", options.labels,
+      "label file of the KITTI tracking benchmark: prints how long every labeled object that moves "
+      "was tracked");
+  app.add_option("--min-tracked", options.min_tracked,
+                 "%: exit code 3 if a labeled object was tracked less of its time")
+      ->needs(labels)
+      ->check(CLI::Range(0.0, kPercent));
+  app.add_option("--min-speed", options.goal.min_speed, "m/s: slower labeled objects do not count")
+      ->needs(labels)
+      ->capture_default_str();
+  app.add_option("--min-points", options.goal.min_points,
+                 "sweeps with fewer returns from a labeled object do not count")
+      ->needs(labels)
+      ->capture_default_str();
+  bool reached = true;
+  const int code = runTool("track_clouds", app, argc, argv, [&] { reached = run(options); });
+  return code == 0 && !reached ? kLimitMissed : code;
 }

@@ -219,9 +219,8 @@ CloudIcpResult CloudIcp::search(const std::vector<Eigen::Vector3d>& points,
       candidates.push_back(candidate);
     }
   }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-    return a.closeness > b.closeness;
-  });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& a, const auto& b) { return a.closeness > b.closeness; });
   candidates.resize(std::min(candidates.size(), kSearchTrials));
   CloudIcpResult best = align(points, guess);
   for (const Candidate& candidate : candidates) {
@@ -240,10 +239,12 @@ void CloudIcp::judge(const Pairs& pairs, CloudIcpResult& result) const {
       result.is_fixed = false;
       continue;
     }
+    result.has_pairs = true;
     const auto explained = std::count_if(part.begin(), part.end(), [this](const Pair& pair) {
       return pair.fromPlane() < kExplained * config_.pair_sigma_m;
     });
-    result.agreement = std::min(result.agreement, static_cast<double>(explained) / static_cast<double>(part.size()));
+    result.agreement = std::min(result.agreement,
+                                static_cast<double>(explained) / static_cast<double>(part.size()));
   }
 }
 

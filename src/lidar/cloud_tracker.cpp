@@ -65,10 +65,10 @@ struct CloudTracker::State {
   PhdFilter<7, 3> filter;
   CloudTrackList tracks;
   Result result;
-  std::optional<double> time;        ///< of the last sweep
-  double mapped_at = 0.0;            ///< of the last sweep that is in the maps
-  Eigen::Isometry3d mapped_pose = Eigen::Isometry3d::Identity();  ///< then
-  bool is_motion_known = false;                                   ///< `rate` is measured
+  std::optional<double> time;  ///< of the last sweep
+  double mapped_at = 0.0;      ///< of the last sweep that is in the maps
+  Eigen::Isometry3d mapped_pose = Eigen::Isometry3d::Identity();           ///< then
+  bool is_motion_known = false;                                            ///< `rate` is measured
   Eigen::Matrix<double, 6, 1> rate = Eigen::Matrix<double, 6, 1>::Zero();  ///< of the lidar
   Eigen::Vector3d forgotten_at = Eigen::Vector3d::Zero();
   std::vector<CloudObject> objects;  ///< of the last sweep
@@ -82,17 +82,6 @@ struct CloudTracker::State {
     }
     if (cloud.points.empty()) return "the cloud has no points; skipped";
     return "";
-  }
-
-  /// Sets `localized` and the pose; without localization, it is `guess`.
-  void localize(const std::vector<Eigen::Vector3f>& points, const Eigen::Isometry3d& guess,
-                double seconds) {
-    const bool is_first = surfaces.cells().empty();
-    const std::optional<Eigen::Isometry3d> found = is_first ? guess
-                                : findSweep(points, surfaces, config, guess,
-                                            searchRadius(seconds, is_motion_known));
-    result.localized = found.has_value();
-    result.pose = found.value_or(guess);
   }
 
   void impose(double seconds) {
@@ -235,10 +224,14 @@ struct CloudTracker::State {
     const Ground ground = findGround(usable.points, config.ground);
     result.used = true;
     result.saturated = usable.thinned;
-    localize(usable.points, predicted.value_or(mapped_pose * changeOf(rate, seconds)), seconds);
+    const SweepPlace place = findSweep(usable.points, surfaces, config,
+                                       predicted.value_or(mapped_pose * changeOf(rate, seconds)),
+                                       searchRadius(seconds, is_motion_known));
+    result.localized = place.found;
+    result.pose = place.pose;
     result.tracks.clear();
     const std::vector<Eigen::Vector3f> points = transformed(usable.points, result.pose);
-    if (result.localized) {
+    if (!place.contradicted) {
       noteMotion(seconds);
       map(sweep, usable, ground, points, seconds);
     }

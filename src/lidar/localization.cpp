@@ -10,8 +10,9 @@ namespace kestrel {
 namespace {
 
 constexpr double kMaxPosition = 1e5;  ///< m; poses beyond this are wrong
-/// Share of the surfaces of each direction that fit; beside the right place it is less.
-constexpr double kAgreement = 0.4;
+/// Share of the surfaces of each direction that fit: twice what chance gives for pairs of any
+/// distance up to the reach.
+constexpr double kAgreement = 0.3;
 /// m/s, m/s², m: faster vehicles are not sought.
 constexpr double kMaxLidarSpeed = 40.0, kMaxLidarAcceleration = 10.0, kMaxSearch_m = 4.0;
 
@@ -27,17 +28,19 @@ double searchRadius(double seconds, bool is_motion_known) {
   return std::min(kMaxSearch_m, change * seconds);
 }
 
-std::optional<Eigen::Isometry3d> findSweep(const std::vector<Eigen::Vector3f>& points,
-                                           const SurfaceMap& map, const CloudTrackerConfig& config,
-                                           const Eigen::Isometry3d& guess, double radius) {
+SweepPlace findSweep(const std::vector<Eigen::Vector3f>& points, const SurfaceMap& map,
+                     const CloudTrackerConfig& config, const Eigen::Isometry3d& guess,
+                     double radius) {
+  if (map.cells().empty()) return {guess, true, false};
   const Voxels voxels = voxelize(points, {}, config.surface_resolution_m);
   std::vector<Eigen::Vector3d> centroids;
   for (const PointSums& sums : voxels.sums) centroids.push_back(sums.mean);
   const CloudIcp icp(map.cells(), config.icp);
   CloudIcpResult found = icp.align(centroids, guess);
+  if (!found.has_pairs) return {guess, false, false};
   if (!isGood(found)) found = icp.search(centroids, guess, radius);
-  if (!isGood(found)) return std::nullopt;
-  return found.pose;
+  if (!isGood(found)) return {guess, false, true};
+  return {found.pose, true, false};
 }
 
 }  // namespace kestrel

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <optional>
 #include <vector>
 
 #include "kestrel_slam/lidar/cloud_tracker_config.h"
@@ -13,10 +12,16 @@ namespace kestrel {
 /// How far a lidar may be from its predicted place after this time, m.
 double searchRadius(double seconds, bool is_motion_known);
 
-/// The pose of a sweep in the map. Nothing if no pose within `radius` (m) of the guess fits: then
-/// the sweep must not enter the map.
-std::optional<Eigen::Isometry3d> findSweep(const std::vector<Eigen::Vector3f>& points,
-                                           const SurfaceMap& map, const CloudTrackerConfig& config,
-                                           const Eigen::Isometry3d& guess, double radius);
+/// Where a sweep was taken.
+struct SweepPlace {
+  Eigen::Isometry3d pose;  ///< map_T_lidar; the guess if it was not found
+  bool found = false;
+  bool contradicted = false;  ///< surfaces show that it is not there: it must not enter the map
+};
+
+/// Seeks the sweep within `radius` (m) of the guess.
+SweepPlace findSweep(const std::vector<Eigen::Vector3f>& points, const SurfaceMap& map,
+                     const CloudTrackerConfig& config, const Eigen::Isometry3d& guess,
+                     double radius);
 
 }  // namespace kestrel

@@ -112,6 +112,17 @@ TEST(CloudTrackerTest, WhatStandsIsNotTrackedForLong) {
   EXPECT_LT(measureScene(scene, CloudTrackerConfig()).objects.false_tracks, 40U);
 }
 
+// Before, its pose stood still and everything else moved.
+TEST(CloudTrackerTest, AStreetIsSeenWithThirtyTwoRings) {
+  TrafficScene scene = streetScene();
+  scene.lidar = crossingScene().lidar;
+  scene.lidar.columns = 1080;
+  scene.frames = 30;
+  const LidarMeasurement m = measureScene(scene, CloudTrackerConfig());
+  EXPECT_LT(m.largest_step_m, 0.05);
+  EXPECT_LT(m.objects.false_tracks, 15U);
+}
+
 TEST(CloudTrackerTest, TheSameSweepsGiveTheSameTracks) {
   const auto pathOf = [] {
     TrafficScene scene = shortCrossing();

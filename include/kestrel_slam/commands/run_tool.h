@@ -8,7 +8,7 @@
 namespace kestrel {
 
 /// Exit codes of every tool.
-constexpr int kSuccess = 0, kBadInput = 1, kWrongUsage = 2;
+constexpr int kSuccess = 0, kBadInput = 1, kWrongUsage = 2, kLimitMissed = 3;
 
 /// A function that runs after the command line is parsed.
 using Action = std::function<void()>;

@@ -25,7 +25,7 @@ struct CloudIcpConfig {
   std::size_t max_points = 4000;  ///< more points are thinned
   /// How well the initial guess is known. Weighs only where the surfaces say nothing.
   double guess_sigma_m = 0.1, guess_sigma_rad = 0.02;
-  double pair_sigma_m = 0.05;  ///< of the distance of a pair
+  double pair_sigma_m = 0.05;   ///< of the distance of a pair
   double range_sigma_m = 0.02;  ///< of the lidar; thicker surfaces weigh less
 };
 
@@ -39,7 +39,8 @@ struct CloudIcpResult {
   /// smallest: beside the right place, the surfaces across the error disagree, however few they
   /// are.
   double agreement = 0.0;
-  bool is_fixed = false;  ///< there are pairs in all directions
+  bool is_fixed = false;   ///< there are pairs in all directions
+  bool has_pairs = false;  ///< enough of them in any direction
 };
 
 /// Iterative closest point in six degrees of freedom against the cells of a static map.

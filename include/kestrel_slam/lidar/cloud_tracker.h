@@ -44,11 +44,11 @@ class CloudTracker {
   CloudTracker& operator=(CloudTracker&&) noexcept;
 
   struct Result {
-    bool used = false;       ///< false: the sweep cannot be used, nothing has changed
-    std::string problem;     ///< why, and what to do; also says what limits a sweep that is used
-    /// False: the sweep does not fit to the map anywhere near; the pose is only predicted. Such a
-    /// sweep has no tracks and no moving points, and the maps do not change. After a second of
-    /// them, maps and tracks start anew.
+    bool used = false;    ///< false: the sweep cannot be used, nothing has changed
+    std::string problem;  ///< why, and what to do; also says what limits a sweep that is used
+    /// False: the pose is only predicted, because there are too few surfaces, or because they do
+    /// not fit to the map anywhere near. In the second case there are no tracks and no moving
+    /// points, and the maps do not change; after a second, maps and tracks start anew.
     bool localized = false;
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< map_T_lidar at the stamp
     std::vector<CloudTrack> tracks;  ///< all, also those that do not move, by rising id
