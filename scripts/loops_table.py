@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Prints the tables of scripts/benchmark_loops."""
 import argparse
+import bisect
+import csv
+import math
 import os
+import statistics
 import subprocess
 
 import benchmark_table as table
@@ -9,6 +13,49 @@ import benchmark_table as table
 LOGS = ["acapulco", "fhw", "freiburg-101", "belgioioso", "orebro", "freiburg-campus"]
 FLIGHTS = ["corridor ring, 5 cm", "corridor ring, 10 cm", "laboratory loop, 5 cm", "spin at 2 rad/s"]
 SEEDS = 5
+# Some decimeters of a loop's difference from the reference are errors of the reference.
+WRONG_LOOP_M = 1.0
+
+
+class Reference:
+    """Poses of a TUM file, interpolated between two stamps."""
+
+    def __init__(self, path):
+        self.stamps, self.poses = [], []
+        with open(path) as file:
+            for line in file:
+                stamp, x, y, _, _, _, qz, qw = (float(value) for value in line.split())
+                self.stamps.append(stamp)
+                self.poses.append((x, y, 2 * math.atan2(qz, qw)))
+
+    def at(self, stamp):
+        """None outside of the reference."""
+        if not self.stamps[0] <= stamp <= self.stamps[-1]:
+            return None
+        after = max(1, bisect.bisect_left(self.stamps, stamp))
+        (x, y, yaw), (x1, y1, yaw1) = self.poses[after - 1], self.poses[after]
+        begin, end = self.stamps[after - 1], self.stamps[after]
+        share = (stamp - begin) / (end - begin)
+        turn = math.remainder(yaw1 - yaw, 2 * math.pi)
+        return x + share * (x1 - x), y + share * (y1 - y), yaw + share * turn
+
+    def loop_error(self, loop):
+        """Distance between the place of the query in the loop and in the reference, m."""
+        anchor, query = self.at(float(loop["anchor"])), self.at(float(loop["query"]))
+        if anchor is None or query is None:
+            return None
+        dx, dy = query[0] - anchor[0], query[1] - anchor[1]
+        cos, sin = math.cos(anchor[2]), math.sin(anchor[2])
+        return math.hypot(cos * dx + sin * dy - float(loop["x"]),
+                          -sin * dx + cos * dy - float(loop["y"]))
+
+
+def loop_errors(output, reference):
+    """The errors of the accepted loops, m."""
+    with open(f"{output}/loops.csv", newline="") as file:
+        accepted = [loop for loop in csv.DictReader(file) if loop["state"] == "accepted"]
+    errors = (reference.loop_error(loop) for loop in accepted)
+    return [error for error in errors if error is not None]
 
 
 def loops_of(stats):
@@ -69,6 +116,27 @@ def reference_table(args):
                        str(stats["scans"]["lost"]), *loops_of(stats)])
 
 
+def perturbed_table(args):
+    print(f"\n== with odometry, perturbed runs: accepted loops more than {WRONG_LOOP_M} m away from "
+          "the reference", flush=True)
+    table.header(["recording", "runs", "loops", "wrong", "largest error of a loop, m",
+                  "rmse, median, m", "rmse, worst, m", "lost"])
+    for name in LOGS:
+        path = f"{args.data}/radish/{name}.reference.tum"
+        reference, loops, rmses, lost = Reference(path), [], [], 0
+        for number, options in enumerate([[], *table.PERTURBATIONS.values()]):
+            output = f"{args.output}/{name}_perturbed_{number}"
+            stats = table.run(args.build, f"{args.data}/radish/{name}.clf.gz", output,
+                              "--odometry", "use", *options)
+            loops += loop_errors(output, reference)
+            errors = table.evaluate(args.build, output, "--reference", path)["reference"]["ate"]
+            rmses.append(errors["translation_m"]["rmse"])
+            lost += stats["scans"]["lost"]
+        wrong = sum(error > WRONG_LOOP_M for error in loops)
+        table.row([name, str(len(rmses)), str(len(loops)), str(wrong), f"{max(loops):.2f}",
+                   f"{statistics.median(rmses):.2f}", f"{max(rmses):.2f}", str(lost)])
+
+
 def flight_table(args):
     print(f"\n== simulated flights, {SEEDS} seeds", flush=True)
     for flight in FLIGHTS:
@@ -92,6 +160,7 @@ def main():
     relations_table(args)
     reference_table(args)
     if not args.quick:
+        perturbed_table(args)
         flight_table(args)
 
 

@@ -90,6 +90,10 @@ void printGraph(const Session& session) {
   }
   std::printf("graph        %zu vertices, %zu edges\n", session.vertices.size(),
               session.edges.size());
+  const std::size_t parts = partCount(session);
+  if (parts > 1)
+    std::printf("parts        %zu that no loop joins; the map is the largest, with %zu keyframes\n",
+                parts, mapKeyframes(session).size());
   std::printf("loops        %zu tried", session.loops.size());
   for (const auto& [state, count] : states) std::printf(", %zu %s", count, toString(state));
   std::printf("\n");

@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -88,7 +87,7 @@ void SubmapGraph::beginPart(const std::optional<GaussianPose2>& map_T_base) {
   guess_.reset();
   finder_.reset();
   if (keyframes_.empty()) return;
-  if (!start_) finder_ = std::make_unique<PartFinder>(mapper_, keyframesOf(largestPart(0)));
+  if (!start_) finder_ = std::make_unique<PartFinder>(mapper_, keyframesOf(largestPart(joined_)));
   if (keyframes_.size() == part_begin_) return;
   const bool open =
       places_.all().empty() || places_.all().back().submap != keyframes_.back().submap;
@@ -97,21 +96,21 @@ void SubmapGraph::beginPart(const std::optional<GaussianPose2>& map_T_base) {
   part_begin_ = searched_ = keyframes_.size();
 }
 
+std::vector<PlacedKeyframe> mapKeyframes(const GraphRecord& record) {
+  const std::vector<std::size_t> parts = connectedParts(record.graph);
+  const std::size_t largest = largestPart(parts);
+  std::vector<PlacedKeyframe> result;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (parts[i] == largest)
+      result.push_back({record.keyframes[i].keyframe, record.graph.vertices[i].pose});
+  return result;
+}
+
 std::vector<PlacedKeyframe> SubmapGraph::keyframesOf(std::size_t part) const {
   std::vector<PlacedKeyframe> result;
   for (std::size_t i = 0; i < keyframes_.size(); ++i)
     if (joined_[i] == part) result.push_back({keyframes_[i].keyframe, poseOf(i)});
   return result;
-}
-
-/// The part with most of the keyframes from `first_keyframe` on.
-std::size_t SubmapGraph::largestPart(std::size_t first_keyframe) const {
-  std::map<std::size_t, std::size_t> counts;
-  for (std::size_t i = first_keyframe; i < joined_.size(); ++i) ++counts[joined_[i]];
-  const auto largest =
-      std::max_element(counts.begin(), counts.end(),
-                       [](const auto& a, const auto& b) { return a.second < b.second; });
-  return largest == counts.end() ? 0 : largest->first;
 }
 
 std::size_t SubmapGraph::partCount() const {
@@ -186,7 +185,7 @@ bool SubmapGraph::addLoop(const Loop& loop) {
   loops_.push_back(loop);
   loops_.back().state = LoopState::kPending;
   judge(loops_.back());
-  if (shown_) shown_ = largestPart(loaded_);
+  if (shown_) shown_ = largestPart(joined_, loaded_);
   return loops_.size() > 0 && loops_.back().state == LoopState::kAccepted;
 }
 

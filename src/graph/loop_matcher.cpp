@@ -29,6 +29,7 @@ constexpr std::size_t kWallBeams = 4000;
 constexpr std::size_t kLeastLoopHits = 10;
 /// Limits where the graph already expects the place.
 constexpr double kExpectedFit = 0.75, kExpectedRad = 0.1;
+constexpr const char* kContradicted = "its walls contradict the place";
 
 Points pointsOf(const std::vector<LocalKeyframe>& keyframes, const LoopQuery& query) {
   const Pose2 middle_T_local = keyframes[query.middle()].local_T_base.inverse();
@@ -147,9 +148,8 @@ Loop LoopMatcher::search(const Submap& map, const KnownPlace& place,
   loop.agreement = agreementAt(map, keyframes, query, found.match);
   if (loop.agreement < config_.min_agreement) {
     loop.reason = "its scans do not agree";
-  } else if (wallsAt(map, keyframes, query, found.match.pose).possibleContradiction() >
-             config_.max_contradiction) {
-    loop.reason = "its walls contradict the place";
+  } else if (contradicts(map, keyframes, query, found.match.pose)) {
+    loop.reason = kContradicted;
   } else {
     loop.state = LoopState::kPending;
   }
@@ -177,10 +177,20 @@ Loop LoopMatcher::matchExpected(const Submap& map, const KnownPlace& place,
     loop.reason = "a direction is unobservable";
   } else if (loop.correction_m > radius_m || std::abs(correction.yaw) > kExpectedRad) {
     loop.reason = "it is too far away";
+  } else if (contradicts(map, keyframes, {keyframe, keyframe + 1}, match.pose)) {
+    loop.reason = kContradicted;
   } else {
     loop.state = LoopState::kAccepted;
   }
   return loop;
+}
+
+/// Whether the walls of the query contradict those of the place, if the middle keyframe is at
+/// `local_T_found`.
+bool LoopMatcher::contradicts(const Submap& map, const std::vector<LocalKeyframe>& keyframes,
+                              const LoopQuery& query, const Pose2& local_T_found) const {
+  return wallsAt(map, keyframes, query, local_T_found).possibleContradiction() >
+         config_.max_contradiction;
 }
 
 /// The share of the single scans that fit where the whole query fits.

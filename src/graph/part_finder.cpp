@@ -7,17 +7,10 @@ namespace {
 /// Work of the search with every keyframe, see WorkBudget.
 constexpr std::int64_t kWork = 20'000'000;
 
-Submap mapOf(const MapperConfig& config, const std::vector<PlacedKeyframe>& keyframes) {
-  Submap map(config.grid);
-  for (const PlacedKeyframe& placed : keyframes)
-    map.insert(placed.keyframe->planarScan(), placed.map_T_base, placed.keyframe->new_view);
-  return map;
-}
-
 }  // namespace
 
 PartFinder::PartFinder(const MapperConfig& config, const std::vector<PlacedKeyframe>& keyframes)
-    : map_(mapOf(config, keyframes)),
+    : map_(submapOf(keyframes, config.grid)),
       global_(map_),
       finder_(global_, config.matcher, RelocalizationConfig()) {}
 

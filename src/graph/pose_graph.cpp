@@ -2,6 +2,8 @@
 #include "kestrel_slam/graph/pose_graph.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
+#include <map>
 #include <numeric>
 
 namespace kestrel {
@@ -55,6 +57,15 @@ std::vector<std::size_t> connectedParts(const PoseGraph& graph) {
   }
   for (std::size_t i = 0; i < parents.size(); ++i) parents[i] = rootOf(i, parents);
   return parents;
+}
+
+std::size_t largestPart(const std::vector<std::size_t>& parts, std::size_t first) {
+  std::map<std::size_t, std::size_t> counts;
+  for (std::size_t i = first; i < parts.size(); ++i) ++counts[parts[i]];
+  const auto largest =
+      std::max_element(counts.begin(), counts.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  return largest == counts.end() ? 0 : largest->first;
 }
 
 std::vector<bool> heldVertices(const PoseGraph& graph) {

@@ -286,7 +286,7 @@ void SubmapGraph::searchAround() {
 void SubmapGraph::finish() {
   searchAround();
   refine();
-  shown_ = largestPart(loaded_);
+  shown_ = largestPart(joined_, loaded_);
 }
 
 }  // namespace kestrel

@@ -30,15 +30,7 @@ void requireFile(const std::string& file) {
 Submap submapOf(const Session& session, const OccupancyGridConfig& config) {
   OccupancyGridConfig grid = config;
   grid.resolution_m = session.resolution_m;
-  Submap result(grid);
-  const std::vector<Pose2> poses = keyframePoses(session);
-  // One number for all: the errors that the keyframes had to each other are not known any more.
-  constexpr std::uint32_t kNumber = 0;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const Keyframe& keyframe = *session.keyframes[i];
-    result.insert(keyframe.planarScan(), poses[i], keyframe.new_view, kNumber);
-  }
-  return result;
+  return submapOf(mapKeyframes(session), grid);
 }
 
 Submap loadFinishedMap(const std::string& file, const OccupancyGridConfig& config) {

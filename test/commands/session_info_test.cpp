@@ -45,6 +45,15 @@ TEST_F(SessionInfo, PrintsWhatIsInTheFile) {
   EXPECT_CONTAINS(outcome.output, "the file is whole");
 }
 
+TEST_F(SessionInfo, SaysThatPartsOfTheGraphAreNotJoined) {
+  Session session = sampleSession(5);
+  session.edges.erase(session.edges.begin() + 1);
+  const std::string file = folder_.file("parts.session");
+  saveSession(file, session);
+  EXPECT_CONTAINS(runCommand(kInfo + file).output,
+                  "parts        2 that no loop joins; the map is the largest, with 9 keyframes\n");
+}
+
 TEST_F(SessionInfo, ExportsGraphPosesAndMap) {
   const std::string g2o = folder_.file("a.g2o"), tum = folder_.file("a.tum");
   const Outcome outcome = runCommand(kInfo + file_ + " --export-g2o " + g2o + " --export-tum " +

@@ -86,8 +86,9 @@ TEST(LoopMatcher, ACorridorIsRefused) {
   EXPECT_EQ(loop.reason, "a direction is unobservable");
 }
 
-/// Most hits fit, but the beams pass through a wall and a box of the place: it is another room.
-TEST(LoopMatcher, BeamsThroughTheWallsOfThePlaceAreRefused) {
+/// Most hits of the query fit, but its beams pass through a wall and a box of the place: it is
+/// another room.
+Scene anotherRoom() {
   std::vector<room::Segment> with_walls = room::walls();
   with_walls.push_back({1.3, -3, 1.3, 3});
   loop_world::addBox(with_walls, -1.5, 0.5, 1.0, 1.0);
@@ -97,12 +98,37 @@ TEST(LoopMatcher, BeamsThroughTheWallsOfThePlaceAreRefused) {
     other->scan = CompactScan(room::scanFrom(scene.keyframes[i].local_T_base).rays);
     scene.keyframes[i].keyframe = other;
   }
+  return scene;
+}
+
+TEST(LoopMatcher, BeamsThroughTheWallsOfThePlaceAreRefused) {
+  const Scene scene = anotherRoom();
   const Pose2 truth = scene.keyframes[scene.query.middle()].local_T_base;
   const Loop loop =
       LoopMatcher(MatcherConfig(), LoopConfig())
           .search(scene.map, scene.place, scene.keyframes, scene.query, truth, 2.0, 0.4);
   EXPECT_EQ(loop.state, LoopState::kRefused);
   EXPECT_EQ(loop.reason, "its walls contradict the place");
+}
+
+TEST(LoopMatcher, BeamsOfOneScanThroughTheWallsOfThePlaceAreRefused) {
+  const Scene scene = anotherRoom();
+  const LoopMatcher matcher{MatcherConfig(), LoopConfig()};
+  const std::size_t middle = scene.query.middle();
+  const Loop loop = matcher.matchExpected(scene.map, scene.place, scene.keyframes, middle,
+                                          scene.keyframes[middle].local_T_base, 0.3);
+  EXPECT_EQ(loop.state, LoopState::kRefused);
+  EXPECT_EQ(loop.reason, "its walls contradict the place") << loop.fit;
+}
+
+TEST(LoopMatcher, OneScanOfThePlaceIsAccepted) {
+  const Scene scene(room::walls(), thereAndBack(), 13);
+  const LoopMatcher matcher{MatcherConfig(), LoopConfig()};
+  for (std::size_t i = scene.query.first; i < scene.query.last; ++i) {
+    const Loop loop = matcher.matchExpected(scene.map, scene.place, scene.keyframes, i,
+                                            scene.keyframes[i].local_T_base, 0.3);
+    EXPECT_EQ(loop.state, LoopState::kAccepted) << loop.reason;
+  }
 }
 
 TEST(LoopMatcher, AScanInAnotherRoomDoesNotFit) {

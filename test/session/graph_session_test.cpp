@@ -105,6 +105,27 @@ TEST(GraphSession, SeveralFlightsAreOneSession) {
   EXPECT_TRUE(graph.isJoined(0));
 }
 
+/// The second flight was given a wrong start, and no loop joined it.
+TEST(GraphSession, AFlightThatWasNotFoundIsNotInTheMap) {
+  const GraphRecord first = flownRecord(0.6);
+  SubmapGraph graph{MapperConfig(), LoopConfig(), first};
+  const Pose2 far_away(500.0, 0.0, 0.0);
+  graph.beginPart(givenStart(far_away));
+  loop_world::Drive drive(loop_world::ring(), 0.0001, far_away);
+  for (const Pose2& pose : loop_world::laps(0.3)) drive.add(pose, graph);
+  graph.finish();
+  ASSERT_FALSE(graph.isJoined(0));
+  const Session session = sessionOf(graph.record(), kCell);
+  EXPECT_EQ(partCount(session), 2U);
+  EXPECT_GT(session.keyframes.size(), first.keyframes.size());
+  EXPECT_EQ(mapKeyframes(session).size(), first.keyframes.size());
+  EXPECT_EQ(mapKeyframes(graph.record()).size(), first.keyframes.size());
+  const MapSnapshot before = mapOf(sessionOf(first, kCell), OccupancyGridConfig());
+  const MapSnapshot after = mapOf(session, OccupancyGridConfig());
+  EXPECT_EQ(after.width, before.width);
+  EXPECT_EQ(after.height, before.height);
+}
+
 std::string refusalOf(const Session& session, double resolution_m) {
   try {
     graphRecordOf(session, resolution_m);

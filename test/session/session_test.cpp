@@ -44,6 +44,23 @@ TEST(Session, TheMapOfTheKeyframesIsTheRoom) {
   EXPECT_NEAR(map.height * map.resolution_m, 6.0, 0.3);
 }
 
+/// A flight that was not found in the map of the session lies anywhere in it.
+TEST(Session, TheMapIsTheLargestPartOfTheGraph) {
+  Session session = sampleSession(5);
+  EXPECT_EQ(partCount(session), 1U);
+  EXPECT_EQ(mapKeyframes(session).size(), 15U);
+  session.edges.erase(session.edges.begin() + 1);
+  EXPECT_EQ(partCount(session), 2U);
+  const std::vector<PlacedKeyframe> map = mapKeyframes(session);
+  ASSERT_EQ(map.size(), 9U);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    EXPECT_EQ(map[i].keyframe->id, 106 + i);
+    EXPECT_EQ(map[i].map_T_base, keyframePoses(session)[6 + i]);
+  }
+  session.edges.clear();
+  EXPECT_EQ(mapKeyframes(session).size(), 15U);
+}
+
 TEST(Session, RemovesWhatRefersToNothing) {
   Session session = sampleSession(4);
   session.submaps.erase(session.submaps.begin() + 1);

@@ -40,6 +40,8 @@ class LoopMatcher {
   const char* problemOf(const Loop& loop) const;
   double agreementAt(const Submap& map, const std::vector<LocalKeyframe>& keyframes,
                      const LoopQuery& query, const MatchResult& found) const;
+  bool contradicts(const Submap& map, const std::vector<LocalKeyframe>& keyframes,
+                   const LoopQuery& query, const Pose2& local_T_found) const;
   bool agrees(const MatchResult& single, const Pose2& expected, const MatchResult& found) const;
 
   MatcherConfig matcher_;

@@ -5,17 +5,10 @@
 #include <vector>
 
 #include "kestrel_slam/graph/place_finder.h"
-#include "kestrel_slam/map/keyframe.h"
-#include "kestrel_slam/map/submap.h"
+#include "kestrel_slam/graph/placed_keyframe.h"
 #include "kestrel_slam/mapping/mapper_config.h"
 
 namespace kestrel {
-
-/// A keyframe and its pose in map.
-struct PlacedKeyframe {
-  KeyframePtr keyframe;
-  Pose2 map_T_base;
-};
 
 /// Looks for a vehicle in the map of older keyframes, whose pose is unknown.
 class PartFinder {

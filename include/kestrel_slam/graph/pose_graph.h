@@ -50,6 +50,9 @@ std::vector<bool> heldVertices(const PoseGraph& graph);
 /// are connected if and only if they have the same one.
 std::vector<std::size_t> connectedParts(const PoseGraph& graph);
 
+/// The part with most of the vertices from `first` on, and of equal ones the first.
+std::size_t largestPart(const std::vector<std::size_t>& parts, std::size_t first = 0);
+
 /// The components (x, y, yaw) of measured⁻¹ from_T_to, m and rad, the yaw in (-pi, pi]: the error
 /// of g2o's EDGE_SE2. `from` and `to` are the poses of the vertices in map. The Jacobians are by
 /// the components of these poses in the axes of map (addOffset).

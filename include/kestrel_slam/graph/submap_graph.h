@@ -30,6 +30,10 @@ struct GraphRecord {
   std::vector<TrackedKeyframe> odometry;  ///< of the wheels, if there was any
 };
 
+/// The keyframes of the map: those of the largest part of the graph, see connectedParts(). Where
+/// the other parts lie in it, nobody knows.
+std::vector<PlacedKeyframe> mapKeyframes(const GraphRecord& record);
+
 /// Keyframes, finished submaps and the pose graph between the keyframes. Finds loops, verifies them
 /// and corrects the poses of all keyframes. Deterministic: no clock, no thread.
 ///
@@ -96,7 +100,7 @@ class SubmapGraph {
   }
   /// false: the newest part began at an unknown place, no loop has joined it yet, and it is not the
   /// largest part: that one is the map.
-  bool isLocated() const { return finder_ == nullptr || joined_.back() == largestPart(0); }
+  bool isLocated() const { return finder_ == nullptr || joined_.back() == largestPart(joined_); }
   /// Number of parts of the new keyframes that no loop has joined.
   std::size_t partCount() const;
   /// All loops of a search, accepted or not, and the accepted ones of other matches.
@@ -117,7 +121,6 @@ class SubmapGraph {
   bool areNear(std::size_t a, std::size_t b) const;
   bool isNeighbor(const KnownPlace& place, std::size_t keyframe) const;
   std::vector<PlacedKeyframe> keyframesOf(std::size_t part) const;
-  std::size_t largestPart(std::size_t first_keyframe) const;
   void guess(std::size_t keyframe);
   void lookForPart(const PlanarScan& scan);
   std::vector<RelativeUncertainty> uncertainties(std::size_t from) const;

@@ -9,7 +9,7 @@ namespace kestrel {
 
 struct Session;
 
-/// The map of a session to localize in: all keyframes at their corrected poses.
+/// The map of a session to localize in: see mapKeyframes().
 Submap submapOf(const Session& session, const OccupancyGridConfig& config);
 
 /// A map to localize in, from a session file or from the YAML file of a picture. Throws

@@ -10,6 +10,7 @@
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/geometry/pose_covariance.h"
 #include "kestrel_slam/graph/loop.h"
+#include "kestrel_slam/graph/placed_keyframe.h"
 #include "kestrel_slam/graph/pose_graph.h"
 #include "kestrel_slam/map/keyframe.h"
 #include "kestrel_slam/map/occupancy_grid.h"
@@ -86,7 +87,14 @@ std::vector<Pose2> keyframePoses(const Session& session);
 /// The graph with the indices of `vertices`, without loops that were not accepted.
 PoseGraph graphOf(const Session& session);
 
-/// The map of all keyframes at their poses, up to the memory limit of `config`.
+/// The keyframes of the map: those of the largest part of the graph, see connectedParts(). Where
+/// the other parts lie in it, nobody knows. All of them, if the session has no edges.
+std::vector<PlacedKeyframe> mapKeyframes(const Session& session);
+
+/// Of how many parts mapKeyframes() takes the largest.
+std::size_t partCount(const Session& session);
+
+/// The map of mapKeyframes(), up to the memory limit of `config`.
 MapSnapshot mapOf(const Session& session, const OccupancyGridConfig& config);
 
 }  // namespace kestrel

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/ros/mapper/shared_mapper.h"
 
-#include <limits>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 
 #include "kestrel_slam/map/picture_map.h"
@@ -21,49 +18,10 @@ namespace {
 /// Added to the numbers of the maps that are not those of the graph, which has numbers of its own.
 constexpr std::uint64_t kOwnMaps = std::uint64_t{1} << 32U;
 
-/// The map of the newest keyframe and of all that are joined with it.
+/// The map of a graph to localize in.
 Submap mapOf(const GraphRecord& record, const OccupancyGridConfig& grid) {
   if (record.keyframes.empty()) throw std::runtime_error("there is no map yet");
-  Submap result(grid);
-  const std::vector<std::size_t> parts = connectedParts(record.graph);
-  constexpr std::uint32_t kNumber = 0;  // see submapOf(Session)
-  for (std::size_t i = 0; i < record.keyframes.size(); ++i) {
-    if (parts[i] != parts.back()) continue;
-    const Keyframe& keyframe = *record.keyframes[i].keyframe;
-    result.insert(keyframe.planarScan(), record.graph.vertices[i].pose, keyframe.new_view, kNumber);
-  }
-  return result;
-}
-
-/// Identifies a keyframe in two sessions. Two vehicles may have scans of the same time.
-using KeyframeName = std::tuple<double, double, double, double>;
-
-KeyframeName nameOf(const LocalKeyframe& keyframe) {
-  const Keyframe& k = *keyframe.keyframe;
-  return {k.stamp, k.submap_T_base.x, k.submap_T_base.y, k.submap_T_base.yaw};
-}
-
-/// How the map has moved where the vehicle is: as the nearest keyframe that is in both. A vehicle
-/// that was joined has another frame than before. Nothing if they have no keyframe in common.
-std::optional<Pose2> movedAt(const Pose2& pose, const GraphRecord& before,
-                             const GraphRecord& after) {
-  std::map<KeyframeName, Pose2> poses;
-  const std::vector<std::size_t> parts = connectedParts(after.graph);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (parts[i] == parts.back()) poses[nameOf(after.keyframes[i])] = after.graph.vertices[i].pose;
-  }
-  std::optional<Pose2> result;
-  double nearest = std::numeric_limits<double>::infinity();
-  const std::vector<std::size_t> old_parts = connectedParts(before.graph);
-  for (std::size_t i = 0; i < old_parts.size(); ++i) {
-    const Pose2& old = before.graph.vertices[i].pose;
-    const double distance = old.between(pose).distance();
-    const auto found = poses.find(nameOf(before.keyframes[i]));
-    if (old_parts[i] != old_parts.back() || distance >= nearest || found == poses.end()) continue;
-    nearest = distance;
-    result = found->second * old.inverse();
-  }
-  return result;
+  return submapOf(mapKeyframes(record), grid);
 }
 
 }  // namespace
@@ -161,7 +119,8 @@ void SharedMapper::localizeInGrown(GraphRecord record) {
   const auto [config, loops] = parameters();
   auto localizer = std::make_unique<Localizer>(config, mapOf(record, config.grid));
   std::optional<Pose2> moved;
-  if (isLocalizing()) moved = movedAt(pose(), graph_->snapshot().record, record);
+  if (isLocalizing())
+    moved = mapMotionAt(pose(), mapKeyframes(graph_->snapshot().record), mapKeyframes(record));
   auto graph = std::make_unique<SubmapGraph>(config, loops, std::move(record));
   auto map = std::make_unique<ComposedMap>(config.grid);
   map->add(*graph);
