@@ -62,11 +62,11 @@ using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, Cells, 3>;
 
 /// Adds a pair with `direction` (unit) as the direction in which its distance is measured.
 void addPair(const Eigen::Vector3d& arm, const Eigen::Vector3d& direction, double distance,
-             double weight, Matrix6& information, Vector6& gradient) {
+             Matrix6& information, Vector6& gradient) {
   Vector6 jacobian;
   jacobian << direction, arm.cross(direction);
-  information.selfadjointView<Eigen::Lower>().rankUpdate(jacobian, weight);
-  gradient += jacobian * (weight * distance);
+  information.selfadjointView<Eigen::Lower>().rankUpdate(jacobian);
+  gradient += jacobian * distance;
 }
 
 /// The pairs by the main direction that is nearest to their normal: floors, walls, and what stands
@@ -95,18 +95,6 @@ void rejectWorst(Pairs& pairs, double share) {
       pairs.begin(), pairs.begin() + static_cast<std::ptrdiff_t>(kept), pairs.end(),
       [](const auto& a, const auto& b) { return std::abs(a.distance) < std::abs(b.distance); });
   pairs.resize(kept);
-}
-
-/// The worst of each direction: where few surfaces show how far the lidar has moved along a street,
-/// an error of the guess makes just their pairs the worst of all.
-template <typename Pairs>
-void rejectWorstOfEach(Pairs& pairs, double share) {
-  std::array<Pairs, 3> parts = byDirection(pairs);
-  pairs.clear();
-  for (Pairs& part : parts) {
-    rejectWorst(part, share);
-    pairs.insert(pairs.end(), part.begin(), part.end());
-  }
 }
 
 template <typename Pairs>
@@ -140,7 +128,7 @@ std::vector<Eigen::Vector3d> thinned(const std::vector<Eigen::Vector3d>& points,
 struct CloudIcp::Pair {
   Eigen::Vector3d point;  ///< in the map
   Eigen::Vector3d mean, normal;
-  double distance, weight;
+  double distance;
 
   double fromPlane() const { return std::abs(normal.dot(point - mean)); }
 };
@@ -167,29 +155,23 @@ CloudIcp::CloudIcp(const std::vector<SurfaceCell>& cells, const CloudIcpConfig& 
 
 CloudIcp::~CloudIcp() = default;
 
-/// First every direction counts, so that the pose is found; then all pairs are judged together,
-/// so that what stands out, mostly something that moves, has no weight.
 CloudIcpResult CloudIcp::align(const std::vector<Eigen::Vector3d>& all_points,
                                const Eigen::Isometry3d& guess) const {
   const std::vector<Eigen::Vector3d> points = thinned(all_points, config_.max_points);
   CloudIcpResult result;
   result.pose = guess;
   if (tree_->data.cells.empty()) return result;
-  Vector6 from_guess = Vector6::Zero();
-  refine(points, true, result, from_guess);
-  refine(points, false, result, from_guess);
-  judge(pairsOf(points, result.pose, config_.reach_m), result);
+  refine(points, result);
+  judge(pairsOf(points, result.pose), result);
   return result;
 }
 
-void CloudIcp::refine(const std::vector<Eigen::Vector3d>& points, bool coarse,
-                      CloudIcpResult& result, Vector6& from_guess) const {
-  result.converged = false;
+void CloudIcp::refine(const std::vector<Eigen::Vector3d>& points, CloudIcpResult& result) const {
+  Vector6 from_guess = Vector6::Zero();
   for (int i = 0; i < config_.max_iterations && !result.converged; ++i) {
     ++result.iterations;
-    Pairs pairs = pairsOf(points, result.pose, coarse ? config_.reach_m : config_.fine_reach_m);
-    if (coarse) rejectWorstOfEach(pairs, config_.rejected_share);
-    if (!coarse) rejectWorst(pairs, config_.rejected_share);
+    Pairs pairs = pairsOf(points, result.pose);
+    rejectWorst(pairs, config_.rejected_share);
     result.pairs = pairs.size();
     if (pairs.size() < kFewestPairs) return;
     result.rms = rmsOf(pairs);
@@ -215,7 +197,7 @@ CloudIcpResult CloudIcp::search(const std::vector<Eigen::Vector3d>& points,
     for (int y = -steps; y <= steps; ++y) {
       Candidate candidate{0.0, guess};
       candidate.pose.translation() += kSearchStep_m * Eigen::Vector3d(x, y, 0.0);
-      candidate.closeness = closenessOf(pairsOf(few, candidate.pose, config_.reach_m));
+      candidate.closeness = closenessOf(pairsOf(few, candidate.pose));
       candidates.push_back(candidate);
     }
   }
@@ -265,19 +247,17 @@ double CloudIcp::closenessOf(const Pairs& pairs) const {
 }
 
 CloudIcp::Pairs CloudIcp::pairsOf(const std::vector<Eigen::Vector3d>& points,
-                                  const Eigen::Isometry3d& pose, double reach) const {
+                                  const Eigen::Isometry3d& pose) const {
   Pairs pairs;
   pairs.reserve(points.size());
   for (const Eigen::Vector3d& point : points) {
     const Eigen::Vector3d in_map = pose * point;
     const Eigen::Vector3f place = in_map.cast<float>();
-    NearestWithin nearest{static_cast<float>(reach * reach)};
+    NearestWithin nearest{static_cast<float>(config_.reach_m * config_.reach_m)};
     tree_->index.radiusSearchCustomCallback(place.data(), nearest);
     if (!nearest.found) continue;
     const SurfaceCell& cell = tree_->data.cells[nearest.index];
-    Pair pair{in_map, cell.mean.cast<double>(), cell.normal.cast<double>(), 0.0, 1.0};
-    const double roughness = static_cast<double>(cell.thickness) / config_.range_sigma_m;
-    pair.weight = 1.0 / (1.0 + roughness * roughness);
+    Pair pair{in_map, cell.mean.cast<double>(), cell.normal.cast<double>(), 0.0};
     pair.distance = config_.metric == IcpMetric::kPlane ? pair.normal.dot(in_map - pair.mean)
                                                         : (in_map - pair.mean).norm();
     pairs.push_back(pair);
@@ -293,12 +273,12 @@ CloudIcp::Vector6 CloudIcp::step(const Pairs& pairs, const Vector6& from_guess,
   for (const Pair& pair : pairs) {
     const Eigen::Vector3d arm = pair.point - center;
     if (config_.metric == IcpMetric::kPlane) {
-      addPair(arm, pair.normal, pair.distance, pair.weight, information, gradient);
+      addPair(arm, pair.normal, pair.distance, information, gradient);
       continue;
     }
     const Eigen::Vector3d apart = pair.point - pair.mean;
     for (int i = 0; i < 3; ++i) {
-      addPair(arm, Eigen::Vector3d::Unit(i), apart(i), pair.weight, information, gradient);
+      addPair(arm, Eigen::Vector3d::Unit(i), apart(i), information, gradient);
     }
   }
   Vector6 prior;

@@ -15,20 +15,15 @@ constexpr double kGrowth = 1.2;        ///< the normal is computed again after s
 /// A plane is at most this thick compared with its smaller extent. A single ring on a wall is a
 /// line and has no normal.
 constexpr double kFlatness = 0.25;
-/// The smaller extent of a plane, m. Less is the noise of one ring along its beams: a line, too, of
-/// which nobody knows how the surface lies across it.
-constexpr double kLeastExtent = 0.06;
 
-/// Sets the direction of the smallest extent; zero if the points do not form a plane.
-void setNormal(const PointSums& sums, SurfaceCell& surface) {
-  surface.normal.setZero();
-  if (sums.count < kNormalPoints) return;
+/// The direction of the smallest extent; zero if the points do not form a plane.
+Eigen::Vector3f normalOf(const PointSums& sums) {
+  if (sums.count < kNormalPoints) return Eigen::Vector3f::Zero();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(sums.spread / sums.count);
   const Eigen::Vector3d extents = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  if (extents(0) > kFlatness * extents(1) || extents(1) < kLeastExtent) return;
-  surface.normal = solver.eigenvectors().col(0).cast<float>();
-  surface.thickness = static_cast<float>(extents(0));
+  if (extents(0) > kFlatness * extents(1)) return Eigen::Vector3f::Zero();
+  return solver.eigenvectors().col(0).cast<float>();
 }
 
 }  // namespace
@@ -51,7 +46,7 @@ void SurfaceMap::update(std::size_t number) {
   SurfaceCell& surface = surfaces_[number];
   surface.mean = cell.sums.mean.cast<float>();
   if (cell.sums.count >= kGrowth * cell.count_of_normal) {
-    setNormal(cell.sums, surface);
+    surface.normal = normalOf(cell.sums);
     cell.count_of_normal = cell.sums.count;
   }
   if (cell.sums.count <= kMostPoints) return;

@@ -175,21 +175,6 @@ TEST(CloudIcpTest, ADirectionWithoutSurfacesKeepsTheGuess) {
   EXPECT_NEAR(result.pose.translation().z(), 0.0, 0.01);
 }
 
-// The noise along the beams of one ring made a plane that holds the beams.
-TEST(SurfaceMapTest, ASingleRingOnAWallHasNoNormal) {
-  Points ring;
-  Random random(6);
-  for (int i = 0; i < 40; ++i) {
-    ring.emplace_back(10.2F + static_cast<float>(random.uniform(-0.03, 0.03)),
-                      0.01F * static_cast<float>(i) + 0.02F, 0.2F);
-  }
-  SurfaceMap map(0.5);
-  const Voxels voxels = voxelize(ring, {}, 0.5);
-  map.add(voxels, std::vector<bool>(voxels.index.size(), true));
-  ASSERT_EQ(map.cells().size(), 1U);
-  EXPECT_EQ(map.cells()[0].normal, Eigen::Vector3f::Zero());
-}
-
 TEST(VisitationTest, FindsTheGapThroughWhichBeamsWentWithoutReturn) {
   // Rings around the lidar hit a wall at 15 m, except between 20 and 40 degrees of azimuth.
   Points points;

@@ -19,14 +19,12 @@ enum class IcpMetric {
 struct CloudIcpConfig {
   IcpMetric metric = IcpMetric::kPlane;
   double rejected_share = 0.1;  ///< of the pairs, the worst
-  double reach_m = 1.0;         ///< longest pair while the pose is sought
-  double fine_reach_m = 0.5;    ///< the same when it is nearly found
+  double reach_m = 1.0;         ///< longest pair
   int max_iterations = 20;
   std::size_t max_points = 4000;  ///< more points are thinned
   /// How well the initial guess is known. Weighs only where the surfaces say nothing.
   double guess_sigma_m = 0.1, guess_sigma_rad = 0.02;
-  double pair_sigma_m = 0.05;   ///< of the distance of a pair
-  double range_sigma_m = 0.02;  ///< of the lidar; thicker surfaces weigh less
+  double pair_sigma_m = 0.05;  ///< of the distance of a pair
 };
 
 struct CloudIcpResult {
@@ -65,10 +63,8 @@ class CloudIcp {
   using Pairs = std::vector<Pair>;
   using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-  void refine(const std::vector<Eigen::Vector3d>& points, bool coarse, CloudIcpResult& result,
-              Vector6& from_guess) const;
-  Pairs pairsOf(const std::vector<Eigen::Vector3d>& points, const Eigen::Isometry3d& pose,
-                double reach) const;
+  void refine(const std::vector<Eigen::Vector3d>& points, CloudIcpResult& result) const;
+  Pairs pairsOf(const std::vector<Eigen::Vector3d>& points, const Eigen::Isometry3d& pose) const;
   void judge(const Pairs& pairs, CloudIcpResult& result) const;
   double closenessOf(const Pairs& pairs) const;
   Vector6 step(const Pairs& pairs, const Vector6& from_guess, const Eigen::Vector3d& center) const;

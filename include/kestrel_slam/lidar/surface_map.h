@@ -13,7 +13,6 @@ namespace kestrel {
 struct SurfaceCell {
   Eigen::Vector3f mean;    ///< centroid of all its points
   Eigen::Vector3f normal;  ///< zero if the points do not form a plane
-  float thickness = 0.0F;  ///< standard deviation of the points along the normal, m
 };
 
 /// Static map for localization: a hashed voxel grid that keeps the centroid and the spread of the
