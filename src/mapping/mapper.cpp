@@ -113,7 +113,9 @@ void Mapper::State::followAlong(const Points& points, double seconds,
 void Mapper::State::match(const Points& points, const PlanarScan& scan,
                           const std::optional<Pose2>& odom_T_base, const PredictionError& error,
                           MapperResult& result) {
-  const MatchRequest request = motion.request(points, scan, odom_T_base);
+  MatchRequest request = motion.request(points, scan, odom_T_base);
+  SearchMemory memory;
+  request.memory = &memory;
   const PredictionSource prediction_source = motion.predictionSourceOf(scan, odom_T_base);
   const std::optional<Pose2> motion_prediction =
       motion.motionPrediction(request, scan, odom_T_base);
