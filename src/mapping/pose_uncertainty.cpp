@@ -134,7 +134,9 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
   }
   drifting_ = match.degenerate;
   weak_ = is_weak;
-  clear_ = !is_weak && !match.unclear_along && !match.mostly_predicted && !match.ambiguous;
+  // With odometry the scans may be far apart, and so may those that had to be searched for.
+  clear_ = prediction_source == PredictionSource::kVelocity && !is_weak && !match.unclear_along &&
+           !match.mostly_predicted && !match.ambiguous && !match.searched;
   followed_ &= clear_;
   motion_ = relativeCovariance(last_, next);
   last_ = next;
