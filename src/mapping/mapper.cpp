@@ -114,7 +114,7 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
                           const std::optional<Pose2>& odom_T_base, const PredictionError& error,
                           MapperResult& result) {
   MatchRequest request = motion.request(points, scan, odom_T_base);
-  SearchMemory memory;
+  SharedSearch memory;
   request.memory = &memory;
   const PredictionSource prediction_source = motion.predictionSourceOf(scan, odom_T_base);
   const std::optional<Pose2> motion_prediction =

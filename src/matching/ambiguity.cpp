@@ -46,12 +46,9 @@ class Comparison {
 
 RoughWindow windowOf(const MatchRequest& request, const MatchResult& found,
                      const MatcherConfig& config) {
-  RoughWindow window{searchCenter(request),
-                     searchWindows(config, request).back(),
-                     config.correlative,
-                     {},
-                     request.lost_scans,
-                     request.memory};
+  RoughWindow window{searchCenter(request), searchWindows(config, request).back(),
+                     config.correlative,    {},
+                     request.lost_scans,    request.memory};
   window.preferences.linear_preference = window.preferences.angular_preference = 0.0;
   window.excluded = {found.pose, kSameM, kSameRad,
                      found.degenerate ? found.degenerate_direction : Eigen::Vector2d(0, 0)};

@@ -26,7 +26,7 @@ Descent stageOf(const SurfelField& surface, const Points& sample, const Pose2& s
 
 /// The same, if it is not in the memory yet.
 Descent rememberedStage(const SurfelField& surface, const Points& sample, const Pose2& start,
-                        std::size_t stage, SearchMemory* memory) {
+                        std::size_t stage, SharedSearch* memory) {
   if (memory == nullptr) return stageOf(surface, sample, start, stage);
   if (const Descent* known = memory->find(static_cast<int>(stage), start)) return *known;
   const Descent descent = stageOf(surface, sample, start, stage);
@@ -63,7 +63,7 @@ Pose2 sketch(const SurfelField& surface, const Points& sample, const Pose2& hypo
 
 std::vector<Pose2> sketches(const SurfelField& surface, const Points& sample,
                             const std::vector<Pose2>& hypotheses, std::size_t least,
-                            WorkBudget& budget, SearchMemory* memory) {
+                            WorkBudget& budget, SharedSearch* memory) {
   if (memory != nullptr) memory->use(surface);
   std::vector<Descent> descents;
   for (const Pose2& hypothesis : hypotheses) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "kestrel_slam/matching/gauss_newton.h"
-#include "kestrel_slam/matching/search_memory.h"
+#include "kestrel_slam/matching/shared_search.h"
 #include "kestrel_slam/matching/work_budget.h"
 
 namespace kestrel {
@@ -21,6 +21,6 @@ Pose2 sketch(const SurfelField& surface, const Points& sample, const Pose2& hypo
 /// Talwalkar 2016]). A memory must be one of this map and sample.
 std::vector<Pose2> sketches(const SurfelField& surface, const Points& sample,
                             const std::vector<Pose2>& hypotheses, std::size_t least,
-                            WorkBudget& budget, SearchMemory* memory = nullptr);
+                            WorkBudget& budget, SharedSearch* memory = nullptr);
 
 }  // namespace kestrel

@@ -16,7 +16,7 @@ class WallImage;
 /// What the searches for one scan in one map share: the image of the walls, and the descents from
 /// the hypotheses. The windows of a scan have the same center and the same steps, so that they find
 /// many of the same hypotheses. The results of a search are the same with a memory and without.
-class SearchMemory {
+class SharedSearch {
  public:
   /// A descent from a hypothesis, or from where another one ended.
   struct Entry {
