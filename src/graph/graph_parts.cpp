@@ -84,6 +84,7 @@ void SubmapGraph::addPlace() {
 
 void SubmapGraph::beginPart(const std::optional<GaussianPose2>& map_T_base) {
   start_ = map_T_base;
+  start_is_given_ = start_.has_value();
   guess_.reset();
   finder_.reset();
   if (keyframes_.empty()) return;
@@ -132,17 +133,56 @@ void SubmapGraph::guess(std::size_t keyframe) {
                     start_->covariance.inverse(), EdgeKind::kOdometry};
 }
 
-/// Looks for the newest part in the whole map. Where it is found, a loop has to verify it.
+/// Looks for the newest part in the whole map: if nobody knows where it began, or if no loop has
+/// confirmed the given start over some meters. Where it is found, a loop has to verify it.
 void SubmapGraph::lookForPart(const PlanarScan& scan) {
-  constexpr double kFoundM = 0.2, kFoundRad = 0.1;
+  constexpr double kTrustedStartM = 10.0;
+  /// Work of the search with every keyframe, see WorkBudget. A flight whose start is given may be
+  /// in new space for a long time.
+  constexpr std::int64_t kWork = 20'000'000, kWorkBesideStart = 5'000'000;
+  if (part_begin_ == 0 || (!finder_ && !start_is_given_)) return;
   if (joined_.back() < part_begin_) return finder_.reset();
-  const Pose2& local_T_base = keyframes_.back().local_T_base;
-  const std::optional<Pose2> map_T_local = finder_->add(scan, local_T_base);
+  const double path = pathBetween(part_begin_, keyframes_.size() - 1);
+  if (!finder_ && config_.enabled && path >= kTrustedStartM)
+    finder_ = std::make_unique<PartFinder>(mapper_, keyframesOf(largestPart(joined_)));
+  if (!finder_) return;
+  const std::optional<Pose2> map_T_local = finder_->add(scan, keyframes_.back().local_T_base,
+                                                        start_is_given_ ? kWorkBesideStart : kWork);
   if (!map_T_local) return;
-  const Pose2 motion = *map_T_local * mapTLocal().inverse();
+  if (start_is_given_) {
+    verifyFound(*map_T_local);
+  } else {
+    moveNewestPart(*map_T_local);
+    guessFound();
+  }
+}
+
+/// The given start is only given up for a place that a loop verifies.
+void SubmapGraph::verifyFound(const Pose2& map_T_local) {
+  const auto most = static_cast<std::size_t>(config_.query_keyframes);
+  const std::size_t last = keyframes_.size();
+  const Pose2 before = mapTLocal();
+  const std::optional<GaussianPose2> start = start_;
+  const std::optional<PoseEdge> guess = guess_;
+  moveNewestPart(map_T_local);
+  guessFound();
+  search({std::max(part_begin_, last - std::min(most, last)), last});
+  if (joined_.back() < part_begin_) return;
+  moveNewestPart(before);
+  start_ = start;
+  guess_ = guess;
+}
+
+void SubmapGraph::moveNewestPart(const Pose2& map_T_local) {
+  const Pose2 motion = map_T_local * mapTLocal().inverse();
   for (std::size_t i = part_begin_; i < keyframes_.size(); ++i)
     graph_.vertices[i].pose = motion * graph_.vertices[i].pose;
-  start_ = GaussianPose2{*map_T_local * local_T_base, Eigen::Matrix3d::Zero()};
+}
+
+/// The last keyframe was found where it is.
+void SubmapGraph::guessFound() {
+  constexpr double kFoundM = 0.2, kFoundRad = 0.1;
+  start_ = GaussianPose2{poseOf(keyframes_.size() - 1), Eigen::Matrix3d::Zero()};
   start_->covariance.diagonal() = Eigen::Vector3d(kFoundM, kFoundM, kFoundRad).cwiseAbs2();
   guess(keyframes_.size() - 1);
 }

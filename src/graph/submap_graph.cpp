@@ -96,7 +96,7 @@ void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result
   odometry_.vertices.emplace_back();
   chain_.grow(odometry_);
   track_.addKeyframe(number, result.pose);
-  if (finder_) lookForPart(scan);
+  lookForPart(scan);
 }
 
 void SubmapGraph::addOdometry() {

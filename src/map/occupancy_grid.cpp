@@ -179,6 +179,10 @@ void OccupancyGrid::mark(std::array<Row, kTileSide>& rows, std::int64_t x, std::
 int OccupancyGrid::stepsToWall(const Tile& tile, std::int64_t x, std::int64_t y,
                                std::int64_t step_x, std::int64_t step_y, int count) {
   const auto walls = [&tile](std::size_t row) { return tile.occupied[row] | tile.hit[row]; };
+  // Most tiles on the way of a ray without a return have no wall.
+  Row any = 0;
+  for (std::size_t row = 0; row < kTileSide; ++row) any |= walls(row);
+  if (any == 0U) return count;
   for (int k = 0; k < count; ++k, x += step_x, y += step_y) {
     const std::size_t row = static_cast<std::uint64_t>(y) >> 32 & (kTileSide - 1U);
     const Row bit = 1U << (static_cast<std::uint64_t>(x) >> 32 & (kTileSide - 1U));

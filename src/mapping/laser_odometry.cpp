@@ -107,7 +107,9 @@ bool LaserOdometry::agrees(const MatchRequest& request, const MatchResult& found
   if (moved.distance() <= near.linear_m && std::abs(moved.yaw) <= near.angular_rad) return true;
   Submap last(config_.matchedGrid(), submapOptions(config_.matcher));
   last.insert(wallsOf(*first_scan_), first_pose_);
-  return !secondExplanation(last, request, found, config_.matcher, config_.matcher.jump_margin);
+  MatchRequest alone = request;
+  alone.memory = nullptr;  // it is of the searches in the map
+  return !secondExplanation(last, alone, found, config_.matcher, config_.matcher.jump_margin);
 }
 
 std::optional<PredictionError> LaserOdometry::errorAfter(const MapperResult& result,

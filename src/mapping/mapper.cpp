@@ -113,7 +113,9 @@ void Mapper::State::followAlong(const Points& points, double seconds,
 void Mapper::State::match(const Points& points, const PlanarScan& scan,
                           const std::optional<Pose2>& odom_T_base, const PredictionError& error,
                           MapperResult& result) {
-  const MatchRequest request = motion.request(points, scan, odom_T_base);
+  MatchRequest request = motion.request(points, scan, odom_T_base);
+  SharedSearch memory;
+  request.memory = &memory;
   const PredictionSource prediction_source = motion.predictionSourceOf(scan, odom_T_base);
   const std::optional<Pose2> motion_prediction =
       motion.motionPrediction(request, scan, odom_T_base);
@@ -222,7 +224,7 @@ void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResu
   result.submap = map.submap();
   inserted_poses.push_back(motion.pose());
   if (inserted_poses.size() > kRememberedPoses) inserted_poses.pop_front();
-  if (!first) result.keyframe_covariance = relativeCovariance(inserted_pose, uncertainty.last());
+  if (!first) result.keyframe_covariance = uncertainty.motionSince(inserted_pose);
   uncertainty.insert();
   inserted_pose = uncertainty.last();
 }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "kestrel_slam/geometry/pose_covariance.h"
 #include "kestrel_slam/geometry/square.h"
@@ -41,14 +43,31 @@ Eigen::Matrix3d absolute(const Eigen::Matrix3d& symmetric) {
          axes.eigenvectors.transpose();
 }
 
+/// `covariance`, but in no direction more than `limit`, which is positive definite.
+Eigen::Matrix3d limited(const Eigen::Matrix3d& covariance, const Eigen::Matrix3d& limit) {
+  const Eigen::LLT<Eigen::Matrix3d> factor(limit);
+  if (factor.info() != Eigen::Success) return covariance;
+  const Eigen::Matrix3d root = factor.matrixL();
+  const Eigen::Matrix3d half = factor.matrixL().solve(covariance);
+  const SymmetricAxes<3> axes =
+      symmetricAxes(Eigen::Matrix3d(factor.matrixL().solve(half.transpose())));
+  const Eigen::Matrix3d axes_in_map = root * axes.eigenvectors;
+  return axes_in_map * axes.eigenvalues.cwiseMin(1.0).asDiagonal() * axes_in_map.transpose();
+}
+
+/// The part of the map, and that of both matches, in the axes of the map.
+std::pair<Eigen::Matrix3d, Eigen::Matrix3d> partsOf(const UncertainPose& a,
+                                                    const UncertainPose& b) {
+  const Eigen::Vector2d a_to_b = b.pose.translation() - a.pose.translation();
+  return {absolute(b.map_covariance - transported(a.map_covariance, a_to_b)),
+          b.match_covariance + transported(a.match_covariance, a_to_b)};
+}
+
 }  // namespace
 
 Eigen::Matrix3d relativeCovariance(const UncertainPose& a, const UncertainPose& b) {
-  const Eigen::Vector2d a_to_b = b.pose.translation() - a.pose.translation();
-  const Eigen::Matrix3d in_map =
-      absolute(b.map_covariance - transported(a.map_covariance, a_to_b)) + b.match_covariance +
-      transported(a.match_covariance, a_to_b);
-  return rotated(in_map, -a.pose.yaw);
+  const auto [map, matches] = partsOf(a, b);
+  return rotated(map + matches, -a.pose.yaw);
 }
 
 UncertainPose placedAt(const Pose2& pose, const UncertainPose& uncertain) {
@@ -67,6 +86,16 @@ void PoseUncertainty::begin(const Pose2& pose) {
 void PoseUncertainty::insert() {
   map_.add(last_.pose, last_.map_covariance + kChainFactor * last_.match_covariance);
   inserted_variance_ = drift_variance_;
+  followed_ = clear_;
+}
+
+/// The pose may have been found by walls of very different age at both ends. Then the difference of
+/// their covariances says nothing about the motion. A scan that sees what the inserted one saw is
+/// never less certain than a match with that scan alone would be.
+Eigen::Matrix3d PoseUncertainty::motionSince(const UncertainPose& inserted) const {
+  if (!followed_) return relativeCovariance(inserted, last_);
+  const auto [map, matches] = partsOf(inserted, last_);
+  return rotated(limited(map, kChainFactor * matches) + matches, -inserted.pose.yaw);
 }
 
 double PoseUncertainty::driftSinceInsertion() const {
@@ -105,6 +134,10 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
   }
   drifting_ = match.degenerate;
   weak_ = is_weak;
+  // With odometry the scans may be far apart, and so may those that had to be searched for.
+  clear_ = prediction_source == PredictionSource::kVelocity && !is_weak && !match.unclear_along &&
+           !match.mostly_predicted && !match.ambiguous && !match.searched;
+  followed_ &= clear_;
   motion_ = relativeCovariance(last_, next);
   last_ = next;
   found_ = next.covariance();
@@ -195,7 +228,7 @@ void PoseUncertainty::predict(const Pose2& predicted, const Eigen::Vector3d& sig
                            Eigen::Matrix3d(sigmas.cwiseAbs2().asDiagonal())};
   motion_ = relativeCovariance(last_, next);
   last_ = next;
-  drifting_ = weak_ = false;
+  drifting_ = weak_ = clear_ = followed_ = false;
 }
 
 }  // namespace kestrel

@@ -46,11 +46,9 @@ class Comparison {
 
 RoughWindow windowOf(const MatchRequest& request, const MatchResult& found,
                      const MatcherConfig& config) {
-  RoughWindow window{searchCenter(request),
-                     searchWindows(config, request).back(),
-                     config.correlative,
-                     {},
-                     request.lost_scans};
+  RoughWindow window{searchCenter(request), searchWindows(config, request).back(),
+                     config.correlative,    {},
+                     request.lost_scans,    request.memory};
   window.preferences.linear_preference = window.preferences.angular_preference = 0.0;
   window.excluded = {found.pose, kSameM, kSameRad,
                      found.degenerate ? found.degenerate_direction : Eigen::Vector2d(0, 0)};
@@ -71,7 +69,7 @@ std::optional<Pose2> secondExplanation(const Submap& map, const MatchRequest& re
   double least = hypotheses.complete ? first - margin : -1.0;
   std::optional<Pose2> second;
   for (const Pose2& pose :
-       sketches(map.surface(), comparison.points(), hypotheses.poses, 1, budget)) {
+       sketches(map.surface(), comparison.points(), hypotheses.poses, 1, budget, request.memory)) {
     const double score = comparison.scoreAt(pose);
     if (score <= least || isNear(window.excluded, pose)) continue;
     least = score;

@@ -183,7 +183,8 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
       break;
     searched = window;
     const RoughWindow rough{
-        center, window, preferencesFor(request, config_.correlative), {}, request.lost_scans};
+        center,        window, preferencesFor(request, config_.correlative), {}, request.lost_scans,
+        request.memory};
     const Hypotheses hypotheses = searchRoughly(map.surface(), request.points, rough, budget);
     result.incomplete = !hypotheses.complete;
     std::optional<Candidate> found;
@@ -207,7 +208,8 @@ std::vector<Pose2> HybridMatcher::mostLikely(const Submap& map, const MatchReque
                                              WorkBudget& budget) const {
   const Points sample = sampled(request.points, kSketchPoints);
   std::vector<std::pair<double, Pose2>> ranking;  // negative score, pose
-  for (const Pose2& pose : sketches(map.surface(), sample, hypotheses, kRefined, budget)) {
+  for (const Pose2& pose :
+       sketches(map.surface(), sample, hypotheses, kRefined, budget, request.memory)) {
     const Fit fit = fitOf(map, sample, pose, config_.score_scale_m);
     const double penalized = penalizedScore(request, fit, pose, config_.correlative);
     ranking.emplace_back(-allPointsScore(fit, penalized), pose);

@@ -148,8 +148,12 @@ void RoughGrid::sum(const RoughPart& part, Sums& sums) const {
 
 std::int64_t RoughGrid::imageWork() const { return WallImage::workFor(box_, shift_, layers_); }
 
-WallImage RoughGrid::imageOf(const SurfelField& surface) const {
-  return WallImage(surface, box_, shift_, layers_);
+std::shared_ptr<const WallImage> RoughGrid::imageOf(const SurfelField& surface) const {
+  return std::make_shared<const WallImage>(surface, box_, shift_, layers_);
+}
+
+bool RoughGrid::isIn(const WallImage* image) const {
+  return image != nullptr && image->covers(box_, shift_, layers_);
 }
 
 std::int64_t RoughGrid::rotationWork() const {

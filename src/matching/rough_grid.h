@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "rough_search.h"
@@ -35,7 +36,9 @@ class RoughGrid {
   double score(int sum) const { return sum * score_of_one_; }
 
   /// The image of the walls that the points can reach.
-  WallImage imageOf(const SurfelField& surface) const;
+  std::shared_ptr<const WallImage> imageOf(const SurfelField& surface) const;
+  /// Whether an image shows all that `imageOf` the same map would show.
+  bool isIn(const WallImage* image) const;
 
   /// Rotates the points by `k` steps in `imageOf` the surface.
   void rotate(const WallImage& image, int k);

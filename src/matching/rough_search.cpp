@@ -83,9 +83,9 @@ class Search {
     const std::vector<RoughPart> parts = affordableParts(budget);
     result.complete = parts.size() == allParts().size();
     if (parts.empty() || grid_.score(1) <= 0.0) return result;
-    const WallImage image = grid_.imageOf(surface_);
+    const std::shared_ptr<const WallImage> image = imageOf();
     for (int k = -grid_.angularSteps(); k <= grid_.angularSteps(); ++k) {
-      grid_.rotate(image, k);
+      grid_.rotate(*image, k);
       for (const RoughPart& part : parts) rank(part, k);
     }
     result.poses = distinct();
@@ -93,6 +93,14 @@ class Search {
   }
 
  private:
+  /// The image of another search for the same scan, if it shows all that the points can reach.
+  std::shared_ptr<const WallImage> imageOf() const {
+    if (window_.memory == nullptr) return grid_.imageOf(surface_);
+    window_.memory->use(surface_);
+    if (!grid_.isIn(window_.memory->image().get())) window_.memory->keep(grid_.imageOf(surface_));
+    return window_.memory->image();
+  }
+
   std::int64_t angles() const { return 2 * grid_.angularSteps() + 1; }
 
   RoughPart within(RoughPart part) const {

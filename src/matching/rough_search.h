@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "kestrel_slam/matching/correlative.h"
+#include "kestrel_slam/matching/shared_search.h"
 #include "kestrel_slam/matching/work_budget.h"
 
 namespace kestrel {
@@ -17,6 +18,7 @@ struct RoughWindow {
   /// Number of searches of this window before. If the budget is too small for the whole window, it
   /// is divided: each search does the part around the center and some others in turn.
   int turn = 0;
+  SharedSearch* memory = nullptr;  ///< of the searches for this scan in this map
 };
 
 /// Poses at which a scan may fit, best first.

@@ -24,6 +24,16 @@ Descent stageOf(const SurfelField& surface, const Points& sample, const Pose2& s
   });
 }
 
+/// The same, if it is not in the memory yet.
+Descent rememberedStage(const SurfelField& surface, const Points& sample, const Pose2& start,
+                        std::size_t stage, SharedSearch* memory) {
+  if (memory == nullptr) return stageOf(surface, sample, start, stage);
+  if (const Descent* known = memory->find(static_cast<int>(stage), start)) return *known;
+  const Descent descent = stageOf(surface, sample, start, stage);
+  memory->add(static_cast<int>(stage), start, descent);
+  return descent;
+}
+
 std::int64_t sketchWork(const Points& sample) {
   constexpr std::int64_t kPerPoint = 1000;
   return kPerPoint * static_cast<std::int64_t>(sample.size());
@@ -53,18 +63,19 @@ Pose2 sketch(const SurfelField& surface, const Points& sample, const Pose2& hypo
 
 std::vector<Pose2> sketches(const SurfelField& surface, const Points& sample,
                             const std::vector<Pose2>& hypotheses, std::size_t least,
-                            WorkBudget& budget) {
+                            WorkBudget& budget, SharedSearch* memory) {
+  if (memory != nullptr) memory->use(surface);
   std::vector<Descent> descents;
   for (const Pose2& hypothesis : hypotheses) {
     if (!budget.take(sketchWork(sample))) break;
-    descents.push_back(stageOf(surface, sample, hypothesis, 0));
+    descents.push_back(rememberedStage(surface, sample, hypothesis, 0, memory));
   }
   halve(descents, least);
   std::vector<Pose2> poses;
   for (const Descent& descent : descents) {
     Pose2 pose = descent.pose;
     for (std::size_t stage = 1; stage < kSketchStages; ++stage)
-      pose = stageOf(surface, sample, pose, stage).pose;
+      pose = rememberedStage(surface, sample, pose, stage, memory).pose;
     poses.push_back(pose);
   }
   return poses;

@@ -50,6 +50,24 @@ struct SurfelLanes {
   Lanes hasSurfel() const { return (a11 + a22).min(1.0F); }
 };
 
+/// The values of four surfels that a match needs. They lie side by side in a surfel, so that a
+/// surfel is read with one instruction instead of five, and the four are transposed.
+inline void readSurfels(const std::array<const Surfel*, kLanes>& surfels, Lanes& x, Lanes& y,
+                        Lanes& a11, Lanes& a12, Lanes& a22) {
+  constexpr std::size_t kFirst = offsetof(Surfel, on_wall);
+  static_assert(offsetof(Surfel, a11) == kFirst + 2 * sizeof(float) &&
+                    offsetof(Surfel, a12) == kFirst + 3 * sizeof(float),
+                "on_wall, a11 and a12 lie side by side");
+  Eigen::Matrix4f values;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    std::memcpy(values.data() + kLanes * i, reinterpret_cast<const char*>(surfels[i]) + kFirst,
+                kLanes * sizeof(float));
+  }
+  values.transposeInPlace();
+  x = values.col(0), y = values.col(1), a11 = values.col(2), a12 = values.col(3);
+  a22 = Lanes(surfels[0]->a22, surfels[1]->a22, surfels[2]->a22, surfels[3]->a22);
+}
+
 /// Calls `visit(lanes, count)` for every four points of a scan at `map_T_base`. In the last call
 /// only the first `count` lanes are points.
 template <typename Points, typename Visit>
@@ -81,15 +99,10 @@ inline void forEachLanes(const SurfelField& surface, const Points& points, const
       return i < count ? surface.nearestOr(&kNoSurfel, Cell{columns[i], rows[i]}) : &kNoSurfel;
     };
     lanes.surfels = {nearest(0), nearest(1), nearest(2), nearest(3)};
-    const auto values = [&](auto of) {
-      return Lanes(of(*lanes.surfels[0]), of(*lanes.surfels[1]), of(*lanes.surfels[2]),
-                   of(*lanes.surfels[3]));
-    };
-    lanes.ex = lanes.px - values([](const Surfel& surfel) { return surfel.on_wall.x(); });
-    lanes.ey = lanes.py - values([](const Surfel& surfel) { return surfel.on_wall.y(); });
-    lanes.a11 = values([](const Surfel& surfel) { return surfel.a11; });
-    lanes.a12 = values([](const Surfel& surfel) { return surfel.a12; });
-    lanes.a22 = values([](const Surfel& surfel) { return surfel.a22; });
+    Lanes wall_x, wall_y;
+    readSurfels(lanes.surfels, wall_x, wall_y, lanes.a11, lanes.a12, lanes.a22);
+    lanes.ex = lanes.px - wall_x;
+    lanes.ey = lanes.py - wall_y;
   };
   for (std::size_t first = 0; first < points.size(); first += kLanes) {
     const std::size_t count = std::min(kLanes, points.size() - first);

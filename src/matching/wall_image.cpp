@@ -38,7 +38,8 @@ void takeMaximum(const std::uint8_t* in, std::ptrdiff_t size, std::ptrdiff_t ste
 }  // namespace
 
 WallImage::WallImage(const SurfelField& surface, const CellBox& box, int shift, int layers)
-    : shift_(shift),
+    : box_(box),
+      shift_(shift),
       low_{(box.low.x >> shift) - kMargin, (box.low.y >> shift) - kMargin},
       width_((box.high.x >> shift) - low_.x + 1 + kMargin),
       height_((box.high.y >> shift) - low_.y + 1 + kMargin),
@@ -50,6 +51,12 @@ WallImage::WallImage(const SurfelField& surface, const CellBox& box, int shift, 
   const auto buffer = newPixels(size());
   soften(buffer.get());
   for (int n = 1; n < layers; ++n) spread(n, n == 1 ? 1 : 1 << (n - 2), buffer.get());
+}
+
+bool WallImage::covers(const CellBox& box, int shift, int layers) const {
+  return shift == shift_ && static_cast<std::size_t>(layers) <= layers_.size() &&
+         box.low.x >= box_.low.x && box.low.y >= box_.low.y && box.high.x <= box_.high.x &&
+         box.high.y <= box_.high.y;
 }
 
 std::int64_t WallImage::workFor(const CellBox& box, int shift, int layers) {

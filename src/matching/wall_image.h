@@ -25,6 +25,7 @@ class WallImage {
   /// Covers the cells of `box`.
   WallImage(const SurfelField& surface, const CellBox& box, int shift, int layers);
 
+  bool covers(const CellBox& box, int shift, int layers) const;
   /// The lower left cell of the image.
   Cell corner() const { return {low_.x << shift_, low_.y << shift_}; }
   int cellsPerPixel() const { return 1 << shift_; }
@@ -39,6 +40,7 @@ class WallImage {
   void spread(int layer, int pixels, std::uint8_t* buffer);
   std::ptrdiff_t size() const { return static_cast<std::ptrdiff_t>(width_) * height_; }
 
+  CellBox box_;
   int shift_;
   Cell low_;  ///< in pixels
   int width_, height_;

@@ -63,14 +63,17 @@ TEST_F(GraphParts, ASecondFlightIsJoinedWhereItStarts) {
   EXPECT_LT(error, 0.25);
 }
 
-/// Nothing is near the guess.
+/// Nothing is near the guess, and it is not yet doubted.
+constexpr double kShortLaps = 0.1;
+
 TEST_F(GraphParts, UntilALoopJoinsThemNothingIsDrawnOverTheOldMap) {
   SubmapGraph graph = continued();
   graph.beginPart(kFarAway);
   ComposedMap map{OccupancyGridConfig()};
   map.add(graph);
-  fly(graph, 0.5, kFarAway.mean);
+  fly(graph, kShortLaps, kFarAway.mean);
   EXPECT_FALSE(graph.isJoined(0));
+  EXPECT_TRUE(graph.isLocated());
   EXPECT_EQ(acceptedLoops(graph), acceptedLoops(first_));
   EXPECT_TRUE(map.isOutdated(graph));
   ComposedMap part{OccupancyGridConfig()};
@@ -87,16 +90,35 @@ TEST_F(GraphParts, WithoutAStartTheWholeMapIsSearched) {
   EXPECT_LT(error, 0.25);
 }
 
-TEST_F(GraphParts, AnotherBuildingIsNotFound) {
+/// As if the vehicle had been carried elsewhere before it started again.
+TEST_F(GraphParts, AWrongStartIsFoundOutInTheWholeMap) {
   SubmapGraph graph = continued();
-  graph.beginPart(std::nullopt);
+  graph.beginPart(kFarAway);
+  EXPECT_LT(fly(graph, 1.0, kFarAway.mean), 0.25);
+  EXPECT_TRUE(graph.isJoined(0));
+}
+
+/// Flies 30 m through another building.
+void flyElsewhere(SubmapGraph& graph, const Pose2& begin) {
   std::vector<room::Segment> walls;
-  loop_world::addBox(walls, -6, -2, 30, 5);
-  for (const double x : {-3.0, 1.0, 7.5, 12.0, 19.0}) loop_world::addBox(walls, x, 1.5, 0.8, 1.0);
-  Drive drive(walls, 0.0);
-  for (double x = -5.0; x < 4.0; x += 0.25) drive.add(Pose2(x, 0.0, 0.0), graph);
+  loop_world::addBox(walls, -6, -2, 40, 5);
+  for (const double x : {-3.0, 1.0, 7.5, 12.0, 19.0, 24.5, 31.0})
+    loop_world::addBox(walls, x, 1.5, 0.8, 1.0);
+  Drive drive(walls, 0.0, begin);
+  for (double x = -5.0; x < 25.0; x += 0.25) drive.add(Pose2(x, 0.0, 0.0), graph);
   graph.finish();
-  EXPECT_FALSE(graph.isJoined(0));
+}
+
+TEST_F(GraphParts, AnotherBuildingIsNotFound) {
+  for (const bool start_is_given : {false, true}) {
+    SubmapGraph graph = continued();
+    const std::size_t old = graph.keyframes().size();
+    graph.beginPart(start_is_given ? std::optional(kFarAway) : std::nullopt);
+    flyElsewhere(graph, kFarAway.mean);
+    EXPECT_FALSE(graph.isJoined(0));
+    EXPECT_TRUE(!start_is_given || graph.poseOf(old) == kFarAway.mean);
+    EXPECT_EQ(graph.isLocated(), start_is_given);
+  }
 }
 
 /// Found by a search in the whole map: the new part moves there.
@@ -104,7 +126,7 @@ TEST_F(GraphParts, ALoopFromElsewhereJoinsTheParts) {
   SubmapGraph graph = continued();
   graph.beginPart(kFarAway);
   const std::size_t old = graph.keyframes().size();
-  fly(graph, 0.5, Pose2(40.0, 7.0, 1.0));
+  fly(graph, kShortLaps, Pose2(40.0, 7.0, 1.0));
   ASSERT_FALSE(graph.isJoined(0));
   Loop loop;
   loop.anchor = 20;
@@ -175,7 +197,7 @@ TEST_F(GraphParts, SubmapsOfKeyframesThatStayHaveNumbersOfTheirOwn) {
 TEST_F(GraphParts, KeyframesThatAreNotJoinedAreAllKept) {
   SubmapGraph graph = continued();
   graph.beginPart(kFarAway);
-  fly(graph, 0.3, kFarAway.mean);
+  fly(graph, kShortLaps, kFarAway.mean);
   EXPECT_EQ(
       withoutRepeated(graph.record(), graph.loadedCount(), OccupancyGridConfig()).keyframes.size(),
       graph.keyframes().size());

@@ -128,6 +128,39 @@ TEST(PoseUncertainty, AFewBeamsDoNotEndADrift) {
   EXPECT_LT(sigma_after(1), 0.05);
 }
 
+/// One scan is matched with walls that are known well, the scan before with others: the motion
+/// between both is as certain as a match of the one with the other.
+TEST(PoseUncertainty, TheAgeOfTheWallsIsNoErrorOfTheMotion) {
+  Submap map{OccupancyGridConfig()};
+  map.insert(room::scanFrom(Pose2()), Pose2());
+  const Points points = hitsOf(room::scanFrom(Pose2()));
+  MatchResult match;
+  match.covariance = Eigen::Vector3d(1e-5, 1e-5, 1e-7).asDiagonal();
+  match.degenerate_direction = Eigen::Vector2d::UnitX();
+  match.constraint = 0.2;
+  const auto sigma_with = [&](auto change, PredictionSource source) {
+    PoseUncertainty uncertainty;
+    uncertainty.begin(Pose2());
+    uncertainty.insert();
+    uncertainty.update(map.surface(), points, match, 0.1, 0.0, source);
+    uncertainty.insert();
+    UncertainPose inserted = uncertainty.last();
+    inserted.map_covariance(0, 0) += 0.5;
+    MatchResult next = match;
+    change(next);
+    uncertainty.update(map.surface(), points, next, 0.1, 0.0, source);
+    uncertainty.update(map.surface(), points, match, 0.1, 0.0, source);
+    return std::sqrt(uncertainty.motionSince(inserted)(0, 0));
+  };
+  const auto laser = PredictionSource::kVelocity;
+  EXPECT_LT(sigma_with([](MatchResult&) {}, laser), 0.02);
+  // What the scans between do not show for certain is not limited.
+  EXPECT_GT(sigma_with([](MatchResult& next) { next.unclear_along = true; }, laser), 0.6);
+  EXPECT_GT(sigma_with([](MatchResult& next) { next.ambiguous = true; }, laser), 0.6);
+  EXPECT_GT(sigma_with([](MatchResult& next) { next.searched = true; }, laser), 0.6);
+  EXPECT_GT(sigma_with([](MatchResult&) {}, PredictionSource::kOdometry), 0.6);
+}
+
 TEST(PoseUncertainty, GrowsAlongACorridorForAllBeamCounts) {
   for (const int beams : {360, 720, 1440}) {
     const MapperResult early = flyCorridor(beams, 3.0, true), late = flyCorridor(beams, 9.0, true);

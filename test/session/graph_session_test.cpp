@@ -112,7 +112,7 @@ TEST(GraphSession, AFlightThatWasNotFoundIsNotInTheMap) {
   const Pose2 far_away(500.0, 0.0, 0.0);
   graph.beginPart(givenStart(far_away));
   loop_world::Drive drive(loop_world::ring(), 0.0001, far_away);
-  for (const Pose2& pose : loop_world::laps(0.3)) drive.add(pose, graph);
+  for (const Pose2& pose : loop_world::laps(0.1)) drive.add(pose, graph);
   graph.finish();
   ASSERT_FALSE(graph.isJoined(0));
   const Session session = sessionOf(graph.record(), kCell);

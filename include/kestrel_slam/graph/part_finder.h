@@ -17,8 +17,8 @@ class PartFinder {
   PartFinder(const PartFinder&) = delete;
   PartFinder& operator=(const PartFinder&) = delete;
 
-  /// Adds a scan and searches. Returns map_T_local if the vehicle was found.
-  std::optional<Pose2> add(const PlanarScan& scan, const Pose2& local_T_base);
+  /// Adds a scan and searches with so much work. Returns map_T_local if the vehicle was found.
+  std::optional<Pose2> add(const PlanarScan& scan, const Pose2& local_T_base, std::int64_t work);
 
   std::size_t memoryBytes() const;
 

@@ -100,7 +100,9 @@ class SubmapGraph {
   }
   /// false: the newest part began at an unknown place, no loop has joined it yet, and it is not the
   /// largest part: that one is the map.
-  bool isLocated() const { return finder_ == nullptr || joined_.back() == largestPart(joined_); }
+  bool isLocated() const {
+    return start_is_given_ || finder_ == nullptr || joined_.back() == largestPart(joined_);
+  }
   /// Number of parts of the new keyframes that no loop has joined.
   std::size_t partCount() const;
   /// All loops of a search, accepted or not, and the accepted ones of other matches.
@@ -123,6 +125,9 @@ class SubmapGraph {
   std::vector<PlacedKeyframe> keyframesOf(std::size_t part) const;
   void guess(std::size_t keyframe);
   void lookForPart(const PlanarScan& scan);
+  void verifyFound(const Pose2& map_T_local);
+  void moveNewestPart(const Pose2& map_T_local);
+  void guessFound();
   std::vector<RelativeUncertainty> uncertainties(std::size_t from) const;
   void addOdometry();
   void search(const LoopQuery& query);
@@ -168,8 +173,9 @@ class SubmapGraph {
   std::size_t part_begin_ = 0;             ///< first keyframe of the newest part
   std::uint32_t submap_offset_ = 0;        ///< the mapper numbers the submaps of a part from 0
   std::optional<GaussianPose2> start_;     ///< where the newest part may be
+  bool start_is_given_ = false;            ///< by a person, or the end of the last flight
   std::optional<PoseEdge> guess_;          ///< the same, from the nearest keyframe of other parts
-  std::unique_ptr<PartFinder> finder_;     ///< if nobody knows where the newest part is
+  std::unique_ptr<PartFinder> finder_;     ///< while it is searched for in the whole map
   std::size_t searched_ = 0;               ///< keyframes before this one were searched for
   std::size_t searches_ = 0;
   std::size_t unsolved_ = 0;  ///< accepted loops since the last optimization

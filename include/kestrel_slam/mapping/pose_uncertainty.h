@@ -69,6 +69,8 @@ class PoseUncertainty {
 
   /// The last scan was inserted into the map.
   void insert();
+  /// Covariance of the motion since `inserted`, the pose of the last inserted scan.
+  Eigen::Matrix3d motionSince(const UncertainPose& inserted) const;
 
   /// The error along the unobservable direction of `match`, as predicted `seconds` after the last
   /// scan and `moved_m` away from it.
@@ -93,6 +95,8 @@ class PoseUncertainty {
   Pose2 found_pose_;
   Eigen::Matrix3d found_ = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d motion_ = Eigen::Matrix3d::Zero();
+  bool clear_ = false;              ///< the last scan showed the pose in all directions,
+  bool followed_ = false;           ///< and so did all since the last insertion
   bool drifting_ = false;           ///< the last scan had an unobservable direction
   bool weak_ = false;               ///< the last scan had a weak direction, with the error along_
   double entry_variance_ = 0.0;     ///< variance along it at the beginning of the drift, m²

@@ -13,6 +13,7 @@
 #include "kestrel_slam/matching/icp.h"
 #include "kestrel_slam/matching/match_result.h"
 #include "kestrel_slam/matching/progressive.h"
+#include "kestrel_slam/matching/shared_search.h"
 
 namespace kestrel {
 
@@ -68,6 +69,7 @@ struct MatchRequest {
   bool wide = false;   ///< the local match may not find the pose: search the near window
   bool lost = false;   ///< the last poses were only predicted: search the widest window
   int lost_scans = 0;  ///< number of consecutive lost scans before this one
+  SharedSearch* memory = nullptr;  ///< of this scan, shared by its searches
 };
 
 /// Aligns a scan with a map. Has no state: equal requests give equal results.
