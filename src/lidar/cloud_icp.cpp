@@ -97,6 +97,14 @@ void rejectWorst(Pairs& pairs, double share) {
   pairs.resize(kept);
 }
 
+/// The upper bound of a share that was seen in `count` cases [Wilson 1927, two standard
+/// deviations].
+double possibleShare(double share, double count) {
+  constexpr double kSigmas = 2.0;
+  const double z2 = kSigmas * kSigmas / count;
+  return (share + 0.5 * z2 + std::sqrt(z2 * (share * (1.0 - share) + 0.25 * z2))) / (1.0 + z2);
+}
+
 template <typename Pairs>
 double rmsOf(const Pairs& pairs) {
   double sum = 0.0;
@@ -214,7 +222,7 @@ CloudIcpResult CloudIcp::search(const std::vector<Eigen::Vector3d>& points,
 
 /// Directions with too few pairs say nothing.
 void CloudIcp::judge(const Pairs& pairs, CloudIcpResult& result) const {
-  result.agreement = 1.0;
+  result.agreement = result.possible_agreement = 1.0;
   result.is_fixed = true;
   for (const Pairs& part : byDirection(pairs)) {
     if (part.size() < kFewestPairs) {
@@ -225,8 +233,10 @@ void CloudIcp::judge(const Pairs& pairs, CloudIcpResult& result) const {
     const auto explained = std::count_if(part.begin(), part.end(), [this](const Pair& pair) {
       return pair.fromPlane() < kExplained * config_.pair_sigma_m;
     });
-    result.agreement = std::min(result.agreement,
-                                static_cast<double>(explained) / static_cast<double>(part.size()));
+    const auto count = static_cast<double>(part.size());
+    const double share = static_cast<double>(explained) / count;
+    result.agreement = std::min(result.agreement, share);
+    result.possible_agreement = std::min(result.possible_agreement, possibleShare(share, count));
   }
 }
 

@@ -16,8 +16,8 @@ constexpr double kAgreement = 0.3;
 /// m/s, m/s², m: faster vehicles are not sought.
 constexpr double kMaxLidarSpeed = 40.0, kMaxLidarAcceleration = 10.0, kMaxSearch_m = 4.0;
 
-bool isGood(const CloudIcpResult& icp) {
-  return icp.converged && icp.agreement >= kAgreement && icp.pose.matrix().allFinite() &&
+bool isGood(const CloudIcpResult& icp, double agreement) {
+  return icp.converged && agreement >= kAgreement && icp.pose.matrix().allFinite() &&
          icp.pose.translation().norm() < kMaxPosition;
 }
 
@@ -36,11 +36,13 @@ SweepPlace findSweep(const std::vector<Eigen::Vector3f>& points, const SurfaceMa
   std::vector<Eigen::Vector3d> centroids;
   for (const PointSums& sums : voxels.sums) centroids.push_back(sums.mean);
   const CloudIcp icp(map.cells(), config.icp);
-  CloudIcpResult found = icp.align(centroids, guess);
-  if (!found.has_pairs) return {guess, false, false};
-  if (!isGood(found)) found = icp.search(centroids, guess, radius);
-  if (!isGood(found)) return {guess, false, true};
-  return {found.pose, true, false};
+  const CloudIcpResult near = icp.align(centroids, guess);
+  if (!near.has_pairs) return {guess, false, false};
+  // A few pairs do not contradict the pose that is expected, but another one must have them.
+  if (isGood(near, near.possible_agreement)) return {near.pose, true, false};
+  const CloudIcpResult found = icp.search(centroids, guess, radius);
+  if (isGood(found, found.agreement)) return {found.pose, true, false};
+  return {guess, false, true};
 }
 
 }  // namespace kestrel

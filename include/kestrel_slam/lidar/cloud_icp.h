@@ -37,8 +37,9 @@ struct CloudIcpResult {
   /// smallest: beside the right place, the surfaces across the error disagree, however few they
   /// are.
   double agreement = 0.0;
-  bool is_fixed = false;   ///< there are pairs in all directions
-  bool has_pairs = false;  ///< enough of them in any direction
+  double possible_agreement = 0.0;  ///< the same, as large as so few pairs allow
+  bool is_fixed = false;            ///< there are pairs in all directions
+  bool has_pairs = false;           ///< enough of them in any direction
 };
 
 /// Iterative closest point in six degrees of freedom against the cells of a static map.
