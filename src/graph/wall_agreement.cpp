@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <unordered_set>
 
+#include "kestrel_slam/geometry/wilson_bound.h"
 #include "kestrel_slam/matching/unknown_score.h"
 
 namespace kestrel {
@@ -108,11 +109,7 @@ double WallAgreement::possibleContradiction() const {
 }
 
 double WallAgreement::contradictionBound() const {
-  constexpr double kSigmas2 = 4.0;
-  const double share = contradiction(), pieces = piecesOf(known + crossed);
-  const double deviation =
-      std::sqrt(kSigmas2 * (share * (1.0 - share) + kSigmas2 / 4.0 / pieces) / pieces);
-  return (share + kSigmas2 / 2.0 / pieces + deviation) / (1.0 + kSigmas2 / pieces);
+  return wilsonUpperBound(contradiction(), piecesOf(known + crossed));
 }
 
 double WallAgreement::score() const {

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <nanoflann.hpp>
 
+#include "kestrel_slam/geometry/wilson_bound.h"
+
 namespace kestrel {
 namespace {
 
@@ -95,14 +97,6 @@ void rejectWorst(Pairs& pairs, double share) {
       pairs.begin(), pairs.begin() + static_cast<std::ptrdiff_t>(kept), pairs.end(),
       [](const auto& a, const auto& b) { return std::abs(a.distance) < std::abs(b.distance); });
   pairs.resize(kept);
-}
-
-/// The upper bound of a share that was seen in `count` cases [Wilson 1927, two standard
-/// deviations].
-double possibleShare(double share, double count) {
-  constexpr double kSigmas = 2.0;
-  const double z2 = kSigmas * kSigmas / count;
-  return (share + 0.5 * z2 + std::sqrt(z2 * (share * (1.0 - share) + 0.25 * z2))) / (1.0 + z2);
 }
 
 template <typename Pairs>
@@ -236,7 +230,7 @@ void CloudIcp::judge(const Pairs& pairs, CloudIcpResult& result) const {
     const auto count = static_cast<double>(part.size());
     const double share = static_cast<double>(explained) / count;
     result.agreement = std::min(result.agreement, share);
-    result.possible_agreement = std::min(result.possible_agreement, possibleShare(share, count));
+    result.possible_agreement = std::min(result.possible_agreement, wilsonUpperBound(share, count));
   }
 }
 
