@@ -22,6 +22,8 @@ constexpr double kStill_m = 1e-4, kStill_rad = 2e-6;  ///< a smaller step ends t
 /// A few pairs may change for ever. Steps up to this are far below what the maps resolve.
 constexpr double kSettled_m = 0.005, kSettled_rad = 3e-4;
 constexpr double kExplained = 3.0;  ///< standard deviations of the distance of a pair
+/// The scale of the kernel: from this, narrower with each iteration, to a multiple of the noise.
+constexpr double kWidestKernel_m = 0.5, kNarrowing = 0.7, kNarrowestKernel = 2.0;
 constexpr double kSearchStep_m = 0.5;
 constexpr std::size_t kSearchPoints = 1000, kSearchTrials = 5;
 
@@ -64,11 +66,11 @@ using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, Cells, 3>;
 
 /// Adds a pair with `direction` (unit) as the direction in which its distance is measured.
 void addPair(const Eigen::Vector3d& arm, const Eigen::Vector3d& direction, double distance,
-             Matrix6& information, Vector6& gradient) {
+             double weight, Matrix6& information, Vector6& gradient) {
   Vector6 jacobian;
   jacobian << direction, arm.cross(direction);
-  information.selfadjointView<Eigen::Lower>().rankUpdate(jacobian);
-  gradient += jacobian * distance;
+  information.selfadjointView<Eigen::Lower>().rankUpdate(jacobian, weight);
+  gradient += jacobian * (weight * distance);
 }
 
 /// The pairs by the main direction that is nearest to their normal: floors, walls, and what stands
@@ -130,7 +132,8 @@ std::vector<Eigen::Vector3d> thinned(const std::vector<Eigen::Vector3d>& points,
 struct CloudIcp::Pair {
   Eigen::Vector3d point;  ///< in the map
   Eigen::Vector3d mean, normal;
-  double distance;
+  double thickness;  ///< of the plane
+  double distance, weight = 1.0;
 
   double fromPlane() const { return std::abs(normal.dot(point - mean)); }
 };
@@ -159,13 +162,33 @@ CloudIcp::~CloudIcp() = default;
 
 CloudIcpResult CloudIcp::align(const std::vector<Eigen::Vector3d>& all_points,
                                const Eigen::Isometry3d& guess) const {
-  const std::vector<Eigen::Vector3d> points = thinned(all_points, config_.max_points);
+  const std::vector<Eigen::Vector3d> points = balanced(all_points, guess);
   CloudIcpResult result;
   result.pose = guess;
   if (tree_->data.cells.empty()) return result;
   refine(points, result);
   judge(pairsOf(points, result.pose), result);
   return result;
+}
+
+/// At most `max_points`, of each direction as many: most of all points lie on the ground.
+std::vector<Eigen::Vector3d> CloudIcp::balanced(const std::vector<Eigen::Vector3d>& points,
+                                                const Eigen::Isometry3d& guess) const {
+  const std::size_t count = config_.max_points;
+  if (points.size() <= count) return points;
+  std::array<Pairs, 3> parts = byDirection(pairsOf(points, guess));
+  std::sort(parts.begin(), parts.end(),
+            [](const Pairs& a, const Pairs& b) { return a.size() < b.size(); });
+  const Eigen::Isometry3d back = guess.inverse();
+  std::vector<Eigen::Vector3d> chosen;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::size_t share =
+        std::min(parts[i].size(), (count - chosen.size()) / (parts.size() - i));
+    for (std::size_t k = 0; k < share; ++k) {
+      chosen.push_back(back * parts[i][k * parts[i].size() / share].point);
+    }
+  }
+  return chosen;
 }
 
 void CloudIcp::refine(const std::vector<Eigen::Vector3d>& points, CloudIcpResult& result) const {
@@ -177,6 +200,7 @@ void CloudIcp::refine(const std::vector<Eigen::Vector3d>& points, CloudIcpResult
     result.pairs = pairs.size();
     if (pairs.size() < kFewestPairs) return;
     result.rms = rmsOf(pairs);
+    weigh(pairs, kernelOf(i));
     const Vector6 change = step(pairs, from_guess, result.pose.translation());
     from_guess += change;
     result.pose = moved(result.pose, change);
@@ -261,12 +285,29 @@ CloudIcp::Pairs CloudIcp::pairsOf(const std::vector<Eigen::Vector3d>& points,
     tree_->index.radiusSearchCustomCallback(place.data(), nearest);
     if (!nearest.found) continue;
     const SurfaceCell& cell = tree_->data.cells[nearest.index];
-    Pair pair{in_map, cell.mean.cast<double>(), cell.normal.cast<double>(), 0.0};
+    Pair pair{in_map, cell.mean.cast<double>(), cell.normal.cast<double>(), cell.thickness, 0.0};
     pair.distance = config_.metric == IcpMetric::kPlane ? pair.normal.dot(in_map - pair.mean)
                                                         : (in_map - pair.mean).norm();
     pairs.push_back(pair);
   }
   return pairs;
+}
+
+/// The kernel of Geman and McClure: what does not fit loses its weight. Thick planes, as those of
+/// leaves, say less.
+void CloudIcp::weigh(Pairs& pairs, double scale) const {
+  const double sigma2 = config_.pair_sigma_m * config_.pair_sigma_m;
+  for (Pair& pair : pairs) {
+    const double misfit = pair.distance / scale;
+    const double fit = 1.0 / (1.0 + misfit * misfit);
+    pair.weight = fit * fit * sigma2 / (sigma2 + pair.thickness * pair.thickness);
+  }
+}
+
+/// Wide at first, so that a wrong guess does not make outliers of what is right.
+double CloudIcp::kernelOf(int iteration) const {
+  return std::max(kNarrowestKernel * config_.pair_sigma_m,
+                  kWidestKernel_m * std::pow(kNarrowing, iteration));
 }
 
 /// The Gauss-Newton step of the pose: translation, and rotation about the lidar at `center`.
@@ -277,12 +318,12 @@ CloudIcp::Vector6 CloudIcp::step(const Pairs& pairs, const Vector6& from_guess,
   for (const Pair& pair : pairs) {
     const Eigen::Vector3d arm = pair.point - center;
     if (config_.metric == IcpMetric::kPlane) {
-      addPair(arm, pair.normal, pair.distance, information, gradient);
+      addPair(arm, pair.normal, pair.distance, pair.weight, information, gradient);
       continue;
     }
     const Eigen::Vector3d apart = pair.point - pair.mean;
     for (int i = 0; i < 3; ++i) {
-      addPair(arm, Eigen::Vector3d::Unit(i), apart(i), information, gradient);
+      addPair(arm, Eigen::Vector3d::Unit(i), apart(i), pair.weight, information, gradient);
     }
   }
   Vector6 prior;

@@ -192,10 +192,11 @@ struct CloudTracker::State {
     result.tracks = tracks.tracks();
   }
 
-  /// What does not move becomes a part of the map for the localization.
+  /// What does not move becomes a part of the map for the localization. `points`: of the sweep, in
+  /// the map.
   void extendSurfaces(const std::vector<Eigen::Vector3f>& points, const Voxels& voxels,
-                      const std::vector<CellMotion>& motion,
-                      const std::vector<MovingVoxel>& moving) {
+                      const std::vector<CellMotion>& motion, const std::vector<MovingVoxel>& moving,
+                      const Ground& ground) {
     std::vector<bool> stands;
     for (const CellMotion of_voxel : motion) stands.push_back(of_voxel == CellMotion::kStatic);
     for (const MovingVoxel& voxel : moving) stands[voxel.number] = false;
@@ -205,7 +206,7 @@ struct CloudTracker::State {
       if (v != VoxelTable::kNone) is_static[i] = stands[v];
     }
     const Voxels cells = voxelize(points, is_static, config.surface_resolution_m);
-    surfaces.add(cells, std::vector<bool>(cells.index.size(), true));
+    surfaces.add(cells, groundNormals(ground, cells, result.pose));
   }
 
   void forgetFar() {
@@ -224,7 +225,7 @@ struct CloudTracker::State {
     const Ground ground = findGround(usable.points, config.ground);
     result.used = true;
     result.saturated = usable.thinned;
-    const SweepPlace place = findSweep(usable.points, surfaces, config,
+    const SweepPlace place = findSweep(usable.points, ground, surfaces, config,
                                        predicted.value_or(mapped_pose * changeOf(rate, seconds)),
                                        searchRadius(seconds, is_motion_known));
     result.localized = place.found;
@@ -262,7 +263,7 @@ struct CloudTracker::State {
     const LidarView view(usable.points, result.pose);
     const std::vector<MovingVoxel> moving = movingVoxels(voxels, inserted, points);
     follow(seconds, moving, view);
-    extendSurfaces(points, voxels, inserted.motion, moving);
+    extendSurfaces(points, voxels, inserted.motion, moving, ground);
     forgetFar();
   }
 

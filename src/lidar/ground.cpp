@@ -2,14 +2,12 @@
 #include "kestrel_slam/lidar/ground.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/geometry/random.h"
-#include "kestrel_slam/lidar/voxels.h"
 
 namespace kestrel {
 namespace {
@@ -121,6 +119,24 @@ Ground findGround(const Points3& points, const GroundConfig& config) {
         plane && std::abs(plane->heightOf(points[i])) < static_cast<float>(config.height_m);
   }
   return ground;
+}
+
+std::vector<Eigen::Vector3f> groundNormals(const Ground& ground, const Voxels& voxels,
+                                           const Eigen::Isometry3d& frame_T_lidar) {
+  std::vector<bool> is_ground(voxels.sums.size(), true);
+  for (std::size_t i = 0; i < ground.is_ground.size(); ++i) {
+    const std::uint32_t v = voxels.voxel_of[i];
+    if (v != VoxelTable::kNone && !ground.is_ground[i]) is_ground[v] = false;
+  }
+  const Eigen::Isometry3d to_lidar = frame_T_lidar.inverse();
+  const Eigen::Matrix3f rotation = frame_T_lidar.linear().cast<float>();
+  std::vector<Eigen::Vector3f> normals(voxels.sums.size(), Eigen::Vector3f::Zero());
+  for (std::size_t v = 0; v < normals.size(); ++v) {
+    if (!is_ground[v]) continue;
+    const auto& plane = ground.planeAt((to_lidar * voxels.sums[v].mean).cast<float>());
+    if (plane) normals[v] = rotation * plane->normal;
+  }
+  return normals;
 }
 
 }  // namespace kestrel

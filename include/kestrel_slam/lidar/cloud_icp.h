@@ -64,9 +64,13 @@ class CloudIcp {
   using Pairs = std::vector<Pair>;
   using Vector6 = Eigen::Matrix<double, 6, 1>;
 
+  std::vector<Eigen::Vector3d> balanced(const std::vector<Eigen::Vector3d>& points,
+                                        const Eigen::Isometry3d& guess) const;
   void refine(const std::vector<Eigen::Vector3d>& points, CloudIcpResult& result) const;
   Pairs pairsOf(const std::vector<Eigen::Vector3d>& points, const Eigen::Isometry3d& pose) const;
   void judge(const Pairs& pairs, CloudIcpResult& result) const;
+  void weigh(Pairs& pairs, double scale) const;
+  double kernelOf(int iteration) const;
   double closenessOf(const Pairs& pairs) const;
   Vector6 step(const Pairs& pairs, const Vector6& from_guess, const Eigen::Vector3d& center) const;
 

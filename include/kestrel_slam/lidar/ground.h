@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <optional>
 #include <vector>
+
+#include "kestrel_slam/lidar/voxels.h"
 
 namespace kestrel {
 
@@ -38,5 +40,10 @@ struct Ground {
 /// Deterministic. Points must be finite.
 Ground findGround(const std::vector<Eigen::Vector3f>& points,
                   const GroundConfig& config = GroundConfig());
+
+/// For each voxel of the points that has nothing but ground: the normal of the ground, in the frame
+/// of the voxels. Zero for others. A ring on the ground is a line, and does not show its slope.
+std::vector<Eigen::Vector3f> groundNormals(const Ground& ground, const Voxels& voxels,
+                                           const Eigen::Isometry3d& frame_T_lidar);
 
 }  // namespace kestrel

@@ -13,6 +13,7 @@ namespace kestrel {
 struct SurfaceCell {
   Eigen::Vector3f mean;    ///< centroid of all its points
   Eigen::Vector3f normal;  ///< zero if the points do not form a plane
+  float thickness = 0.0F;  ///< of the plane: standard deviation of its points, m
 };
 
 /// Static map for localization: a hashed voxel grid that keeps the centroid and the spread of the
@@ -22,11 +23,14 @@ class SurfaceMap {
  public:
   explicit SurfaceMap(double resolution = 0.5) : resolution_(resolution) {}
 
-  /// Adds the points of voxels of this resolution. `use`: which voxels.
-  void add(const Voxels& voxels, const std::vector<bool>& use);
+  /// Adds the points of voxels of this resolution. `ground`: for each voxel the normal of the
+  /// ground that it belongs to, or zero; empty: no ground.
+  void add(const Voxels& voxels, const std::vector<Eigen::Vector3f>& ground = {});
   /// Removes the cells that are farther than `radius` from the position, m.
   void forgetFar(const Eigen::Vector3d& position, double radius);
 
+  /// True if the cell of the point or one of its neighbors has points.
+  bool isNear(const Eigen::Vector3f& point) const;
   const std::vector<SurfaceCell>& cells() const { return surfaces_; }
   double resolution() const { return resolution_; }
   std::size_t memoryBytes() const;
@@ -38,7 +42,9 @@ class SurfaceMap {
     double count_of_normal = 0.0;  ///< number of points from which the normal was computed
   };
 
-  void update(std::size_t number);
+  void update(std::size_t number, const Eigen::Vector3f& ground);
+  std::vector<std::uint32_t> around(const GridIndex<3>& index) const;
+  PointSums aroundOf(const Cell& cell) const;
 
   double resolution_;
   VoxelTable table_;
