@@ -18,6 +18,7 @@ constexpr std::size_t kBoxPoints = 150;  ///< of an object, to which the box is 
 constexpr double kVehicleSide = 1.3;     ///< m; nothing but a vehicle has a side as long as this
 constexpr double kLongestBicycle = 2.5;
 constexpr double kPersonDepth = 0.3;  ///< m
+constexpr int kSamples = 5;           ///< along each side of a box
 // The least size of a vehicle, m: of a longer one more was seen, or will be seen.
 constexpr double kVehicleLength = 4.2, kVehicleWidth = 1.7;
 
@@ -32,8 +33,14 @@ struct Extent {
     low = std::min(low, value);
     high = std::max(high, value);
   }
+  bool contains(double value) const { return low <= value && value <= high; }
   double size() const { return high - low; }
   double middle() const { return 0.5 * (low + high); }
+  double at(double share) const { return low + share * size(); }
+  Extent widenedTo(double length) const {
+    const double missing = 0.5 * std::max(0.0, length - size());
+    return {low - missing, high + missing};
+  }
   /// Makes it at least this long: the side that faces the lidar is seen, the other is not.
   void extendTo(double length, double lidar) {
     const double missing = length - size();
@@ -60,15 +67,41 @@ Plane planeOf(const std::vector<MovingVoxel>& voxels, const std::vector<std::siz
   return plane;
 }
 
-/// Sets box and extents: a box along `yaw` that is completed behind the visible sides.
-void setBox(const Plane& plane, double yaw, const KnownShape& known, bool yaw_is_known,
-            const Eigen::Vector3d& lidar, CloudObject& object) {
+/// A box seen from above.
+struct Area {
+  Extent along, across;
+};
+
+/// True if beams pass through most of the part of an area where nothing was seen, at this height:
+/// it is not hidden behind the visible part, so nothing is there.
+bool isPassed(const Area& area, const Area& seen, const Eigen::Vector2d& u, double z,
+              const LidarView& view) {
+  const Eigen::Vector2d v(-u.y(), u.x());
+  int passed = 0, hidden = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    for (int j = 0; j < kSamples; ++j) {
+      const double x = area.along.at((i + 0.5) / kSamples);
+      const double y = area.across.at((j + 0.5) / kSamples);
+      if (seen.along.contains(x) && seen.across.contains(y)) continue;
+      const Eigen::Vector2d place = x * u + y * v;
+      (view.isPassed({place.x(), place.y(), z}) ? passed : hidden) += 1;
+    }
+  }
+  return passed > hidden;
+}
+
+/// Sets box and extents: a box along `yaw` that is completed behind the visible sides. False if
+/// beams refute the shape that is known.
+bool setBox(const Plane& plane, double yaw, const KnownShape& known, bool yaw_is_known,
+            const LidarView& view, CloudObject& object) {
+  const Eigen::Vector3d& lidar = view.lidar();
   const Eigen::Vector2d u(std::cos(yaw), std::sin(yaw)), v(-u.y(), u.x());
   Extent along, across;
   for (const Eigen::Vector2d& point : plane) {
     along.add(u.dot(point));
     across.add(v.dot(point));
   }
+  const Area seen{along, across};
   object.length = along.size();
   object.width = across.size();
   const double length = std::max(object.length, known.length);
@@ -85,10 +118,13 @@ void setBox(const Plane& plane, double yaw, const KnownShape& known, bool yaw_is
   object.box.center = along.middle() * u + across.middle() * v;
   object.box.size = {along.size(), across.size()};
   object.box.yaw = normalizeAngle(yaw);
+  const bool has_shape = known.length > 0.0 || known.width > 0.0;
+  const Area claimed{along.widenedTo(known.length), across.widenedTo(known.width)};
+  return !has_shape || !isPassed(claimed, seen, u, 0.5 * (object.bottom + object.top), view);
 }
 
 CloudObject objectOf(const std::vector<MovingVoxel>& voxels, std::vector<std::size_t> own,
-                     const Eigen::Vector3d& lidar, const CloudTrackerConfig& config,
+                     const LidarView& view, const CloudTrackerConfig& config,
                      const std::optional<KnownShape>& known) {
   CloudObject object;
   Extent height;
@@ -101,8 +137,10 @@ CloudObject objectOf(const std::vector<MovingVoxel>& voxels, std::vector<std::si
   object.top = height.high;
   const Plane plane = planeOf(voxels, own);
   const bool yaw_is_known = known && known->yaw;
-  setBox(plane, yaw_is_known ? *known->yaw : fitBox(plane).yaw, known.value_or(KnownShape()),
-         yaw_is_known, lidar, object);
+  const double yaw = yaw_is_known ? *known->yaw : fitBox(plane).yaw;
+  object.refutes_shape =
+      !setBox(plane, yaw, known.value_or(KnownShape()), yaw_is_known, view, object);
+  if (object.refutes_shape) setBox(plane, yaw, KnownShape(), yaw_is_known, view, object);
   object.observation.value << object.box.center, height.middle();
   const double sigma =
       config.position_sigma + config.position_sigma_per_m * object.box.size.maxCoeff();
@@ -185,9 +223,9 @@ bool isObject(const std::vector<std::size_t>& own, const std::vector<MovingVoxel
 /// Forms objects, and joins those that cover each other.
 class ObjectBuilder {
  public:
-  ObjectBuilder(const std::vector<MovingVoxel>& voxels, const Plane& centers,
-                const Eigen::Vector3d& lidar, const CloudTrackerConfig& config, const Known& known)
-      : voxels_(voxels), centers_(centers), lidar_(lidar), config_(config), known_(known) {}
+  ObjectBuilder(const std::vector<MovingVoxel>& voxels, const Plane& centers, const LidarView& view,
+                const CloudTrackerConfig& config, const Known& known)
+      : voxels_(voxels), centers_(centers), view_(view), config_(config), known_(known) {}
 
   void add(std::vector<std::size_t> own) {
     CloudObject object = build(std::move(own));
@@ -208,7 +246,8 @@ class ObjectBuilder {
   std::vector<CloudObject> finish() {
     objects_.erase(std::remove_if(objects_.begin(), objects_.end(),
                                   [this](const CloudObject& object) {
-                                    return !isObject(object.voxels, voxels_, lidar_, config_);
+                                    return !isObject(object.voxels, voxels_, view_.lidar(),
+                                                     config_);
                                   }),
                    objects_.end());
     return std::move(objects_);
@@ -217,12 +256,12 @@ class ObjectBuilder {
  private:
   CloudObject build(std::vector<std::size_t> own) const {
     const auto shape = known_(middleOf(own, centers_));
-    return objectOf(voxels_, std::move(own), lidar_, config_, shape);
+    return objectOf(voxels_, std::move(own), view_, config_, shape);
   }
 
   const std::vector<MovingVoxel>& voxels_;
   const Plane& centers_;
-  const Eigen::Vector3d& lidar_;
+  const LidarView& view_;
   const CloudTrackerConfig& config_;
   const Known& known_;
   std::vector<CloudObject> objects_;
@@ -233,13 +272,13 @@ class ObjectBuilder {
 /// In the plane, because on the ground nothing moves above something else, and because the gaps
 /// between the rings of a lidar are much wider than those along a ring.
 std::vector<CloudObject> findCloudObjects(const std::vector<MovingVoxel>& voxels,
-                                          const Eigen::Vector3d& lidar,
-                                          const CloudTrackerConfig& config, const Known& known) {
+                                          const LidarView& view, const CloudTrackerConfig& config,
+                                          const Known& known) {
   Plane centers;
   for (const MovingVoxel& voxel : voxels) centers.emplace_back(voxel.centroid.head<2>());
   const auto clusters =
       joinConnected<2>(centers, meanShift<2>(centers, config.bandwidth_m), config.join_gap_m);
-  ObjectBuilder builder(voxels, centers, lidar, config, known);
+  ObjectBuilder builder(voxels, centers, view, config, known);
   for (const PointCluster<2>& cluster : clusters) {
     for (std::vector<std::size_t>& own : divided(cluster.points, centers, known)) {
       if (!own.empty()) builder.add(std::move(own));

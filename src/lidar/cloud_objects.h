@@ -10,6 +10,7 @@
 #include "kestrel_slam/lidar/cloud_tracker_config.h"
 #include "kestrel_slam/tracking/object_box.h"
 #include "kestrel_slam/tracking/phd_filter.h"
+#include "lidar_view.h"
 
 namespace kestrel {
 
@@ -28,6 +29,7 @@ struct CloudObject {
   OrientedBox box;                   ///< of the whole object, seen from above
   double length = 0.0, width = 0.0;  ///< visible extents along and across the box, m
   double bottom = 0.0, top = 0.0;    ///< of the visible points, m
+  bool refutes_shape = false;        ///< it is smaller than what is known of its track
   std::vector<std::size_t> voxels;   ///< indices of MovingVoxel
 };
 
@@ -43,8 +45,7 @@ struct KnownShape {
 /// Clusters of the moving voxels, with boxes. `known`: the track at a place, if there is one. A
 /// cluster in which several tracks lie is divided between them.
 std::vector<CloudObject> findCloudObjects(
-    const std::vector<MovingVoxel>& voxels, const Eigen::Vector3d& lidar,
-    const CloudTrackerConfig& config,
+    const std::vector<MovingVoxel>& voxels, const LidarView& view, const CloudTrackerConfig& config,
     const std::function<std::optional<KnownShape>(const Eigen::Vector2d&)>& known);
 
 }  // namespace kestrel

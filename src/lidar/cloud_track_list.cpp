@@ -17,6 +17,7 @@ constexpr double kStill = 2.0;
 constexpr double kBoxMargin = 0.3;  ///< m; how far points may lie outside of the predicted box
 /// A place is left if it gave no return for this time, s.
 constexpr double kLeftTime = 0.15;
+constexpr double kGap = 0.25;         ///< s; what is found again after this may be something else
 constexpr double kInside = 0.15;      ///< s; a prediction may be inside of another object by chance
 constexpr double kHiddenShare = 0.3;  ///< an object is hidden if less of it is visible
 constexpr double kKnownSpeed = 1.5;   ///< m/s; from here on, an object points where it goes
@@ -119,6 +120,7 @@ void CloudTrackList::startAt(Entry& entry, const CloudObject& object,
 void CloudTrackList::see(Entry& entry, const LabeledTarget<7>& target, const CloudObject& object,
                          const std::vector<MovingVoxel>& voxels, const MotionGrid<3>& grid) const {
   Track& track = entry.track.plane;
+  const bool is_found_again = track.unseen_s > kGap;
   setState(target.mean, target.covariance, entry.track);
   track.standing = target.modes.size() > 1 ? target.modes[1] : 0.0;
   track.unseen_s = entry.hidden_s = 0.0;
@@ -136,7 +138,10 @@ void CloudTrackList::see(Entry& entry, const LabeledTarget<7>& target, const Clo
     entry.place_time = grid.time();
   }
   const bool is_still = grid.time() - entry.place_time >= kStill;
-  if (track.moved && is_still && (track.position - entry.moved_at).norm() < kProvenWay) {
+  const bool is_surface =
+      track.moved && is_still && (track.position - entry.moved_at).norm() < kProvenWay;
+  const bool is_other = is_found_again && !(track.moved && isWhereItWasFree(object, voxels));
+  if (is_surface || is_other) {
     track.moved = false;
     startAt(entry, object, voxels, grid);
   }
@@ -148,6 +153,7 @@ void CloudTrackList::see(Entry& entry, const LabeledTarget<7>& target, const Clo
 
 /// The extents along and across the motion; while its direction is not known, only the size.
 void CloudTrackList::learnShape(Entry& entry, const CloudObject& object) const {
+  if (object.refutes_shape) entry.length = entry.width = 0.0;
   const bool has_direction = entry.track.plane.velocity.norm() > kKnownSpeed;
   if (has_direction) {
     entry.length = std::max(kFade * entry.length, std::min(object.length, kLongest));
@@ -155,6 +161,14 @@ void CloudTrackList::learnShape(Entry& entry, const CloudObject& object) const {
   }
   entry.track.plane.size = sizeClassOf(
       std::max({entry.length, entry.width, std::min(object.length, kLongest), object.width}));
+}
+
+/// Most of the places where it is now were known as free. So it is not what came into view there.
+bool CloudTrackList::isWhereItWasFree(const CloudObject& object,
+                                      const std::vector<MovingVoxel>& voxels) {
+  const auto was_free = std::count_if(object.voxels.begin(), object.voxels.end(),
+                                      [&](std::size_t v) { return voxels[v].was_free; });
+  return 2 * static_cast<std::size_t>(was_free) > object.voxels.size();
 }
 
 /// It is elsewhere, a part of the place where it was first seen gives no returns any more, and the

@@ -72,6 +72,7 @@ class CloudTrackList {
   void see(Entry& entry, const LabeledTarget<7>& target, const CloudObject& object,
            const std::vector<MovingVoxel>& voxels, const MotionGrid<3>& grid) const;
   void learnShape(Entry& entry, const CloudObject& object) const;
+  static bool isWhereItWasFree(const CloudObject& object, const std::vector<MovingVoxel>& voxels);
   bool hasMoved(const Entry& entry, const CloudObject& object,
                 const std::vector<MovingVoxel>& voxels, const MotionGrid<3>& grid) const;
   void miss(Entry& entry, const PhdFilter<7, 3>& filter, const LidarView& view) const;

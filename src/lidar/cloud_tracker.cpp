@@ -177,7 +177,7 @@ struct CloudTracker::State {
 
   void follow(double seconds, const std::vector<MovingVoxel>& moving, const LidarView& view) {
     const std::vector<PhdComponent<7>> new_targets = births();
-    objects = findCloudObjects(moving, view.lidar(), config,
+    objects = findCloudObjects(moving, view, config,
                                [this](const Eigen::Vector2d& at) { return tracks.shapeAt(at); });
     limitObjects(view);
     std::vector<Observation<3>> observations;

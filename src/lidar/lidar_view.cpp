@@ -10,6 +10,7 @@
 namespace kestrel {
 namespace {
 
+constexpr float kBehind = 0.5F;      ///< m; a beam that ends nearer may end there
 constexpr int kAcross = 5, kUp = 3;  ///< places of an object that are looked at
 
 /// In turns, from 0 to 1. A polynomial with an error of 1e-3 rad: 115 000 points in 1 ms.
@@ -52,15 +53,26 @@ LidarView::LidarView(const std::vector<Eigen::Vector3f>& points,
   }
 }
 
-bool LidarView::isVisible(const Eigen::Vector3f& in_lidar, float margin) const {
+/// The farthest return in the direction of a place; negative: none, nothing: it is out of view.
+std::optional<float> LidarView::reachTo(const Eigen::Vector3f& in_lidar) const {
   const auto column =
       static_cast<std::size_t>(turnOf(in_lidar.y(), in_lidar.x()) * kColumns) % kColumns;
-  if (!has_column_[column]) return false;
+  if (!has_column_[column]) return std::nullopt;
   const float tangent = in_lidar.z() / std::max(in_lidar.head<2>().norm(), 0.1F);
   const float row = (tangent - lowest_) / step_;
-  if (row < 0.0F || row >= static_cast<float>(kRows)) return false;
-  const float reach = reach_[static_cast<std::size_t>(row) * kColumns + column];
-  return reach < 0.0F || reach >= in_lidar.norm() - margin;
+  if (row < 0.0F || row >= static_cast<float>(kRows)) return std::nullopt;
+  return reach_[static_cast<std::size_t>(row) * kColumns + column];
+}
+
+bool LidarView::isVisible(const Eigen::Vector3f& in_lidar, float margin) const {
+  const std::optional<float> reach = reachTo(in_lidar);
+  return reach && (*reach < 0.0F || *reach >= in_lidar.norm() - margin);
+}
+
+bool LidarView::isPassed(const Eigen::Vector3d& place) const {
+  const Eigen::Vector3f in_lidar = to_lidar_ * place.cast<float>();
+  const std::optional<float> reach = reachTo(in_lidar);
+  return reach && *reach >= in_lidar.norm() + kBehind;
 }
 
 double LidarView::visibleShare(const Eigen::Vector3d& center, double width, double height) const {

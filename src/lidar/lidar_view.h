@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <vector>
 
 namespace kestrel {
@@ -16,12 +17,15 @@ class LidarView {
   /// outside of the field of view and behind something, 1 if nothing is in between. A direction
   /// without returns hides nothing.
   double visibleShare(const Eigen::Vector3d& center, double width, double height) const;
+  /// True if a beam goes through the place (in the map) and ends behind it.
+  bool isPassed(const Eigen::Vector3d& place) const;
   const Eigen::Vector3d& lidar() const { return lidar_; }
   double rangeOf(const Eigen::Vector3d& point) const { return (point - lidar_).norm(); }
 
  private:
   static constexpr int kColumns = 720, kRows = 48;
 
+  std::optional<float> reachTo(const Eigen::Vector3f& in_lidar) const;
   bool isVisible(const Eigen::Vector3f& in_lidar, float margin) const;
 
   Eigen::Isometry3f to_lidar_;
