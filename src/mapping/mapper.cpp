@@ -34,6 +34,7 @@ constexpr std::size_t kRememberedPoses = 300;
 
 MotionCheck::Entry positionOf(const MatchResult& match, const PlanarScan& scan) {
   MotionCheck::Entry result{scan.time, match.pose.translation()};
+  result.covariance = match.covariance.topLeftCorner<2, 2>();
   if (isWeak(match, PredictionSource::kVelocity)) result.weak = match.degenerate_direction;
   return result;
 }
@@ -289,6 +290,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   s.laser_odometry.update(scan, result, s.motion.pose());
   result.pose = s.motion.pose();
   result.velocity = Eigen::Rotation2Dd(-result.pose.yaw) * s.motion.velocity();
+  result.yaw_rate = s.motion.yawRate();
   result.uncertain = s.uncertainty.last();
   result.covariance = result.uncertain.covariance();
   result.motion_covariance = s.uncertainty.motion();

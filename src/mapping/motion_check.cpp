@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/mapping/motion_check.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "kestrel_slam/geometry/square.h"
 
 namespace kestrel {
 namespace {
 
 /// The velocity is that of the last positions over this time, s, and at least of two.
 constexpr double kVelocitySpan = 0.1;
-/// Largest acceleration of a vehicle, and the noise of a match.
+/// Largest acceleration of a vehicle, and the least noise of matches.
 constexpr double kMostAcceleration = 9.81;  // m/s²
 constexpr double kNoiseM = 0.02;
+constexpr double kSigmas = 3.0;
 
 }  // namespace
 
@@ -26,7 +30,12 @@ bool MotionCheck::isImpossible(const Entry& found) const {
   // A driver may deliver two scans at once. Then the stamps are wrong by this time.
   const double interval = known_s / static_cast<double>(last_.size() - 1);
   const double moved_meanwhile = velocity.norm() * std::abs(seconds - interval);
-  return missed.norm() > accelerated + moved_meanwhile + kNoiseM;
+  const double share = seconds / known_s;
+  const Eigen::Matrix2d covariance = found.covariance + square(1.0 + share) * newest.covariance +
+                                     square(share) * oldest.covariance;
+  const double variance = missed.normalized().dot(covariance * missed.normalized());
+  const double noise = std::max(kNoiseM, kSigmas * std::sqrt(std::max(0.0, variance)));
+  return missed.norm() > accelerated + moved_meanwhile + noise;
 }
 
 void MotionCheck::add(const Entry& found) {

@@ -16,10 +16,11 @@ class MotionCheck {
     double time;                        ///< s
     Eigen::Vector2d position;           ///< in the map frame, m
     Eigen::Vector2d weak = {0.0, 0.0};  ///< a direction that the match does not show well, or zero
+    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of the match, m²
   };
 
   /// Whether the vehicle cannot be there, because the last positions with an acceleration of 1 g
-  /// do not lead there. Weak directions do not count: a position that is corrected along a
+  /// do not lead there, nor the errors of the matches. Weak directions do not count: a position that is corrected along a
   /// corridor is no motion.
   bool isImpossible(const Entry& found) const;
 
