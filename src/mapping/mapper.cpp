@@ -214,7 +214,8 @@ void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResu
                         result.evaluation < config.evaluation.threshold;
   const bool known_pose =
       result.state != MatchState::kLost && (!result.carried || has_odometry || result.followed);
-  if (!known_pose || !accepted || !(first || movedEnough()) || isRepeated(result)) return;
+  const bool moved = first || map.lacks(scan.source) || movedEnough();
+  if (!known_pose || !accepted || !moved || isRepeated(result)) return;
   // Without an IMU the laser is level and always sees the same slice: a new object is moving or was
   // moved, and is not a new view.
   const bool new_view =
