@@ -11,10 +11,10 @@ namespace {
 
 /// The velocity is that of the last positions over this time, s, and at least of two.
 constexpr double kVelocitySpan = 0.1;
-/// Largest acceleration of a vehicle, and the least noise of matches.
+/// Largest acceleration of a vehicle, and the noise of a match.
 constexpr double kMostAcceleration = 9.81;  // m/s²
 constexpr double kNoiseM = 0.02;
-constexpr double kSigmas = 3.0;
+constexpr double kSigmas = 3.0;  // of the errors of two lasers
 
 }  // namespace
 
@@ -30,12 +30,20 @@ bool MotionCheck::isImpossible(const Entry& found) const {
   // A driver may deliver two scans at once. Then the stamps are wrong by this time.
   const double interval = known_s / static_cast<double>(last_.size() - 1);
   const double moved_meanwhile = velocity.norm() * std::abs(seconds - interval);
-  const double share = seconds / known_s;
+  return missed.norm() > accelerated + moved_meanwhile + noiseOf(found, missed);
+}
+
+/// How far the errors of the matches may move a position along `missed`, m.
+double MotionCheck::noiseOf(const Entry& found, const Eigen::Vector2d& missed) const {
+  const Entry &oldest = last_.front(), &newest = last_.back();
+  const bool one_laser = std::all_of(last_.begin(), last_.end(),
+                                     [&](const Entry& e) { return e.laser == found.laser; });
+  if (one_laser) return kNoiseM;
+  const double share = (found.time - newest.time) / (newest.time - oldest.time);
   const Eigen::Matrix2d covariance = found.covariance + square(1.0 + share) * newest.covariance +
                                      square(share) * oldest.covariance;
-  const double variance = missed.normalized().dot(covariance * missed.normalized());
-  const double noise = std::max(kNoiseM, kSigmas * std::sqrt(std::max(0.0, variance)));
-  return missed.norm() > accelerated + moved_meanwhile + noise;
+  const Eigen::Vector2d along = missed.normalized();
+  return std::max(kNoiseM, kSigmas * std::sqrt(std::max(0.0, along.dot(covariance * along))));
 }
 
 void MotionCheck::add(const Entry& found) {
