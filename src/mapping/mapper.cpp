@@ -142,7 +142,7 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
     result.match.ambiguous = true;
     result.state = MatchState::kLost;
   }
-  if (result.state == MatchState::kLost) matchElsewhere(request, result);
+  matchElsewhere(request, result);
   settle(motion.isOutOfReach(scan, odom_T_base), result);
   const bool lost = result.state == MatchState::kLost;
   if (lost) {

@@ -33,7 +33,6 @@ std::optional<MatchResult> matchAfterSlip(const Submap& map, const MatchRequest&
   const bool unique =
       place.complete && !match.degenerate && place.score >= second + kClearlyBetter;
   const bool reachable = last.between(match.pose).distance() <= reach;
-  if (getenv("DIAG")) fprintf(stderr, "slip reach %.2f turn %.2f complete %d score %.2f known %.2f place %.2f second %.2f deg %d at %.2f (%.2f %.2f)\n", reach, turn, place.complete, match.score, match.known, place.score, place.second_score, match.degenerate, last.between(match.pose).distance(), last.between(match.pose).x, prior.sigma_m);
   return fits && unique && reachable ? std::optional(match) : std::nullopt;
 }
 

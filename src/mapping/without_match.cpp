@@ -6,9 +6,12 @@
 
 namespace kestrel {
 
-/// The odometry may be wrong. The scan fits in one way only, and that is searched for more widely
-/// than for an ordinary match: so the state is ok.
+/// The odometry may be wrong if the scan does not fit, or hardly, near it. What is found elsewhere
+/// fits in one way only, and that was searched for more widely than for an ordinary match: so the
+/// state is ok.
 void Mapper::State::matchElsewhere(const MatchRequest& request, MapperResult& result) {
+  constexpr double kHardlyFits = 0.5;
+  if (result.state != MatchState::kLost && result.match.score >= kHardlyFits) return;
   const std::optional<MatchResult> found =
       matchAfterSlip(map.current(), request, motion.pose(), result.match, config.matcher);
   if (!found) return;
