@@ -14,7 +14,7 @@ constexpr double kVelocitySpan = 0.1;
 /// Largest acceleration of a vehicle, and the noise of a match.
 constexpr double kMostAcceleration = 9.81;  // m/s²
 constexpr double kNoiseM = 0.02;
-constexpr double kSigmas = 3.0;  // of the errors of two lasers
+constexpr double kMatchSigmas = 3.0;  // of the errors of two lasers
 
 }  // namespace
 
@@ -43,7 +43,7 @@ double MotionCheck::noiseOf(const Entry& found, const Eigen::Vector2d& missed) c
   const Eigen::Matrix2d covariance = found.covariance + square(1.0 + share) * newest.covariance +
                                      square(share) * oldest.covariance;
   const Eigen::Vector2d along = missed.normalized();
-  return std::max(kNoiseM, kSigmas * std::sqrt(std::max(0.0, along.dot(covariance * along))));
+  return std::max(kNoiseM, kMatchSigmas * std::sqrt(std::max(0.0, along.dot(covariance * along))));
 }
 
 void MotionCheck::add(const Entry& found) {

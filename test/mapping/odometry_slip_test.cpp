@@ -13,8 +13,8 @@ namespace kestrel {
 namespace {
 
 /// A hall with oblique walls and three pillars.
-const std::vector<room::Segment> kHall = {{-7, -5, 1, -9}, {1, -9, 9, -2},     {9, -2, 6, 7},
-                                          {6, 7, -5, 8},   {-5, 8, -7, -5},    {-4, -4, -3, -3.5},
+const std::vector<room::Segment> kHall = {{-7, -5, 1, -9},  {1, -9, 9, -2},  {9, -2, 6, 7},
+                                          {6, 7, -5, 8},    {-5, 8, -7, -5}, {-4, -4, -3, -3.5},
                                           {3, -5, 3.5, -4}, {-3, 4, -2, 5}};
 const Pose2 kLast(0.5, 0.3, 0.2), kBack(-1.0, 0.0, 0.05), kForward(1.0, 0.0, 0.05);
 

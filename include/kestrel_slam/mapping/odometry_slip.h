@@ -11,8 +11,9 @@ namespace kestrel {
 
 /// Where a scan fits that contradicts the odometry. The wheels may have slipped, or the odometry
 /// does not know the direction: then the vehicle is anywhere within the distance that the odometry
-/// measured. `last`: map_T_base of the scan before. `refused`: the match near the odometry, which is
-/// not good enough. Nothing without an odometry, and if the scan does not fit well in one way only.
+/// measured. `last`: map_T_base of the scan before. `refused`: the match near the odometry, which
+/// is not good enough. Nothing without an odometry, and if the scan does not fit well in one way
+/// only.
 std::optional<MatchResult> matchAfterSlip(const Submap& map, const MatchRequest& request,
                                           const Pose2& last, const MatchResult& refused,
                                           const MatcherConfig& config);
