@@ -28,6 +28,7 @@ void LocalMap::insert(const PlanarScan& scan, const Pose2& local_T_base, bool ne
   if (next_) next_->insert(scan, local_T_base, new_view, number);
   length_ += weightOf(scan, local_T_base, degenerate);
   last_ = local_T_base;
+  sources_.insert(scan.source);
 }
 
 /// Length of the submap that a scan adds, in scans that are near each other.

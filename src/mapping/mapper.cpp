@@ -34,6 +34,8 @@ constexpr std::size_t kRememberedPoses = 300;
 
 MotionCheck::Entry positionOf(const MatchResult& match, const PlanarScan& scan) {
   MotionCheck::Entry result{scan.time, match.pose.translation()};
+  result.covariance = match.covariance.topLeftCorner<2, 2>();
+  result.laser = scan.source;
   if (isWeak(match, PredictionSource::kVelocity)) result.weak = match.degenerate_direction;
   return result;
 }
@@ -140,6 +142,7 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
     result.match.ambiguous = true;
     result.state = MatchState::kLost;
   }
+  matchElsewhere(request, result);
   settle(motion.isOutOfReach(scan, odom_T_base), result);
   const bool lost = result.state == MatchState::kLost;
   if (lost) {
@@ -164,46 +167,6 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   }
 }
 
-/// Whether the prediction is good enough to go on without a match: by odometry always, otherwise as
-/// long as the near search around the prediction finds the vehicle again.
-bool Mapper::State::isCarried(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
-                              const PredictionError& error) const {
-  return !motion.isPlaced() &&
-         (motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry ||
-          !motion.isWide(error));
-}
-
-/// The scan shows nothing to match: the motion goes on as predicted.
-void Mapper::State::carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
-                          const PredictionError& error, MapperResult& result) {
-  const bool lost = !isCarried(scan, odom_T_base, error);
-  motion.carry(scan, odom_T_base);
-  motion.learnOdometry(motion.pose(), odom_T_base, false);
-  uncertainty.carry(motion.pose(), error);
-  result.match.pose = motion.pose();
-  result.carried = true;
-  result.state = lost ? MatchState::kLost : MatchState::kDegraded;
-}
-
-/// The scan fits nowhere near the prediction, for example because most of it is in new space: the
-/// motion goes on as predicted. What of the scan is in known space decides on the insertion.
-void Mapper::State::carryUnmatched(const Points& points, const PlanarScan& scan,
-                                   const std::optional<Pose2>& odom_T_base,
-                                   const PredictionError& error, MapperResult& result) {
-  carry(scan, odom_T_base, error, result);
-  fillFit(points, result);
-}
-
-/// The fit to the map at a pose that was not found in it.
-void Mapper::State::fillFit(const Points& points, MapperResult& result) const {
-  result.match.pose = motion.pose();
-  const Fit fit = fitOf(map.current(), points, motion.pose(), config.matcher.score_scale_m);
-  result.match.score = fit.score;
-  result.match.known = fit.known;
-  for (StageEstimate& stage : result.match.stages) stage = {motion.pose(), fit.score};
-  result.evaluation = evaluationFunction(result.match, config.evaluation);
-}
-
 /// Only a scan that fits well enough is inserted [MAV SLAM 2013, eq. 4-5].
 void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResult& result) {
   if (map.isFixed()) return;
@@ -213,7 +176,8 @@ void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResu
                         result.evaluation < config.evaluation.threshold;
   const bool known_pose =
       result.state != MatchState::kLost && (!result.carried || has_odometry || result.followed);
-  if (!known_pose || !accepted || !(first || movedEnough()) || isRepeated(result)) return;
+  const bool moved = first || map.lacks(scan.source) || movedEnough();
+  if (!known_pose || !accepted || !moved || isRepeated(result)) return;
   // Without an IMU the laser is level and always sees the same slice: a new object is moving or was
   // moved, and is not a new view.
   const bool new_view =
@@ -289,6 +253,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   s.laser_odometry.update(scan, result, s.motion.pose());
   result.pose = s.motion.pose();
   result.velocity = Eigen::Rotation2Dd(-result.pose.yaw) * s.motion.velocity();
+  result.yaw_rate = s.motion.yawRate();
   result.uncertain = s.uncertainty.last();
   result.covariance = result.uncertain.covariance();
   result.motion_covariance = s.uncertainty.motion();

@@ -60,6 +60,7 @@ struct Mapper::State {
                    PredictionSource source, const AlongError& error, MatchResult& match);
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
+  void matchElsewhere(const MatchRequest& request, MapperResult& result);
   bool isCarried(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                  const PredictionError& error) const;
   void carryUnmatched(const Points& points, const PlanarScan& scan,

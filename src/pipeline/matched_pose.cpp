@@ -19,6 +19,10 @@ Eigen::Vector2d knownVelocity(const MapperResult& result) {
   return result.velocity;
 }
 
+double knownYawRate(const MapperResult& result) {
+  return result.isMatched() ? result.yaw_rate : 0.0;
+}
+
 bool fuse(const MatchedPose& pose, PoseFilter& filter) {
   if (pose.state == MatchState::kLost) return false;
   return filter.addPose({pose.stamp, pose.pose, pose.covariance, pose.unobservable});

@@ -143,7 +143,7 @@ void Pipeline::map(const PipelineScan& scan, bool level) {
   if (graph_) addToGraph(projection.scan, result);
   begin(PipelineStage::kFilter);
   const MatchedPose pose = matchedPoseOf(result, stamp);
-  projection_.addVelocity(stamp, knownVelocity(result));
+  projection_.addVelocity(stamp, knownVelocity(result), knownYawRate(result));
   if (config_.use_filter) poses_.push_back({now_ + config_.coupling.match_s, pose});
   if (on_scan) on_scan({scan, projected, projection.scan, result, mapping_.moving()});
 }

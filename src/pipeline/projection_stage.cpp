@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kMaxVelocityAge = 0.3;  // s; older velocities are not used
 constexpr double kMaxVelocity = 100.0;   // m/s; larger ones are garbage
+constexpr double kMaxYawRate = 12.0;     // rad/s; likewise
 constexpr double kOtherClock = 1.0;      // s; larger differences: the stamps come from two clocks
 
 HeightConfig heightConfigOf(const ProjectorConfig& projector) {
@@ -78,7 +79,9 @@ bool ProjectionStage::addImu(const CheckedImu& reading) { return tracker_.add(re
 bool ProjectionStage::addMotion(const FilteredMotion& motion) {
   if (motion.height_m) heights_.addFiltered({motion.stamp, *motion.height_m});
   if (!motions_.add(motion)) return false;
-  if (motion.gives_prediction) addVelocity(motion.stamp, motion.velocity);
+  if (motion.gives_prediction) {
+    addVelocity(motion.stamp, motion.velocity, motion.angular_velocity.z());
+  }
   return true;
 }
 
@@ -86,17 +89,22 @@ bool ProjectionStage::addRange(const HeightSample& sample, bool is_upright) {
   return heights_.addRange(sample, is_upright ? nullptr : &tracker_.buffer());
 }
 
-void ProjectionStage::addVelocity(double stamp, const Eigen::Vector2d& velocity) {
+void ProjectionStage::addVelocity(double stamp, const Eigen::Vector2d& velocity, double yaw_rate) {
   const bool is_older = stamp < velocity_stamp_ && velocity_stamp_ - stamp < kMaxVelocityAge;
-  // The comparison is false for NaN.
+  // The comparisons are false for NaN.
   if (is_older || !(velocity.norm() < kMaxVelocity)) return;
   velocity_stamp_ = stamp;
   velocity_ = velocity;
+  yaw_rate_ = std::abs(yaw_rate) < kMaxYawRate ? yaw_rate : 0.0;
 }
 
-Eigen::Vector2d ProjectionStage::velocityAt(double time) const {
-  if (std::abs(time - velocity_stamp_) < kMaxVelocityAge) return velocity_;
-  return Eigen::Vector2d::Zero();
+VehicleState ProjectionStage::vehicleAt(double time, const AttitudeBuffer* attitude) const {
+  VehicleState result{attitude, heights_.height(time)};
+  if (std::abs(time - velocity_stamp_) < kMaxVelocityAge) {
+    result.velocity = velocity_;
+    result.yaw_rate = yaw_rate_;
+  }
+  return result;
 }
 
 SweepDecision ProjectionStage::judge(const SweepTimes& times, double waited_s, double now) const {
@@ -153,7 +161,7 @@ ProjectedSweep ProjectionStage::project(const SweepData& data,
   const AttitudeBuffer* attitude = level             ? nullptr
                                    : result.filtered ? &motions_.attitude()
                                                      : &tracker_.buffer();
-  const VehicleState vehicle{attitude, heights_.height(stamp), velocityAt(stamp)};
+  const VehicleState vehicle = vehicleAt(stamp, attitude);
   Projection& projection = result.projection;
   projection = std::visit(
       [&](const auto& sweep) { return projector_.project(sweep, base_T_laser, vehicle); }, data);

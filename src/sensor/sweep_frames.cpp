@@ -31,7 +31,8 @@ SweepFrames::SweepFrames(const SweepTimes& times, double stamp,
     integrated_acceleration_ = reference.integrated_acceleration;
     attitude_ = reference.stabilized_R_base;
   }
-  const bool moves = vehicle.attitude != nullptr || !vehicle.velocity.isZero();
+  const bool moves =
+      vehicle.attitude != nullptr || !vehicle.velocity.isZero() || vehicle.yaw_rate != 0.0;
   const double duration = times.last - times.first;
   const double intervals =
       moves ? std::clamp(std::ceil(duration / kInterval), 1.0, kMaxIntervals) : 1.0;
@@ -46,7 +47,7 @@ SweepFrames::SweepFrames(const SweepTimes& times, double stamp,
 void SweepFrames::add(double time, double stamp, const Eigen::Isometry3d& base_T_sensor,
                       const VehicleState& vehicle) {
   Attitude attitude;
-  double turned = 0.0;
+  double turned = vehicle.yaw_rate * (time - stamp);
   if (vehicle.attitude != nullptr) {
     vehicle.attitude->lookup(time, attitude);
     turned = attitude.integrated_yaw - *integrated_yaw_;

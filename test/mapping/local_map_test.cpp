@@ -46,6 +46,16 @@ TEST(LocalMap, ASubmapInACorridorIsLonger) {
   EXPECT_EQ(map.submap(), 0U);
 }
 
+TEST(LocalMap, KnowsWhichLasersItLacks) {
+  LocalMap map{OccupancyGridConfig(), SubmapOptions(), WindowConfig()};
+  PlanarScan scan = room::scanFrom(Pose2(), room::corridor());
+  scan.source = "left";
+  EXPECT_TRUE(map.lacks("left"));
+  map.insert(scan, Pose2(), false, false);
+  EXPECT_FALSE(map.lacks("left"));
+  EXPECT_TRUE(map.lacks("right"));
+}
+
 TEST(LocalMap, ScansThatAreFarApartCountMore) {
   LocalMap map{OccupancyGridConfig(), SubmapOptions(), windowOf(60, 20)};
   for (int i = 0; i < 40; ++i) insertAt(1.0 * i, map);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace kestrel {
 namespace {
 
@@ -42,6 +44,20 @@ TEST(MotionCheck, ACorrectionAlongACorridorIsNoMotion) {
 
 TEST(MotionCheck, BetweenScansThatAreFarApartMuchIsPossible) {
   EXPECT_FALSE(movingWith(1.0, 0.2).isImpossible({0.2, {0.5, 0.0}}));
+}
+
+TEST(MotionCheck, TheErrorsOfTwoLasersAreNoMotion) {
+  const Eigen::Matrix2d covariance = Eigen::Vector2d(0.02 * 0.02, 0.003 * 0.003).asDiagonal();
+  const auto check = [&](const std::string& other, const Eigen::Vector2d& position) {
+    MotionCheck two;
+    for (const double time : {-0.08, -0.04, 0.0})
+      two.add({time, {0.0, 0.0}, {0.0, 0.0}, covariance, time == -0.04 ? other : "left"});
+    return two.isImpossible({0.04, position, {0.0, 0.0}, covariance, other});
+  };
+  EXPECT_FALSE(check("right", {0.08, 0.0}));
+  EXPECT_TRUE(check("left", {0.08, 0.0})) << "one laser keeps its error";
+  EXPECT_TRUE(check("right", {0.0, 0.08})) << "the matches are more accurate across";
+  EXPECT_TRUE(check("right", {0.3, 0.0}));
 }
 
 TEST(MotionCheck, TwoScansMayArriveAtOnce) {

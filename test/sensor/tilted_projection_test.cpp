@@ -138,6 +138,20 @@ TEST(TiltedProjection, RotatesEveryBeamWithTheAttitudeAtItsOwnTime) {
             0.01);
 }
 
+TEST(TiltedProjection, WithoutAnAttitudeRotatesEveryBeamWithTheYawRate) {
+  constexpr double kYawRate = 2.0, kTimeIncrement = 0.025 / 1440.0;
+  const PoseAt base = [&](double t) {
+    return poseOf(Vector3d(0.2, -0.3, 1.0), tilt(0.0, 0.0, kYawRate * (t - kScanStamp)));
+  };
+  const LaserScan scan = scanRoom([&](double t) { return base(t) * kMounting; }, kTimeIncrement);
+  ScanProjector projector{ProjectorConfig()};
+  VehicleState vehicle;
+  vehicle.yaw_rate = kYawRate;
+  EXPECT_LT(worstWallDistance(projector.project(scan, kMounting, vehicle).scan, base(kScanStamp)),
+            1e-3);
+  EXPECT_GT(worstWallDistance(projector.project(scan, kMounting).scan, base(kScanStamp)), 0.05);
+}
+
 TEST(TiltedProjection, ReturnsFromTheFloorAreNotHitsButClear) {
   const Isometry3d world_T_base = poseOf(Vector3d(0.0, 0.0, 0.5), tilt(0.0, 0.25));
   const PoseAt base = [&](double) { return world_T_base; };

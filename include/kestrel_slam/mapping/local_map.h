@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "kestrel_slam/map/submap.h"
@@ -50,6 +52,8 @@ class LocalMap {
   void insert(const PlanarScan& scan, const Pose2& local_T_base, bool new_view, bool degenerate);
 
   int scans() const { return scans_; }  ///< inserted so far
+  /// Whether no scan of this laser was inserted. Its view may be missing where the vehicle begins.
+  bool lacks(const std::string& source) const { return sources_.count(source) == 0; }
   std::size_t memoryBytes() const;
 
  private:
@@ -65,6 +69,7 @@ class LocalMap {
   double length_ = 0.0;        ///< of the current submap, in insertions
   std::optional<Pose2> last_;  ///< of the last inserted scan
   int scans_ = 0;
+  std::set<std::string> sources_;  ///< lasers of the inserted scans
   bool fixed_ = false;
 };
 

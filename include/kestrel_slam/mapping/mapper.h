@@ -33,6 +33,7 @@ struct MapperResult {
   Eigen::Matrix3d motion_covariance = Eigen::Matrix3d::Zero();
   UncertainPose uncertain;  ///< the parts of `covariance`, for relativeCovariance
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< in the base frame, smoothed, m/s
+  double yaw_rate = 0.0;                               ///< smoothed, rad/s
   MatchResult match;
   MatchState state = MatchState::kLost;
   const char* reason = "";  ///< of the state, see reasonOf()

@@ -28,8 +28,9 @@ class MotionModel {
   const Pose2& pose() const { return pose_; }
   const Eigen::Vector2d& velocity() const {
     return velocity_;
-  }                                      ///< in the map frame, smoothed, m/s
-  double time() const { return time_; }  ///< of the last scan, s
+  }                                             ///< in the map frame, smoothed, m/s
+  double yawRate() const { return yaw_rate_; }  ///< smoothed, rad/s
+  double time() const { return time_; }         ///< of the last scan, s
 
   /// The match request for the next scan: initial guesses, best first, and the size of the search
   /// windows. `points` must outlive the result.

@@ -26,6 +26,9 @@ MatchedPose matchedPoseOf(const MapperResult& result, double stamp);
 /// is lost.
 Eigen::Vector2d knownVelocity(const MapperResult& result);
 
+/// Likewise the yaw rate, rad/s. With an IMU, its gyro is used instead.
+double knownYawRate(const MapperResult& result);
+
 /// Gives the pose to the filter, unless the mapper is lost. Returns false if the pose is not used.
 bool fuse(const MatchedPose& pose, PoseFilter& filter);
 

@@ -60,9 +60,9 @@ class ProjectionStage {
   /// Adds a range finder reading. `is_upright`: true if the reading is the vertical height, false
   /// if it is a distance along the z axis of the base. Returns false if it is not used.
   bool addRange(const HeightSample& sample, bool is_upright = false);
-  /// Sets the velocity of the vehicle in base_stabilized at `stamp` (s), m/s. Only the newest
-  /// velocity is used.
-  void addVelocity(double stamp, const Eigen::Vector2d& velocity);
+  /// Sets the velocity of the vehicle in base_stabilized at `stamp` (s), m/s, and its yaw rate,
+  /// rad/s. Only the newest ones are used, and the yaw rate only without an IMU.
+  void addVelocity(double stamp, const Eigen::Vector2d& velocity, double yaw_rate);
 
   /// Decides what to do with a sweep that has waited for `waited_s`. `now`: current time on the
   /// clock of the IMU stamps, s.
@@ -105,7 +105,7 @@ class ProjectionStage {
                      const std::optional<Pose2>& odom_T_base);
   bool waitsForFilter(const SweepTimes& times, double waited_s) const;
   std::string uncovered(const SweepTimes& times) const;
-  Eigen::Vector2d velocityAt(double time) const;
+  VehicleState vehicleAt(double time, const AttitudeBuffer* attitude) const;
 
   ProjectionStageConfig config_;
   ScanProjector projector_;
@@ -114,6 +114,7 @@ class ProjectionStage {
   HeightTracker heights_;
   MountingCheck mountings_;
   Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
+  double yaw_rate_ = 0.0;  ///< rad/s
   double velocity_stamp_ = 0.0;
   const AttitudeBuffer* last_attitude_ = nullptr;  ///< used for the last sweep
   IntegralOffset integral_offset_;

@@ -20,6 +20,7 @@ struct VehicleState {
   const AttitudeBuffer* attitude = nullptr;  ///< null: the vehicle is assumed to be level
   std::optional<double> height_m;            ///< height of the base over the floor, if known
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< in base_stabilized, m/s
+  double yaw_rate = 0.0;  ///< rad/s; only used if there is no attitude, which measures it
 };
 
 /// Converts a sweep to a horizontal slice. Every end point is rotated into the gravity-aligned

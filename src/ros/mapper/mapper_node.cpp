@@ -176,7 +176,7 @@ void MapperNode::match(const ReadyScan& scan) {
   const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
   if (!result.pose.isFinite()) throw std::runtime_error("the pose is not finite");
   statistics_.used(result, ms.count());
-  projection_.addVelocity(planar->stamp, knownVelocity(result));
+  projection_.addVelocity(planar->stamp, knownVelocity(result), knownYawRate(result));
   trajectory_.add(scan.stamp, result.pose);
   pose_publisher_.publish(scan.stamp, result, *planar, scan.odom_T_base);
 }

@@ -42,7 +42,8 @@ void VelocityInput::onOdometry(const nav_msgs::OdometryConstPtr& message) {
   if (is_tilted && latest && attitudes.lookup(*latest, attitude) == AttitudeError::kNone) {
     velocity = attitude.stabilized_R_base * velocity;
   }
-  projection_.addVelocity(toSeconds(message->header.stamp), velocity.head<2>());
+  projection_.addVelocity(toSeconds(message->header.stamp), velocity.head<2>(),
+                          message->twist.twist.angular.z);
 }
 
 }  // namespace kestrel
