@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <stdexcept>
 #include <string>
@@ -16,6 +17,7 @@ namespace {
 
 struct Options {
   std::size_t runs = 100;
+  std::uint64_t seed = 1;  ///< of the flight among people
 };
 
 /// Scans within which a new target must be found to count.
@@ -58,12 +60,14 @@ void printWalkers(const HardFlight& flight) {
       lost.no_track, lost.tentative, lost.not_moving, lost.unseen);
 }
 
-void runWalkers() {
+void runWalkers(const Options& options) {
   std::puts(
       "\n| people around the vehicle | MOTA | MOTP | misses | false | switches | speed rmse | "
       "ghost "
       "cells with, without tracker | ATE with, without |\n|---|---|---|---|---|---|---|---|---|");
-  printWalkers(flightCalled("twelve people"));
+  HardFlight flight = flightCalled("twelve people");
+  flight.trial.seed = options.seed;
+  printWalkers(flight);
 }
 
 void runFilter(const Options& options) {
@@ -95,9 +99,10 @@ int main(int argc, char** argv) {
   app.add_option("--runs", options.runs, "Monte Carlo runs of each scenario of the PHD filter")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--seed", options.seed, "seed of the flight among people")->capture_default_str();
   app.add_flag("--no-people", no_people, "leave out the flight among people");
   return runTool("measure_tracking", app, argc, argv, [&] {
     runFilter(options);
-    if (!no_people) runWalkers();
+    if (!no_people) runWalkers(options);
   });
 }

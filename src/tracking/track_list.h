@@ -12,6 +12,11 @@
 
 namespace kestrel {
 
+constexpr double kPersonWidth = 0.4;  ///< m
+/// After a longer gap without observations (s), the path starts anew: what is seen then may be
+/// something else that stands.
+constexpr double kPathGap = 0.5;
+
 /// The tracks that belong to the labels of the PHD filter.
 class TrackList {
  public:
@@ -38,14 +43,12 @@ class TrackList {
   bool showsAny() const;
   /// True if the object of this label has moved.
   bool hasMoved(TargetLabel label) const;
+  /// True if the object of this label was observed in the last scan, after a gap.
+  bool wasFoundAgain(TargetLabel label) const;
 
   /// False if the object stood at its place before this target came there: it is something else.
   bool mayBe(TargetLabel label, const ObjectCluster& object, const MotionGrid<2>& grid) const;
 
-  long nextId() const { return next_id_; }
-  void continueFrom(long id) { next_id_ = id; }
-
- private:
   /// An observed place and the cells that the object filled.
   struct Sample {
     double time;  ///< of the grid, s
@@ -55,6 +58,14 @@ class TrackList {
     double free_share;  ///< see ObjectCluster
     double length;      ///< of its box, m
   };
+  /// Velocity of the straight path with the least squares, in its sigmas; 0 if a step explains the
+  /// positions better.
+  static double speedSignificance(const std::deque<Sample>& samples);
+
+  long nextId() const { return next_id_; }
+  void continueFrom(long id) { next_id_ = id; }
+
+ private:
   struct Place {
     double time;  ///< of the grid, s
     Eigen::Vector2d position;
@@ -67,13 +78,14 @@ class TrackList {
     double length = 0.0;         ///< largest length that was seen, m
     double seen_s = 0.0;         ///< time with observations
     double hidden_s = 0.0;
+    bool was_found_again = false;  ///< in the last scan
   };
 
   const Entry* at(const Eigen::Vector2d& point) const;
+  static void findAgain(Entry& entry, const ObjectCluster& object);
   void see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster& object,
            const Visibility& visibility, const MotionGrid<2>& grid);
-  double stepResidual(const std::deque<Sample>& samples, const Eigen::Vector2d& origin) const;
-  double speedSignificance(const std::deque<Sample>& samples) const;
+  static double stepResidual(const std::deque<Sample>& samples, const Eigen::Vector2d& origin);
   static double arrivalAt(const Entry& entry, const Eigen::Vector2d& place);
   static void notePath(Entry& entry, double time);
   void noteMove(Entry& entry, const ObjectCluster& object, const Visibility& visibility,

@@ -24,6 +24,8 @@ constexpr double kSharpSigma = 0.3;      ///< m; twice the sigma of a place that
 constexpr double kGrazingFactor = 6.0;
 constexpr double kNoiseStep = 0.1;  ///< s, of scans at 10 Hz
 constexpr int kModes = 3;           ///< motion models: constant velocity, standing, turn
+/// Share of a new direction in what was found again: as probable as that it went on as before.
+constexpr double kNewDirection = 0.5;
 constexpr double kStandingJitter =
     0.1;  ///< m/sqrt(s): the visible part of a person who stands changes
 
@@ -76,6 +78,7 @@ PhdModel<5, 2> modelOf(const TrackerConfig& config) {
   PhdModel<5, 2> model;
   model.clutter = [density = config.clutter_per_m2](const auto&) { return density; };
   model.expect = expectPosition<5, 2>;
+  model.detection_where_seen = config.detection;
   return model;
 }
 
@@ -158,21 +161,33 @@ struct Tracker::State {
     objects.resize(config.max_observations);
   }
 
-  /// New targets at the observations of the last scan that no target explains.
+  /// A target that was just observed at this place, with any velocity.
+  PhdComponent<5> startAt(const ObjectCluster& object, double weight) const {
+    PhdComponent<5> start;
+    start.weight = weight;
+    start.mean.setZero();
+    start.mean.head<2>() = object.observation.value;
+    start.covariance.setZero();
+    start.covariance.topLeftCorner<2, 2>() = object.observation.noise;
+    const double speed = config.birth_speed_sigma;
+    start.covariance.diagonal().segment<2>(2).setConstant(speed * speed);
+    start.covariance(4, 4) = 0.1;
+    return start;
+  }
+
+  /// New targets at the observations of the last scan that no target explains. And what was found
+  /// there after it had been hidden may have turned meanwhile: its velocity is not known.
   std::vector<PhdComponent<5>> births() const {
     std::vector<PhdComponent<5>> result_births;
     const std::vector<double>& explained = filter.explained();
     for (std::size_t i = 0; i < explained.size() && i < objects.size(); ++i) {
-      PhdComponent<5> birth;
-      birth.weight = config.birth_weight * (1.0 - explained[i]);
-      birth.mean.setZero();
-      birth.mean.head<2>() = objects[i].observation.value;
-      birth.covariance.setZero();
-      birth.covariance.topLeftCorner<2, 2>() = objects[i].observation.noise;
-      const double speed = config.birth_speed_sigma;
-      birth.covariance.diagonal().segment<2>(2).setConstant(speed * speed);
-      birth.covariance(4, 4) = 0.1;
-      result_births.push_back(birth);
+      result_births.push_back(startAt(objects[i], config.birth_weight * (1.0 - explained[i])));
+    }
+    for (const LabeledTarget<5>& target : filter.targets()) {
+      if (target.observation < 0 || !tracks.wasFoundAgain(target.label)) continue;
+      result_births.push_back(
+          startAt(objects[static_cast<std::size_t>(target.observation)], kNewDirection));
+      result_births.back().label = target.label;
     }
     return result_births;
   }

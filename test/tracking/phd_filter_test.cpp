@@ -138,6 +138,33 @@ TEST(PhdFilter, HiddenTargetStays) {
   EXPECT_EQ(filter.targets().front().observation, -1);
 }
 
+// Most of its places are hidden, but the sensor sees the one where it comes back.
+TEST(PhdFilter, HiddenTargetIsKnownWhereItComesBack) {
+  PhdModel<4, 2> model = modelWith(0.9, 0.99, 0.02);
+  model.detection = [](const PhdComponent<4>&) { return 0.02; };
+  PhdComponent<4> hidden = componentAt(2, 0, 0, 0);
+  hidden.covariance.topLeftCorner<2, 2>().setIdentity();
+  const auto explainedIn = [&](PhdFilter<4, 2> filter) {
+    filter.add({hidden});
+    filter.update({observationAt(1.0, 0.0)});
+    return filter.explained().at(0);
+  };
+  EXPECT_LT(explainedIn(PhdFilter<4, 2>(model)), 0.2);
+  model.detection_where_seen = 0.9;
+  EXPECT_GT(explainedIn(PhdFilter<4, 2>(model)), 0.7);
+}
+
+TEST(PhdFilter, WhatATargetMayBeTooHasItsLabel) {
+  PhdFilter<4, 2> filter(modelWith(0.9, 0.99, 1e-3));
+  filter.predict(0.0, {componentAt(0, 0, 0, 0)});
+  PhdComponent<4> other = componentAt(0, 0, 0, 2);
+  other.label = 1;
+  filter.add({other, componentAt(5, 0, 0, 0)});
+  ASSERT_EQ(filter.components().size(), 3U);
+  EXPECT_EQ(filter.components()[1].label, 1U);
+  EXPECT_EQ(filter.components()[2].label, 2U);
+}
+
 TEST(PhdFilter, MissedTargetKeepsTheWeightThatTheModelSays) {
   PhdModel<4, 2> model = modelWith(0.2, 1.0, 0.0);
   model.missed = [](double detection) { return detection < 0.3 ? 1.0 : 1.0 - detection; };

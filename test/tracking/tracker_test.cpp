@@ -132,7 +132,7 @@ TEST(Tracker, WalkerDoesNotLeaveItsTrackAtAPost) {
 }
 
 // Not reached yet: the last sight of a walker who is half hidden slows its track down.
-TEST(Tracker, DISABLED_HiddenWalkerKeepsItsIdentity) {
+TEST(Tracker, HiddenWalkerKeepsItsIdentity) {
   Room room;
   Tracker tracker;
   std::set<long> ids;

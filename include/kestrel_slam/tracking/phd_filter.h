@@ -23,7 +23,7 @@ struct PhdComponent {
   Eigen::Matrix<double, N, 1> mean = Eigen::Matrix<double, N, 1>::Zero();
   Eigen::Matrix<double, N, N> covariance = Eigen::Matrix<double, N, N>::Identity();
   int mode = 0;           ///< index of its motion model
-  TargetLabel label = 0;  ///< set by the filter
+  TargetLabel label = 0;  ///< 0: a new target, whose label the filter chooses
 };
 
 /// A measured position (or range and bearing, ...) with its noise R [Siew 2018, eq. 20].
@@ -66,6 +66,9 @@ struct PhdModel {
   std::function<double(const State&)> survival;  ///< P_S
   /// P_D, of a Gaussian, so that it can be the mean over all places where the target may be.
   std::function<double(const PhdComponent<N>&)> detection;
+  /// P_D where something was detected: the sensor sees this place, although most of the places
+  /// where a hidden target may be are hidden. Empty: that of the Gaussian.
+  std::optional<double> detection_where_seen;
   /// Share of the weight that is left after a scan without detection, given P_D. Empty: 1 - P_D,
   /// which takes the scans as independent.
   std::function<double(double)> missed;
@@ -120,8 +123,8 @@ class PhdFilter {
 
   /// Survival, spawning and birth [Siew 2018, eq. 21-24]. Every birth gets a new label.
   void predict(double seconds, const std::vector<Component>& births);
-  /// Adds components with new labels to the current intensity, for targets that were born before
-  /// the next prediction.
+  /// Adds components to the current intensity, for targets that were born before the next
+  /// prediction. One with a label is what this target may be, too.
   void add(const std::vector<Component>& births);
   /// Measurement update [Siew 2018, eq. 25-31], then pruning and merging.
   void update(const std::vector<Observation<M>>& observations);

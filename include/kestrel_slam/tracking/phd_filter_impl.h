@@ -17,7 +17,7 @@ namespace kestrel {
 namespace phd {
 
 constexpr double kTargetWeight = 0.5;  ///< from here on, there is a target [Vo 2006, table III]
-constexpr double kFar2 = 200.0;  ///< sigmas²; a target so far away did not cause an observation
+constexpr double kFar2 = 50.0;  ///< sigmas²; a target so far away did not cause an observation
 
 }  // namespace phd
 
@@ -43,7 +43,7 @@ template <int N, int M>
 void PhdFilter<N, M>::add(const std::vector<Component>& births) {
   for (const Component& birth : births) {
     components_.push_back(birth);
-    components_.back().label = next_label_++;
+    if (birth.label == 0) components_.back().label = next_label_++;
   }
 }
 
@@ -153,7 +153,7 @@ bool PhdFilter<N, M>::mayCause(const Component& prior, int index) const {
 template <int N, int M>
 bool PhdFilter<N, M>::likelihood(const Component& prior, const Prepared& prepared,
                                  const Observation<M>& observation, Candidate& candidate) const {
-  const double weight = prepared.detection * prior.weight;
+  const double weight = model_.detection_where_seen.value_or(prepared.detection) * prior.weight;
   if (!(weight > 0.0)) return false;
   const Eigen::Matrix<double, M, M> S = prepared.covariance + observation.noise;
   candidate.innovation = model_.difference
