@@ -12,8 +12,8 @@ constexpr double kPersonWidth = 0.6, kPersonHeight = 1.6;  ///< m
 /// Points farther than this from the box of a track belong to something else, m.
 constexpr double kMargin = 0.5;
 constexpr double kProvenWay = 2.0;  ///< m; a false track on a surface does not get so far
-/// s; what has moved by less than that and then stands as long may be a surface that came into view
-constexpr double kStill = 2.0;
+/// s; what has moved by less than that and stood as long may be a surface that came into view
+constexpr double kStanding = 1.0;
 constexpr double kBoxMargin = 0.3;  ///< m; how far points may lie outside of the predicted box
 /// A place is left if it gave no return for this time, s.
 constexpr double kLeftTime = 0.15;
@@ -55,6 +55,11 @@ bool isInBox(const Track& track, const Eigen::Vector2d& point, double margin) {
   const double along = std::abs(u.dot(offset));
   const double across = std::abs(u.x() * offset.y() - u.y() * offset.x());
   return along <= 0.5 * track.box.size.x() + margin && across <= 0.5 * track.box.size.y() + margin;
+}
+
+/// Of the position, m.
+double sigmaOf(const Track& track) {
+  return std::sqrt(track.covariance.topLeftCorner<2, 2>().trace() / 2.0);
 }
 
 }  // namespace
@@ -108,8 +113,9 @@ CloudTrackList::Entry& CloudTrackList::entryOf(const LabeledTarget<7>& target,
 /// From here on, it has to show that it moves.
 void CloudTrackList::startAt(Entry& entry, const CloudObject& object,
                              const std::vector<MovingVoxel>& voxels, const MotionGrid<3>& grid) {
-  entry.first = entry.place = object.box.center;
-  entry.first_time = entry.place_time = grid.time();
+  entry.first = object.box.center;
+  entry.first_time = grid.time();
+  entry.standing_s = 0.0;
   entry.first_points.clear();
   for (const std::size_t v : object.voxels) {
     entry.first_points.push_back(voxels[v].centroid.cast<float>());
@@ -133,13 +139,9 @@ void CloudTrackList::see(Entry& entry, const LabeledTarget<7>& target, const Clo
     track.state = TrackState::kConfirmed;
   }
   entry.way = std::max(entry.way, (track.position - entry.first).norm());
-  if ((track.position - entry.place).norm() > config_.moved_m) {
-    entry.place = track.position;
-    entry.place_time = grid.time();
-  }
-  const bool is_still = grid.time() - entry.place_time >= kStill;
-  const bool is_surface =
-      track.moved && is_still && (track.position - entry.moved_at).norm() < kProvenWay;
+  if (track.standing > 0.5) entry.standing_s += seconds_;
+  const bool is_surface = track.moved && entry.standing_s >= kStanding &&
+                          (track.position - entry.moved_at).norm() < kProvenWay;
   const bool is_other = is_found_again && !(track.moved && isWhereItWasFree(object, voxels));
   if (is_surface || is_other) {
     track.moved = false;
@@ -148,6 +150,7 @@ void CloudTrackList::see(Entry& entry, const LabeledTarget<7>& target, const Clo
   if (!track.moved && hasMoved(entry, object, voxels, grid)) {
     track.moved = true;
     entry.moved_at = track.position;
+    entry.standing_s = 0.0;
   }
 }
 
@@ -258,8 +261,9 @@ const CloudTrackList::Entry* CloudTrackList::nearestAt(const Eigen::Vector2d& po
   for (const Entry& entry : entries_) {
     const double distance = (entry.track.plane.position - point).norm();
     const double reach = 0.5 * std::max({entry.length, entry.width, kPersonWidth}) + kMargin;
+    const double margin = kMargin + sigmaOf(entry.track.plane);
     if (distance >= best ||
-        (distance > reach && !(whole && isInBox(entry.track.plane, point, kMargin)))) {
+        (distance > reach && !(whole && isInBox(entry.track.plane, point, margin)))) {
       continue;
     }
     best = distance;

@@ -52,8 +52,7 @@ class CloudTrackList {
     double way = 0.0;                                    ///< largest distance from there, m
     double first_time = 0.0;                             ///< of the grid, s
     Eigen::Vector2d moved_at = Eigen::Vector2d::Zero();  ///< where its motion was seen
-    Eigen::Vector2d place = Eigen::Vector2d::Zero();     ///< near which it was last
-    double place_time = 0.0;                             ///< since when, of the grid, s
+    double standing_s = 0.0;                             ///< since then: time in which it stood
     std::vector<Eigen::Vector3f> first_points;           ///< where it was then
     double length = 0.0, width = 0.0;                    ///< largest extents that were seen, m
     double seen_s = 0.0;                                 ///< time with observations
