@@ -5,6 +5,8 @@
 #include <map>
 #include <optional>
 
+#include "kestrel_slam/tracking/object_box.h"
+
 namespace kestrel {
 namespace {
 
@@ -46,11 +48,9 @@ LabeledObject objectOf(const Sightings& path, const LabelGoal& goal) {
 }  // namespace
 
 bool isInLabel(const KittiLabel& label, const Eigen::Vector3d& point, double margin) {
-  const Eigen::Vector3d apart = point - label.center;
-  const double c = std::cos(label.yaw), s = std::sin(label.yaw);
-  return std::abs(c * apart.x() + s * apart.y()) <= 0.5 * label.size.x() + margin &&
-         std::abs(c * apart.y() - s * apart.x()) <= 0.5 * label.size.y() + margin &&
-         std::abs(apart.z()) <= 0.5 * label.size.z() + margin;
+  const OrientedBox box{label.center.head<2>(), label.size.head<2>(), label.yaw};
+  return box.contains(point.head<2>(), margin) &&
+         std::abs(point.z() - label.center.z()) <= 0.5 * label.size.z() + margin;
 }
 
 std::vector<LabeledObject> labeledObjects(const Sightings& sightings, const LabelGoal& goal) {

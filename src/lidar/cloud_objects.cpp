@@ -197,17 +197,6 @@ Eigen::Vector2d middleOf(const std::vector<std::size_t>& own, const Plane& cente
   return sum / static_cast<double>(own.size());
 }
 
-/// True if the middle of the visible points of a part lies in the box of the object, so that both
-/// are parts of one: a lidar sees the hull and the cabin of a vehicle with a gap in between. (The
-/// box of the part says less: what was completed may be beside the object.)
-bool covers(const CloudObject& object, const Eigen::Vector2d& middle) {
-  const OrientedBox& box = object.box;
-  const Eigen::Vector2d u(std::cos(box.yaw), std::sin(box.yaw));
-  const Eigen::Vector2d offset = middle - box.center;
-  const double across = u.x() * offset.y() - u.y() * offset.x();
-  return std::abs(u.dot(offset)) <= 0.5 * box.size.x() && std::abs(across) <= 0.5 * box.size.y();
-}
-
 /// True if there are enough points, and not too high.
 bool isObject(const std::vector<std::size_t>& own, const std::vector<MovingVoxel>& voxels,
               const Eigen::Vector3d& lidar, const CloudTrackerConfig& config) {
@@ -230,10 +219,7 @@ class ObjectBuilder {
   void add(std::vector<std::size_t> own) {
     CloudObject object = build(std::move(own));
     for (std::size_t i = 0; i < objects_.size(); ++i) {
-      if (!covers(objects_[i], middleOf(object.voxels, centers_)) &&
-          !covers(object, middleOf(objects_[i].voxels, centers_))) {
-        continue;
-      }
+      if (!areOne(object, objects_[i])) continue;
       std::vector<std::size_t> both = std::move(object.voxels);
       both.insert(both.end(), objects_[i].voxels.begin(), objects_[i].voxels.end());
       objects_.erase(objects_.begin() + static_cast<std::ptrdiff_t>(i));
@@ -254,6 +240,14 @@ class ObjectBuilder {
   }
 
  private:
+  /// The middle of the visible points of one lies in the box of the other: a lidar sees the hull
+  /// and the cabin of a vehicle with a gap in between. (The box of a part says less: what was
+  /// completed may be beside the object.)
+  bool areOne(const CloudObject& a, const CloudObject& b) const {
+    return a.box.contains(middleOf(b.voxels, centers_)) ||
+           b.box.contains(middleOf(a.voxels, centers_));
+  }
+
   CloudObject build(std::vector<std::size_t> own) const {
     const auto shape = known_(middleOf(own, centers_));
     return objectOf(voxels_, std::move(own), view_, config_, shape);

@@ -50,11 +50,9 @@ std::vector<GridIndex<3>> cellsOf(const CloudObject& object, const std::vector<M
 
 /// The box of a track goes with it; that of the last sweep is where it was then.
 bool isInBox(const Track& track, const Eigen::Vector2d& point, double margin) {
-  const Eigen::Vector2d u(std::cos(track.box.yaw), std::sin(track.box.yaw));
-  const Eigen::Vector2d offset = point - track.position;
-  const double along = std::abs(u.dot(offset));
-  const double across = std::abs(u.x() * offset.y() - u.y() * offset.x());
-  return along <= 0.5 * track.box.size.x() + margin && across <= 0.5 * track.box.size.y() + margin;
+  OrientedBox box = track.box;
+  box.center = track.position;
+  return box.contains(point, margin);
 }
 
 /// Of the position, m.

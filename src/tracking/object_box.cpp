@@ -98,6 +98,13 @@ std::vector<Eigen::Vector2d> thinned(const std::vector<Eigen::Vector2d>& points)
 
 }  // namespace
 
+bool OrientedBox::contains(const Eigen::Vector2d& point, double margin) const {
+  const Eigen::Vector2d u(std::cos(yaw), std::sin(yaw)), offset = point - center;
+  const double across = u.x() * offset.y() - u.y() * offset.x();
+  return std::abs(u.dot(offset)) <= 0.5 * size.x() + margin &&
+         std::abs(across) <= 0.5 * size.y() + margin;
+}
+
 OrientedBox boxAlong(const std::vector<Eigen::Vector2d>& points, double yaw) {
   if (points.empty()) return {};
   const Axes axes(yaw);

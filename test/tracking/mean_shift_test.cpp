@@ -149,5 +149,16 @@ TEST(ObjectBox, OneVisibleSideHasNoCorner) {
   EXPECT_TRUE(lShapeOf(box, Eigen::Vector2d(0.0, 2.0)));
 }
 
+TEST(ObjectBox, ContainsPointsUpToTheMarginAlongItsAxes) {
+  const OrientedBox box{{2.0, 1.0}, {4.0, 2.0}, 0.5};
+  const auto at = [&](double x, double y) -> Eigen::Vector2d {
+    return box.center + Eigen::Rotation2Dd(box.yaw) * Eigen::Vector2d(x, y);
+  };
+  EXPECT_TRUE(box.contains(at(1.9, 0.9)));
+  EXPECT_FALSE(box.contains(at(2.1, 0.0)));
+  EXPECT_FALSE(box.contains(at(0.0, -1.1)));
+  EXPECT_TRUE(box.contains(at(2.1, -1.1), 0.2));
+}
+
 }  // namespace
 }  // namespace kestrel

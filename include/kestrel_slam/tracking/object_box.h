@@ -13,6 +13,9 @@ struct OrientedBox {
   Eigen::Vector2d size =
       Eigen::Vector2d::Zero();  ///< along the axes of the box, m; x is the longer
   double yaw = 0.0;             ///< of the longer side, in (-pi/2, pi/2]
+
+  /// True up to `margin` (m) outside of its sides.
+  bool contains(const Eigen::Vector2d& point, double margin = 0.0) const;
 };
 
 /// The smallest rectangle with this yaw around the points.
