@@ -17,7 +17,9 @@ using Points3 = std::vector<Eigen::Vector3f>;
 constexpr int kTrials = 60;           ///< of RANSAC: half of the points suffice, with 1e-3 risk
 constexpr std::size_t kSample = 600;  ///< points that vote for a plane
 constexpr std::size_t kFewest = 30;   ///< points of a quadrant
-constexpr double kMajority = 0.5;     ///< share of the lowest points that a ground has
+/// The ground is around the lidar; what is flat in one direction only may be a hedge or a roof.
+constexpr std::ptrdiff_t kFewestPlanes = 3;
+constexpr double kMajority = 0.5;  ///< share of the lowest points that a ground has
 constexpr std::uint64_t kSeed = 4;
 
 std::size_t quadrantOf(const Eigen::Vector3f& point) {
@@ -123,6 +125,10 @@ Ground findGround(const Points3& points, const GroundConfig& config) {
 
 std::vector<Eigen::Vector3f> groundNormals(const Ground& ground, const Voxels& voxels,
                                            const Eigen::Isometry3d& frame_T_lidar) {
+  std::vector<Eigen::Vector3f> normals(voxels.sums.size(), Eigen::Vector3f::Zero());
+  const auto planes = std::count_if(ground.planes.begin(), ground.planes.end(),
+                                    [](const auto& plane) { return plane.has_value(); });
+  if (planes < kFewestPlanes) return normals;
   std::vector<bool> is_ground(voxels.sums.size(), true);
   for (std::size_t i = 0; i < ground.is_ground.size(); ++i) {
     const std::uint32_t v = voxels.voxel_of[i];
@@ -130,7 +136,6 @@ std::vector<Eigen::Vector3f> groundNormals(const Ground& ground, const Voxels& v
   }
   const Eigen::Isometry3d to_lidar = frame_T_lidar.inverse();
   const Eigen::Matrix3f rotation = frame_T_lidar.linear().cast<float>();
-  std::vector<Eigen::Vector3f> normals(voxels.sums.size(), Eigen::Vector3f::Zero());
   for (std::size_t v = 0; v < normals.size(); ++v) {
     if (!is_ground[v]) continue;
     const auto& plane = ground.planeAt((to_lidar * voxels.sums[v].mean).cast<float>());

@@ -145,6 +145,23 @@ TEST(SurfaceMapTest, ARingOnTheGroundHasTheSlopeOfTheGround) {
   for (const SurfaceCell& cell : map.cells()) EXPECT_GT(cell.normal.dot(slope), 0.999F);
 }
 
+TEST(GroundTest, WhatIsFlatInOneQuadrantAloneGivesNoNormals) {
+  Points points;
+  for (const float radius : {7.0F, 9.0F, 12.0F}) {
+    for (double azimuth = 0.2; azimuth < 1.4; azimuth += 0.0035) {
+      points.emplace_back(radius * static_cast<float>(std::cos(azimuth)),
+                          radius * static_cast<float>(std::sin(azimuth)), -1.7F);
+    }
+  }
+  const Ground ground = findGround(points);
+  ASSERT_EQ(std::count(ground.is_ground.begin(), ground.is_ground.end(), true), points.size());
+  const Voxels voxels = voxelize(points, {}, 0.5);
+  for (const Eigen::Vector3f& normal :
+       groundNormals(ground, voxels, Eigen::Isometry3d::Identity())) {
+    EXPECT_TRUE(normal.isZero());
+  }
+}
+
 /// Floor and three walls, as cells of a map with normals.
 SurfaceMap boxMap() {
   Points points = roomPoints(0.0F, 12);

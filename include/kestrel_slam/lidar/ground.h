@@ -42,7 +42,8 @@ Ground findGround(const std::vector<Eigen::Vector3f>& points,
                   const GroundConfig& config = GroundConfig());
 
 /// For each voxel of the points that has nothing but ground: the normal of the ground, in the frame
-/// of the voxels. Zero for others. A ring on the ground is a line, and does not show its slope.
+/// of the voxels. Zero for others, and if fewer than three quadrants have a ground. A ring on the
+/// ground is a line, and does not show its slope.
 std::vector<Eigen::Vector3f> groundNormals(const Ground& ground, const Voxels& voxels,
                                            const Eigen::Isometry3d& frame_T_lidar);
 
