@@ -71,7 +71,11 @@ class MapperClient {
   /// Waits until the mapper, and so many nodes in all, subscribe to the scans.
   bool connect(std::size_t nodes = 1);
   /// Whether the poses of the mapper arrive here.
-  bool hearsPoses() const { return subscribers_[0].getNumPublishers() > 0; }
+  bool hearsPoses() const {
+    return subscribers_[0].getNumPublishers() > 0 && subscribers_[1].getNumPublishers() > 0;
+  }
+  /// Whether the transforms of all nodes arrive here.
+  bool hearsTransforms() const;
 
   void publish(const sensor_msgs::LaserScan& scan) { scan_publisher_.publish(scan); }
 
@@ -108,6 +112,7 @@ class MapperClient {
   std::string mapper_name_;
   ros::Publisher scan_publisher_;
   std::vector<ros::Subscriber> subscribers_;
+  ros::Subscriber transforms_;  ///< of /tf
   std::map<std::string, std::map<std::string, std::string>> diagnostics_;
 };
 
