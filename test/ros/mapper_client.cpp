@@ -2,8 +2,6 @@
 #include "mapper_client.h"
 
 #include <ros/callback_queue.h>
-#include <ros/master.h>
-#include <ros/this_node.h>
 
 #include <algorithm>
 #include <cmath>
@@ -106,14 +104,13 @@ Pose2 poseOf(const geometry_msgs::Transform& message) {
 }
 
 MapperClient::MapperClient(const std::string& ns)
-    : nh(ns), mapper_name_(ns.empty() ? "mapper" : ns + "/mapper") {
+    : nh(ns), connections_(nh), mapper_name_(ns.empty() ? "mapper" : ns + "/mapper") {
   scan_publisher_ = nh.advertise<sensor_msgs::LaserScan>("scan", kQueue);
   const boost::function<void(const geometry_msgs::PoseStamped&)> on_pose =
       [this](const geometry_msgs::PoseStamped& message) {
         pose = message;
         ++poses_received;
       };
-  transforms_ = nh.subscribe("/tf", kQueue, &MapperClient::onTransforms, this);
   subscribers_ = {
       nh.subscribe<geometry_msgs::PoseStamped>("slam_out_pose", kQueue, on_pose),
       keepLast(nh, "poseupdate", pose_update),
@@ -121,6 +118,7 @@ MapperClient::MapperClient(const std::string& ns)
       keepLast(nh, "map_metadata", metadata),
       keepLast(nh, "trajectory", trajectory),
       keepLast(nh, "slam_cloud", cloud),
+      nh.subscribe("/tf", kQueue, &MapperClient::onTransforms, this),
       nh.subscribe("/tf_static", kQueue, &MapperClient::onTransforms, this),
       nh.subscribe("/diagnostics", kQueue, &MapperClient::onDiagnostics, this),
   };
@@ -139,21 +137,7 @@ bool MapperClient::waitFor(const std::function<bool()>& condition, double timeou
 bool MapperClient::connect(std::size_t nodes) {
   const bool connected =
       waitFor([&] { return scan_publisher_.getNumSubscribers() >= nodes && hearsPoses(); }, 10.0);
-  return connected && waitFor([this] { return hearsTransforms(); }, 10.0);
-}
-
-/// Each publisher of a topic is connected on its own, and the one of tf may be the last.
-bool MapperClient::hearsTransforms() const {
-  XmlRpc::XmlRpcValue request, result, state;
-  request[0] = ros::this_node::getName();
-  if (!ros::master::execute("getSystemState", request, result, state, true)) return false;
-  const std::string topic = transforms_.getTopic();
-  for (int i = 0; i < state[0].size(); ++i) {
-    if (static_cast<std::string>(state[0][i][0]) == topic) {
-      return transforms_.getNumPublishers() >= static_cast<std::uint32_t>(state[0][i][1].size());
-    }
-  }
-  return false;
+  return connected && waitFor([this] { return sharesTransforms(); }, 10.0);
 }
 
 std::optional<Pose2> MapperClient::match(const sensor_msgs::LaserScan& scan, double timeout_s) {

@@ -23,6 +23,7 @@
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/sensor/laser_scan.h"
 #include "kestrel_slam/simulation/world.h"
+#include "topic_nodes.h"
 
 namespace kestrel {
 
@@ -74,8 +75,8 @@ class MapperClient {
   bool hearsPoses() const {
     return subscribers_[0].getNumPublishers() > 0 && subscribers_[1].getNumPublishers() > 0;
   }
-  /// Whether the transforms of all nodes arrive here.
-  bool hearsTransforms() const;
+  /// Whether the transforms of all nodes arrive here, and those of this node at all others.
+  bool sharesTransforms() const { return connections_.areComplete(); }
 
   void publish(const sensor_msgs::LaserScan& scan) { scan_publisher_.publish(scan); }
 
@@ -109,10 +110,10 @@ class MapperClient {
   void onTransforms(const tf2_msgs::TFMessage& message);
   void onDiagnostics(const diagnostic_msgs::DiagnosticArray& message);
 
+  TransformConnections connections_;
   std::string mapper_name_;
   ros::Publisher scan_publisher_;
   std::vector<ros::Subscriber> subscribers_;
-  ros::Subscriber transforms_;  ///< of /tf
   std::map<std::string, std::map<std::string, std::string>> diagnostics_;
 };
 

@@ -2,13 +2,13 @@
 #include "projector_client.h"
 
 #include <gtest/gtest.h>
-#include <ros/master.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
 #include "kestrel_slam/messages/planar_scan_message.h"
+#include "topic_nodes.h"
 
 namespace kestrel {
 namespace {
@@ -25,19 +25,6 @@ float distanceToNearest(const Eigen::Vector2f& point, const std::vector<Eigen::V
   float nearest = std::numeric_limits<float>::infinity();
   for (const Eigen::Vector2f& other : others) nearest = std::min(nearest, (point - other).norm());
   return nearest;
-}
-
-/// Number of subscribers of a topic, from the ROS master.
-std::size_t subscribingNodes(const std::string& topic) {
-  XmlRpc::XmlRpcValue request(ros::this_node::getName()), response, state;
-  if (!ros::master::execute("getSystemState", request, response, state, false)) return 0;
-  XmlRpc::XmlRpcValue& subscribed = state[1];  // [publishers, subscribers, services]
-  for (int i = 0; i < subscribed.size(); ++i) {
-    if (std::string(subscribed[i][0]) == topic) {
-      return static_cast<std::size_t>(subscribed[i][1].size());
-    }
-  }
-  return 0;
 }
 
 }  // namespace
@@ -63,7 +50,7 @@ bool ProjectorClient::connect(bool with_imu) {
     return scan_publisher.getNumSubscribers() > 0 && cloud_publisher.getNumSubscribers() > 0 &&
            (!with_imu || imu_publisher.getNumSubscribers() > 0) &&
            subscribers_[0].getNumPublishers() > 0 &&
-           mounting_publisher_.getNumSubscribers() >= subscribingNodes("/tf_static");
+           mounting_publisher_.getNumSubscribers() >= nodesOf("/tf_static").subscribers;
   };
   const bool connected = waitFor(listens, 20.0);
   wait(kSettle);

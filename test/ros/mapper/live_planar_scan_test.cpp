@@ -38,7 +38,7 @@ class PlanarClient {
     return client.waitFor(
         [this] {
           return publisher_.getNumSubscribers() > 0 && client.hearsPoses() &&
-                 client.hearsTransforms();
+                 client.sharesTransforms();
         },
         10.0);
   }

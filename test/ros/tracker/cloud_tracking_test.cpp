@@ -19,6 +19,7 @@
 #include "kestrel_slam/messages/conversions.h"
 #include "kestrel_slam/messages/sweep_messages.h"
 #include "kestrel_slam/simulation/traffic.h"
+#include "topic_nodes.h"
 #include "tracker/collected.h"
 
 namespace kestrel {
@@ -44,14 +45,13 @@ class CloudTrackingTest : public testing::Test {
     markers_ = std::make_unique<Collected<visualization_msgs::MarkerArray>>(nh_, "track_markers");
     points_ = std::make_unique<Collected<sensor_msgs::PointCloud2>>(nh_, "moving_points");
     grid_ = std::make_unique<Collected<nav_msgs::OccupancyGrid>>(nh_, "dynamic_grid");
-    for (int i = 0; i < 500; ++i) {
-      if (clouds_.getNumSubscribers() > 0 && tracks_->isConnected() && points_->isConnected() &&
-          grid_->isConnected() && markers_->isConnected()) {
-        break;
-      }
-      spinFor(0.02);
-    }
-    spinFor(0.5);  // tf
+    for (int i = 0; i < 500 && !isConnected(); ++i) spinFor(0.02);
+    ASSERT_TRUE(isConnected());
+  }
+
+  bool isConnected() const {
+    return clouds_.getNumSubscribers() > 0 && tracks_->isConnected() && points_->isConnected() &&
+           grid_->isConnected() && markers_->isConnected() && connections_.areComplete();
   }
 
   ros::Time stampOf(int frame) const { return start_ + ros::Duration(kPeriod * frame); }
@@ -105,6 +105,7 @@ class CloudTrackingTest : public testing::Test {
   const ros::Time start_ = ros::Time::now();
   ros::Publisher clouds_;
   tf2_ros::TransformBroadcaster tf_;
+  TransformConnections connections_{nh_};
   std::unique_ptr<Collected<kestrel_slam::TrackArray>> tracks_;
   std::unique_ptr<Collected<visualization_msgs::MarkerArray>> markers_;
   std::unique_ptr<Collected<sensor_msgs::PointCloud2>> points_;
