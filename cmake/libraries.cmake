@@ -64,14 +64,14 @@ function(kestrel_library folder)
   set(KESTREL_LIBRARIES ${KESTREL_LIBRARIES} ${name} PARENT_SCOPE)
 endfunction()
 
-# ---- core: no ROS; third-party libraries are only Eigen, nanoflann for ICP, Ceres for the graph,
+# ---- core: no ROS; third-party libraries are only Eigen, nanoflann for nearest points, Ceres for the graph,
 # and protobuf, zlib and xxhash for session files
-kestrel_library(geometry LINKS Eigen3::Eigen)
+kestrel_library(geometry LINKS Eigen3::Eigen PRIVATE $<BUILD_INTERFACE:nanoflann::nanoflann>)
 target_include_directories(kestrel_geometry PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
 kestrel_library(sensor LINKS kestrel_geometry)
 kestrel_library(map LINKS kestrel_sensor)
-kestrel_library(matching LINKS kestrel_map PRIVATE $<BUILD_INTERFACE:nanoflann::nanoflann>)
+kestrel_library(matching LINKS kestrel_map)
 kestrel_library(mapping LINKS kestrel_matching)
 kestrel_library(graph LINKS kestrel_mapping PRIVATE Ceres::ceres)
 kestrel_library(session LINKS kestrel_graph
@@ -84,8 +84,7 @@ kestrel_library(merging LINKS kestrel_session PRIVATE PkgConfig::XXHASH)
 kestrel_library(link LINKS kestrel_session PRIVATE PkgConfig::XXHASH PkgConfig::ZMQ)
 kestrel_library(filter LINKS kestrel_sensor)
 kestrel_library(tracking LINKS kestrel_map)
-kestrel_library(lidar LINKS kestrel_tracking
-  PRIVATE $<BUILD_INTERFACE:nanoflann::nanoflann> ${OCTOMAP_LIBRARIES})
+kestrel_library(lidar LINKS kestrel_tracking PRIVATE ${OCTOMAP_LIBRARIES})
 target_include_directories(kestrel_lidar SYSTEM PRIVATE ${OCTOMAP_INCLUDE_DIRS})
 kestrel_library(pipeline LINKS kestrel_session kestrel_filter kestrel_tracking)
 kestrel_library(parameters LINKS kestrel_pipeline PRIVATE yaml-cpp)

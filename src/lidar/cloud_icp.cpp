@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nanoflann.hpp>
 
 #include "kestrel_slam/geometry/wilson_bound.h"
 
@@ -16,7 +15,6 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr std::size_t kLeafSize = 10;
 constexpr std::size_t kFewestPairs = 6;
 constexpr double kStill_m = 1e-4, kStill_rad = 2e-6;  ///< a smaller step ends the iteration
 /// A few pairs may change for ever. Steps up to this are far below what the maps resolve.
@@ -27,42 +25,22 @@ constexpr double kWidestKernel_m = 0.5, kNarrowing = 0.7, kNarrowestKernel = 2.0
 constexpr double kSearchStep_m = 0.5;
 constexpr std::size_t kSearchPoints = 1000, kSearchTrials = 5;
 
-/// The interface that nanoflann needs.
-struct Cells {
-  std::vector<SurfaceCell> cells;
-
-  std::size_t kdtree_get_point_count() const { return cells.size(); }
-  float kdtree_get_pt(std::size_t index, std::size_t dimension) const {
-    return cells[index].mean[static_cast<Eigen::Index>(dimension)];
+/// What can be paired by the metric.
+std::vector<SurfaceCell> usableCells(const std::vector<SurfaceCell>& cells, IcpMetric metric) {
+  std::vector<SurfaceCell> usable;
+  for (const SurfaceCell& cell : cells) {
+    const bool is_plane = cell.normal != Eigen::Vector3f::Zero();
+    if (is_plane || metric == IcpMetric::kPoint) usable.push_back(cell);
   }
-  template <typename Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
+  return usable;
+}
 
-/// Keeps the nearest point within a radius.
-struct NearestWithin {
-  float distance2;
-  std::size_t index = 0;
-  bool found = false;
-
-  bool addPoint(float other2, std::size_t other) {
-    if (other2 >= distance2) return true;
-    distance2 = other2;
-    index = other;
-    found = true;
-    return true;
-  }
-  float worstDist() const { return distance2; }
-  bool full() const { return found; }
-  bool empty() const { return !found; }
-  std::size_t size() const { return found ? 1 : 0; }
-  void sort() const {}
-};
-
-using Metric = nanoflann::L2_Simple_Adaptor<float, Cells>;
-using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, Cells, 3>;
+std::vector<Eigen::Vector3f> meansOf(const std::vector<SurfaceCell>& cells) {
+  std::vector<Eigen::Vector3f> means;
+  means.reserve(cells.size());
+  for (const SurfaceCell& cell : cells) means.push_back(cell.mean);
+  return means;
+}
 
 /// Adds a pair with `direction` (unit) as the direction in which its distance is measured.
 void addPair(const Eigen::Vector3d& arm, const Eigen::Vector3d& direction, double distance,
@@ -138,34 +116,15 @@ struct CloudIcp::Pair {
   double fromPlane() const { return std::abs(normal.dot(point - mean)); }
 };
 
-struct CloudIcp::Tree {
-  explicit Tree(Cells usable) : data(std::move(usable)), index(3, data, {kLeafSize}) {
-#if NANOFLANN_VERSION < 0x140  // the constructor of 1.3 (Ubuntu 20.04) does not build the tree
-    index.buildIndex();
-#endif
-  }
-  Cells data;
-  Index index;
-};
-
 CloudIcp::CloudIcp(const std::vector<SurfaceCell>& cells, const CloudIcpConfig& config)
-    : config_(config) {
-  Cells usable;
-  for (const SurfaceCell& cell : cells) {
-    const bool is_plane = cell.normal != Eigen::Vector3f::Zero();
-    if (is_plane || config.metric == IcpMetric::kPoint) usable.cells.push_back(cell);
-  }
-  tree_ = std::make_unique<Tree>(std::move(usable));
-}
-
-CloudIcp::~CloudIcp() = default;
+    : config_(config), cells_(usableCells(cells, config.metric)), means_(meansOf(cells_)) {}
 
 CloudIcpResult CloudIcp::align(const std::vector<Eigen::Vector3d>& all_points,
                                const Eigen::Isometry3d& guess) const {
   const std::vector<Eigen::Vector3d> points = balanced(all_points, guess);
   CloudIcpResult result;
   result.pose = guess;
-  if (tree_->data.cells.empty()) return result;
+  if (cells_.empty()) return result;
   refine(points, result);
   judge(pairsOf(points, result.pose), result);
   return result;
@@ -278,13 +237,12 @@ CloudIcp::Pairs CloudIcp::pairsOf(const std::vector<Eigen::Vector3d>& points,
                                   const Eigen::Isometry3d& pose) const {
   Pairs pairs;
   pairs.reserve(points.size());
+  const auto reach = static_cast<float>(config_.reach_m);
   for (const Eigen::Vector3d& point : points) {
     const Eigen::Vector3d in_map = pose * point;
-    const Eigen::Vector3f place = in_map.cast<float>();
-    NearestWithin nearest{static_cast<float>(config_.reach_m * config_.reach_m)};
-    tree_->index.radiusSearchCustomCallback(place.data(), nearest);
-    if (!nearest.found) continue;
-    const SurfaceCell& cell = tree_->data.cells[nearest.index];
+    const auto nearest = means_.nearest(in_map.cast<float>(), reach);
+    if (!nearest) continue;
+    const SurfaceCell& cell = cells_[*nearest];
     Pair pair{in_map, cell.mean.cast<double>(), cell.normal.cast<double>(), cell.thickness, 0.0};
     pair.distance = config_.metric == IcpMetric::kPlane ? pair.normal.dot(in_map - pair.mean)
                                                         : (in_map - pair.mean).norm();

@@ -180,9 +180,10 @@ bool CloudTrackList::hasMoved(const Entry& entry, const CloudObject& object,
                               const std::vector<MovingVoxel>& voxels,
                               const MotionGrid<3>& grid) const {
   if ((object.box.center - entry.first).norm() < config_.moved_m) return false;
+  if (!isWhereItWasFree(object, voxels)) return false;
   const auto cells = cellsOf(object, voxels, grid);
   const double left_before = grid.time() - kLeftTime;
-  std::size_t left = 0, passed = 0, arrived = 0, was_free = 0, has_come = 0;
+  std::size_t left = 0, passed = 0, arrived = 0, has_come = 0;
   for (const Eigen::Vector3f& point : entry.first_points) {
     const GridIndex<3> cell = grid.indexOf(point);
     const bool is_now = std::find(cells.begin(), cells.end(), cell) != cells.end();
@@ -193,12 +194,11 @@ bool CloudTrackList::hasMoved(const Entry& entry, const CloudObject& object,
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const MovingVoxel& voxel = voxels[object.voxels[i]];
     if (grid.cameAfter(cells[i], entry.first_time)) ++arrived;
-    if (voxel.was_free) ++was_free;
     if (voxel.has_come) ++has_come;
   }
   const bool is_shown_by_beams =
       2 * has_come > cells.size() || 2 * passed > entry.first_points.size();
-  return left > 0 && 2 * was_free > cells.size() && 2 * arrived > cells.size() && is_shown_by_beams;
+  return left > 0 && 2 * arrived > cells.size() && is_shown_by_beams;
 }
 
 void CloudTrackList::miss(Entry& entry, const PhdFilter<7, 3>& filter,

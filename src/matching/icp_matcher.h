@@ -30,7 +30,7 @@ class IcpMatcher : public Matcher {
     Points few;                ///< some of the points, for the coarse stages
     Eigen::AlignedBox2f area;  ///< hits outside this area get no partner
     /// All reference points within reach of the area.
-    std::shared_ptr<const NearestPoints> reference;
+    std::shared_ptr<const WallPoints> reference;
   };
   /// A local optimum and its score.
   struct Candidate {

@@ -45,7 +45,22 @@ Eigen::Vector2f normalAt(const std::vector<Eigen::Vector2f>& hits, std::size_t i
   return normalOf(sxx / n - sx * sx, sxy / n - sx * sy, syy / n - sy * sy);
 }
 
+std::vector<Eigen::Vector2f> positionsOf(const std::vector<WallPoint>& points) {
+  std::vector<Eigen::Vector2f> positions;
+  positions.reserve(points.size());
+  for (const WallPoint& point : points) positions.push_back(point.position);
+  return positions;
+}
+
 }  // namespace
+
+WallPoints::WallPoints(std::vector<WallPoint> points)
+    : points_(std::move(points)), tree_(positionsOf(points_)) {}
+
+const WallPoint* WallPoints::nearest(const Eigen::Vector2f& place, float reach_m) const {
+  const std::optional<std::size_t> number = tree_.nearest(place, reach_m);
+  return number ? &points_[*number] : nullptr;
+}
 
 std::vector<WallPoint> surfacePoints(const Submap& map, const Eigen::AlignedBox2f& area) {
   const std::vector<Surfel> surfels = map.surface().surfelsIn(area);
@@ -74,15 +89,15 @@ std::vector<WallPoint> lastScanPoints(const Submap& map, std::size_t scans) {
   return points;
 }
 
-std::shared_ptr<const NearestPoints> IcpReference::around(const Submap& map,
-                                                          const Eigen::AlignedBox2f& area) const {
+std::shared_ptr<const WallPoints> IcpReference::around(const Submap& map,
+                                                       const Eigen::AlignedBox2f& area) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (revision_ == map.revision() && (last_scans_ != 0 || area_.contains(area))) return points_;
   const Eigen::Vector2f spare = Eigen::Vector2f::Constant(kSpareM);
   area_ = Eigen::AlignedBox2f(area.min() - spare, area.max() + spare);
   revision_ = map.revision();
-  points_ = std::make_shared<NearestPoints>(last_scans_ != 0 ? lastScanPoints(map, last_scans_)
-                                                             : surfacePoints(map, area_));
+  points_ = std::make_shared<WallPoints>(last_scans_ != 0 ? lastScanPoints(map, last_scans_)
+                                                          : surfacePoints(map, area_));
   return points_;
 }
 

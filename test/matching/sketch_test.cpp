@@ -17,8 +17,8 @@
 namespace kestrel {
 namespace {
 
-constexpr std::int64_t kAllWork = 1'000'000'000;
-const Pose2 kTruth(0.3, -0.2, 0.4);
+constexpr std::int64_t kSketchWork = 1'000'000'000;
+const Pose2 kSketchTruth(0.3, -0.2, 0.4);
 
 Points sampleAt(const Pose2& pose) { return sampled(hitsOf(room::scanFrom(pose)), kSketchPoints); }
 
@@ -26,23 +26,24 @@ Points sampleAt(const Pose2& pose) { return sampled(hitsOf(room::scanFrom(pose))
 std::vector<Pose2> hypotheses(int count, int right) {
   std::vector<Pose2> poses;
   for (int i = 0; i < count; ++i) {
-    const double yaw = kTruth.yaw + 0.7 + 0.15 * i;
-    poses.emplace_back(kTruth.x + 0.6 * std::cos(2.0 * i), kTruth.y + 0.6 * std::sin(2.0 * i), yaw);
+    const double yaw = kSketchTruth.yaw + 0.7 + 0.15 * i;
+    poses.emplace_back(kSketchTruth.x + 0.6 * std::cos(2.0 * i),
+                       kSketchTruth.y + 0.6 * std::sin(2.0 * i), yaw);
   }
-  poses[static_cast<std::size_t>(right)] = kTruth * Pose2(0.15, -0.1, 0.05);
+  poses[static_cast<std::size_t>(right)] = kSketchTruth * Pose2(0.15, -0.1, 0.05);
   return poses;
 }
 
 bool isAtTruth(const Pose2& pose) {
-  const Pose2 error = kTruth.inverse() * pose;
+  const Pose2 error = kSketchTruth.inverse() * pose;
   return error.distance() < 0.03 && std::abs(error.yaw) < 0.02;
 }
 
 TEST(Sketch, TheRightHypothesisIsInTheHalfThatGoesOn) {
   const Submap map = room::map();
-  const Points sample = sampleAt(kTruth);
+  const Points sample = sampleAt(kSketchTruth);
   for (int right = 0; right < 32; ++right) {
-    WorkBudget budget(kAllWork);
+    WorkBudget budget(kSketchWork);
     const std::vector<Pose2> poses =
         sketches(map.surface(), sample, hypotheses(32, right), 4, budget);
     EXPECT_EQ(poses.size(), 16U);
@@ -52,15 +53,16 @@ TEST(Sketch, TheRightHypothesisIsInTheHalfThatGoesOn) {
 
 TEST(Sketch, FewHypothesesAllGoOn) {
   const Submap map = room::map();
-  WorkBudget budget(kAllWork);
-  EXPECT_EQ(sketches(map.surface(), sampleAt(kTruth), hypotheses(4, 1), 4, budget).size(), 4U);
-  EXPECT_TRUE(sketches(map.surface(), sampleAt(kTruth), {}, 4, budget).empty());
+  WorkBudget budget(kSketchWork);
+  EXPECT_EQ(sketches(map.surface(), sampleAt(kSketchTruth), hypotheses(4, 1), 4, budget).size(),
+            4U);
+  EXPECT_TRUE(sketches(map.surface(), sampleAt(kSketchTruth), {}, 4, budget).empty());
 }
 
 TEST(Sketch, TheBudgetLimitsTheHypotheses) {
   const Submap map = room::map();
-  const Points sample = sampleAt(kTruth);
-  WorkBudget whole(kAllWork);
+  const Points sample = sampleAt(kSketchTruth);
+  WorkBudget whole(kSketchWork);
   sketches(map.surface(), sample, hypotheses(1, 0), 4, whole);
   WorkBudget budget(3 * whole.used());
   EXPECT_EQ(sketches(map.surface(), sample, hypotheses(32, 0), 4, budget).size(), 3U);
@@ -68,9 +70,9 @@ TEST(Sketch, TheBudgetLimitsTheHypotheses) {
 
 TEST(Sketch, PointsThatAreNotFiniteChangeNothing) {
   const Submap map = room::map();
-  Points sample = sampleAt(kTruth);
+  Points sample = sampleAt(kSketchTruth);
   sample.front().x() = std::numeric_limits<float>::quiet_NaN();
-  WorkBudget budget(kAllWork);
+  WorkBudget budget(kSketchWork);
   for (const Pose2& pose : sketches(map.surface(), sample, hypotheses(8, 2), 4, budget))
     EXPECT_TRUE(std::isfinite(pose.x) && std::isfinite(pose.yaw));
 }

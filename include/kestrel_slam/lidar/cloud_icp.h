@@ -3,9 +3,9 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
-#include <memory>
 #include <vector>
 
+#include "kestrel_slam/geometry/nearest_points.h"
 #include "kestrel_slam/lidar/surface_map.h"
 
 namespace kestrel {
@@ -47,7 +47,6 @@ class CloudIcp {
  public:
   explicit CloudIcp(const std::vector<SurfaceCell>& cells,
                     const CloudIcpConfig& config = CloudIcpConfig());
-  ~CloudIcp();
 
   /// `points`: in the frame of the lidar.
   CloudIcpResult align(const std::vector<Eigen::Vector3d>& points,
@@ -59,7 +58,6 @@ class CloudIcp {
                         double radius) const;
 
  private:
-  struct Tree;
   struct Pair;
   using Pairs = std::vector<Pair>;
   using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -75,7 +73,8 @@ class CloudIcp {
   Vector6 step(const Pairs& pairs, const Vector6& from_guess, const Eigen::Vector3d& center) const;
 
   CloudIcpConfig config_;
-  std::unique_ptr<Tree> tree_;
+  std::vector<SurfaceCell> cells_;
+  NearestPoints<3> means_;  ///< of the cells
 };
 
 }  // namespace kestrel

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "kestrel_slam/matching/nearest_points.h"
+#include "kestrel_slam/geometry/nearest_points.h"
 
 #include <nanoflann.hpp>
 
@@ -7,12 +7,13 @@ namespace kestrel {
 namespace {
 
 /// The interface that nanoflann needs.
+template <int D>
 struct Cloud {
-  std::vector<WallPoint> points;
+  std::vector<Eigen::Matrix<float, D, 1>> points;
 
   std::size_t kdtree_get_point_count() const { return points.size(); }
   float kdtree_get_pt(std::size_t index, std::size_t dimension) const {
-    return points[index].position[static_cast<Eigen::Index>(dimension)];
+    return points[index][static_cast<Eigen::Index>(dimension)];
   }
   template <typename Box>
   bool kdtree_get_bbox(Box&) const {
@@ -42,36 +43,46 @@ struct NearestWithin {
   void sort() const {}
 };
 
-using Metric = nanoflann::L2_Simple_Adaptor<float, Cloud>;
-using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, Cloud, 2>;
-
 /// Points per leaf. The fastest of 4 to 32 for the pairs of a scan.
 constexpr std::size_t kLeafSize = 10;
 
 }  // namespace
 
-struct NearestPoints::Tree {
-  explicit Tree(std::vector<WallPoint> points)
-      : cloud{std::move(points)}, index(2, cloud, {kLeafSize}) {
+template <int D>
+struct NearestPoints<D>::Tree {
+  explicit Tree(std::vector<Point> points)
+      : cloud{std::move(points)}, index(D, cloud, {kLeafSize}) {
 #if NANOFLANN_VERSION < 0x140  // the constructor of 1.3 (Ubuntu 20.04) does not build the tree
     index.buildIndex();
 #endif
   }
 
-  Cloud cloud;
-  Index index;
+  Cloud<D> cloud;
+  nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud<D>>, Cloud<D>, D>
+      index;
 };
 
-NearestPoints::NearestPoints(std::vector<WallPoint> points)
+template <int D>
+NearestPoints<D>::NearestPoints(std::vector<Point> points)
     : tree_(std::make_unique<Tree>(std::move(points))) {}
-NearestPoints::~NearestPoints() = default;
 
-const WallPoint* NearestPoints::nearest(const Eigen::Vector2f& place, float reach_m) const {
+template <int D>
+NearestPoints<D>::~NearestPoints() = default;
+
+template <int D>
+std::optional<std::size_t> NearestPoints<D>::nearest(const Point& place, float reach_m) const {
   NearestWithin result{reach_m * reach_m};
   tree_->index.radiusSearchCustomCallback(place.data(), result);
-  return result.empty() ? nullptr : &tree_->cloud.points[result.index];
+  if (result.empty()) return std::nullopt;
+  return result.index;
 }
 
-std::size_t NearestPoints::size() const { return tree_->cloud.points.size(); }
+template <int D>
+std::size_t NearestPoints<D>::size() const {
+  return tree_->cloud.points.size();
+}
+
+template class NearestPoints<2>;
+template class NearestPoints<3>;
 
 }  // namespace kestrel
