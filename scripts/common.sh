@@ -133,6 +133,39 @@ build_or_die() {
   fi
 }
 
+# print_table SCRIPT FOLDER TARGETS OPTION...: builds the programs for a table of results and prints
+# it. TARGETS: those of the core, in one word; `ros`: the whole package, whose programs read bags.
+# With --build DIR or --list among the options, nothing is built.
+print_table() {
+  local script=$1 folder=$2 targets=$3 programs=$BUILD/core
+  shift 3
+  [ "$targets" != ros ] || programs=$WORKSPACE/install/lib/kestrel_slam
+  case " $* " in
+  *" --list "* | *" --build "*) ;;
+  *)
+    if [ "$targets" = ros ]; then
+      "$ROOT/scripts/build" >&2
+    else
+      build_targets "$targets"
+    fi
+    ;;
+  esac
+  exec /usr/bin/python3 "$ROOT/scripts/$script" --build "$programs" \
+    --data "${KESTREL_DATA:-$ROOT/../shared/data}" --output "$ROOT/out/$folder" "$@"
+}
+
+# build_targets TARGETS: builds programs of the core, without ROS.
+build_targets() {
+  "$ROOT/scripts/setup" --tests >&2
+  say "building" >&2
+  mkdir -p "$BUILD/log"
+  # shellcheck disable=SC2086
+  { cmake -S "$ROOT" -B "$BUILD/core" -DKESTREL_WITH_ROS=OFF -DCMAKE_BUILD_TYPE=Release &&
+    cmake --build "$BUILD/core" -j "$(job_count)" --target $1; } \
+    >"$BUILD/log/benchmark_build.log" 2>&1 ||
+    { tail -n 30 "$BUILD/log/benchmark_build.log"; exit 1; }
+}
+
 # Enters the environment of the installed package and adds its tools to PATH. It does not use
 # `devel`, because rosrun would then search the clone and find the programs in .build twice.
 enter_workspace() {

@@ -2,17 +2,17 @@
 """robustness_table.py --build DIR --data DIR --output DIR [--only TEXT] [--quick] [--seeds N]:
 maps recordings and simulated flights with default parameters, and prints a table of goals and
 values. scripts/benchmark_robustness calls it."""
-import argparse
 import csv
 import json
 import math
-import os
 import statistics
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import benchmark_table
+import goal_table
+from goal_table import percent, row
 
 # Logs with about one scan per meter. Their reference is a particle filter's.
 INDOORS = ["acapulco", "fhw", "freiburg-101", "belgioioso"]
@@ -53,7 +53,6 @@ class Benchmark:
         self.build, self.data, self.output = arguments.build, arguments.data, arguments.output
         self.seeds = arguments.seeds
         self.pool = ThreadPoolExecutor(arguments.jobs)
-        os.makedirs(self.output, exist_ok=True)
 
     def map(self, recording, name, *options):
         """Maps a recording and returns the folder with its files."""
@@ -91,14 +90,6 @@ class Benchmark:
 
     def at_once(self, function, items):
         return list(self.pool.map(function, items))
-
-
-def percent(part, whole):
-    return f"{100.0 * part / whole:.1f} %" if whole else "-"
-
-
-def row(measure, goal, value, is_reached):
-    benchmark_table.row([measure, goal, value, "yes" if is_reached else "**no**"])
 
 
 def with_odometry(bench):
@@ -283,38 +274,5 @@ GROUPS = {
 }
 
 
-def parse_arguments():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--build", required=True)
-    parser.add_argument("--data", required=True)
-    parser.add_argument("--output", required=True)
-    parser.add_argument("--only", action="append", default=[])
-    parser.add_argument("--list", action="store_true")
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    return parser.parse_args()
-
-
-def is_chosen(name, is_slow, arguments):
-    if arguments.only:
-        return any(text in name for text in arguments.only)
-    return not (arguments.quick and is_slow)
-
-
-def main():
-    arguments = parse_arguments()
-    chosen = {name: function for name, (function, is_slow) in GROUPS.items()
-              if is_chosen(name, is_slow, arguments)}
-    if arguments.list:
-        for name in chosen:
-            print(name + (" (slow)" if GROUPS[name][1] else ""))
-        return
-    bench = Benchmark(arguments)
-    benchmark_table.header(["measure", "goal", "value", "reached"])
-    for function in chosen.values():
-        function(bench)
-
-
 if __name__ == "__main__":
-    main()
+    goal_table.run(__doc__, GROUPS, Benchmark, {"seeds": 10})

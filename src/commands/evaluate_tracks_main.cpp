@@ -16,7 +16,8 @@ namespace kestrel {
 namespace {
 
 struct Options {
-  std::string folder, truth, topic, sensor_topic, json, kitti_calibration;
+  std::string folder, truth, sensor_topic, json, kitti_calibration;
+  std::vector<std::string> topics;
   std::vector<double> sensor_pose, bearings;
   double stamp_offset = 0.0;
   TrackEvaluationOptions evaluation;
@@ -81,7 +82,7 @@ void run(Options& options) {
   const Trajectory path = readTum((folder / "odom_trajectory.tum").string());
   std::vector<TrueObject> truth =
       options.kitti_calibration.empty()
-          ? readTrueObjects(options.truth, options.topic, options.sensor_topic)
+          ? readTrueObjects(options.truth, options.topics, options.sensor_topic)
           : kittiObjects(options, path);
   for (TrueObject& object : truth) object.stamp += options.stamp_offset;
   const TrackEvaluation result =
@@ -115,8 +116,10 @@ int main(int argc, char** argv) {
                  "rosbag with leg_tracker/Person messages or motion capture, or a text file with "
                  "lines stamp,id,x,y in the frame of the sensor")
       ->required();
-  app.add_option("--topic", options.topic,
-                 "bags: topic of the people or of the poses of an object");
+  app.add_option("--topic", options.topics,
+                 "bags: topic of the people or of the poses of an object; once for each object")
+      ->take_all()
+      ->allow_extra_args(false);
   app.add_option("--sensor-topic", options.sensor_topic,
                  "bags with motion capture: topic of the poses of the sensor");
   app.add_option(

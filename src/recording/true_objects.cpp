@@ -45,7 +45,7 @@ std::vector<TrueObject> readText(const std::string& path) {
 }
 
 /// Poses of the object in the frame of the sensor.
-std::vector<TrueObject> relativeTo(const Trajectory& sensor, const Trajectory& object) {
+std::vector<TrueObject> relativeTo(const Trajectory& sensor, const Trajectory& object, long id) {
   std::vector<TrueObject> objects;
   for (const StampedPose& pose : object) {
     const auto next =
@@ -57,26 +57,49 @@ std::vector<TrueObject> relativeTo(const Trajectory& sensor, const Trajectory& o
     const double span = next->stamp - last->stamp;
     const double share = span > 0.0 ? (pose.stamp - last->stamp) / span : 0.0;
     const Pose2 at = interpolate(last->pose, next->pose, share);
-    objects.push_back({pose.stamp, 1, at.inverse() * pose.pose.translation()});
+    objects.push_back({pose.stamp, id, at.inverse() * pose.pose.translation()});
   }
   return objects;
 }
 
+std::vector<TrueObject> readCaptured(const std::string& path,
+                                     const std::vector<std::string>& topics,
+                                     const std::string& sensor_topic) {
+  if (topics.empty())
+    throw std::runtime_error(path + ": a topic of the poses of an object is needed");
+  const Trajectory sensor = readReference(path, sensor_topic);
+  std::vector<TrueObject> objects;
+  for (std::size_t i = 0; i < topics.size(); ++i) {
+    const auto poses = relativeTo(sensor, readReference(path, topics[i]), static_cast<long>(i) + 1);
+    objects.insert(objects.end(), poses.begin(), poses.end());
+  }
+  return objects;
+}
+
+std::vector<TrueObject> readPeople(const std::string& path,
+                                   const std::vector<std::string>& topics) {
+  if (topics.size() > 1) {
+    throw std::runtime_error(path + ": several topics need one with the poses of the sensor");
+  }
+#ifdef KESTREL_WITH_ROS
+  return readBagPeople(path, topics.empty() ? "" : topics.front());
+#else
+  throw std::runtime_error(path + ": this build has no ROS and cannot read a rosbag");
+#endif
+}
+
 }  // namespace
 
-std::vector<TrueObject> readTrueObjects(const std::string& path, const std::string& topic,
+std::vector<TrueObject> readTrueObjects(const std::string& path,
+                                        const std::vector<std::string>& topics,
                                         const std::string& sensor_topic) {
   std::vector<TrueObject> objects;
   if (!isBag(path)) {
     objects = readText(path);
   } else if (!sensor_topic.empty()) {
-    objects = relativeTo(readReference(path, sensor_topic), readReference(path, topic));
+    objects = readCaptured(path, topics, sensor_topic);
   } else {
-#ifdef KESTREL_WITH_ROS
-    objects = readBagPeople(path, topic);
-#else
-    throw std::runtime_error(path + ": this build has no ROS and cannot read a rosbag");
-#endif
+    objects = readPeople(path, topics);
   }
   if (objects.empty()) throw std::runtime_error(path + ": has no true positions");
   std::stable_sort(objects.begin(), objects.end(),

@@ -19,11 +19,13 @@ struct TrueObject {
 /// Reads true positions, sorted by stamp.
 ///
 /// A text file has lines `stamp,id,x,y` (x and y in the frame of the sensor; other columns are
-/// ignored). Of a rosbag, `topic` is read: leg_tracker/Person (positions in the frame of the
-/// sensor; the stamp is the time of recording), or a topic of poses (PoseStamped and the like) of
-/// one object, which are taken relative to the pose of the sensor on `sensor_topic`. Empty: the
-/// only topic of persons. Throws std::runtime_error with the file and the error.
-std::vector<TrueObject> readTrueObjects(const std::string& path, const std::string& topic,
+/// ignored). Of a rosbag, with a `sensor_topic`, each of `topics` has the poses (PoseStamped and
+/// the like) of one object, which are taken relative to the pose of the sensor; the objects are
+/// numbered from 1. Without a `sensor_topic`, the one of `topics` has leg_tracker/Person (positions
+/// in the frame of the sensor); none: the only topic of persons. Throws std::runtime_error with the
+/// file and the error.
+std::vector<TrueObject> readTrueObjects(const std::string& path,
+                                        const std::vector<std::string>& topics,
                                         const std::string& sensor_topic);
 
 }  // namespace kestrel
