@@ -109,7 +109,7 @@ def phd_filter(bench):
 
 def wheelchair(bench):
     recording = "moving/people_wheelchair.bag"
-    folder = bench.track(recording, "wheelchair", "--odometry", "use")
+    folder = bench.track(recording, "wheelchair")
     result = bench.evaluate(folder, recording, "--sensor-pose", "0.850326,0.235214,42.1",
                             "--bearings=-90,20")
     for name, goal in [("all", 0.30), ("moving", 0.55)]:
