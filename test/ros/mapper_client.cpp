@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapper_client.h"
 
-#include <ros/callback_queue.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -104,7 +102,7 @@ Pose2 poseOf(const geometry_msgs::Transform& message) {
 }
 
 MapperClient::MapperClient(const std::string& ns)
-    : nh(ns), connections_(nh), mapper_name_(ns.empty() ? "mapper" : ns + "/mapper") {
+    : NodeWatcher(ns.empty() ? "mapper" : ns + "/mapper"), nh(ns), connections_(nh) {
   scan_publisher_ = nh.advertise<sensor_msgs::LaserScan>("scan", kQueue);
   const boost::function<void(const geometry_msgs::PoseStamped&)> on_pose =
       [this](const geometry_msgs::PoseStamped& message) {
@@ -118,20 +116,8 @@ MapperClient::MapperClient(const std::string& ns)
       keepLast(nh, "map_metadata", metadata),
       keepLast(nh, "trajectory", trajectory),
       keepLast(nh, "slam_cloud", cloud),
-      nh.subscribe("/tf", kQueue, &MapperClient::onTransforms, this),
       nh.subscribe("/tf_static", kQueue, &MapperClient::onTransforms, this),
-      nh.subscribe("/diagnostics", kQueue, &MapperClient::onDiagnostics, this),
   };
-}
-
-bool MapperClient::waitFor(const std::function<bool()>& condition, double timeout_s) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(timeout_s);
-  while (ros::ok()) {
-    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.002));
-    if (condition()) return true;
-    if (ros::WallTime::now() > end) return false;
-  }
-  return false;
 }
 
 bool MapperClient::connect(std::size_t nodes) {
@@ -147,32 +133,6 @@ std::optional<Pose2> MapperClient::match(const sensor_msgs::LaserScan& scan, dou
   };
   if (!waitFor(matched, timeout_s)) return std::nullopt;
   return poseOf(pose.pose);
-}
-
-std::map<std::string, std::string> MapperClient::report(const std::string& item) {
-  diagnostics_.clear();
-  waitFor([&] { return diagnostics_.count(item) > 0; });
-  return diagnostics_[item];
-}
-
-void MapperClient::onTransforms(const tf2_msgs::TFMessage& message) {
-  for (const geometry_msgs::TransformStamped& transform : message.transforms) {
-    transforms[transform.child_frame_id] = transform;
-    parents[transform.child_frame_id].insert(transform.header.frame_id);
-  }
-}
-
-/// Items are named "<node>: <item>".
-void MapperClient::onDiagnostics(const diagnostic_msgs::DiagnosticArray& message) {
-  const std::string prefix = mapper_name_ + ": ";
-  for (const diagnostic_msgs::DiagnosticStatus& status : message.status) {
-    if (status.name.compare(0, prefix.size(), prefix) != 0) continue;
-    auto& item = diagnostics_[status.name.substr(prefix.size())];
-    item.clear();
-    item["level"] = std::to_string(static_cast<int>(status.level));
-    item["message"] = status.message;
-    for (const diagnostic_msgs::KeyValue& pair : status.values) item[pair.key] = pair.value;
-  }
 }
 
 }  // namespace kestrel

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <diagnostic_msgs/DiagnosticArray.h>
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <nav_msgs/OccupancyGrid.h>
@@ -9,20 +8,17 @@
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/PointCloud2.h>
-#include <tf2_msgs/TFMessage.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <tf2_ros/transform_broadcaster.h>
 
-#include <functional>
-#include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/sensor/laser_scan.h"
 #include "kestrel_slam/simulation/world.h"
+#include "node_watcher.h"
 #include "topic_nodes.h"
 
 namespace kestrel {
@@ -60,14 +56,11 @@ Pose2 poseOf(const geometry_msgs::Pose& message);
 Pose2 poseOf(const geometry_msgs::Transform& message);
 
 /// Simulates the rest of the robot: publishes scans and tf, and subscribes to all outputs of the
-/// node.
-class MapperClient {
+/// node. The items of its reports are "Scans", "Match" and "Map".
+class MapperClient : public NodeWatcher {
  public:
   /// `ns`: the namespace of the mapper, "" for the root.
   explicit MapperClient(const std::string& ns = "");
-
-  /// Runs callbacks until `condition` is true. Returns false after `timeout_s` of wall time.
-  bool waitFor(const std::function<bool()>& condition, double timeout_s = 5.0);
 
   /// Waits until the mapper, and so many nodes in all, subscribe to the scans.
   bool connect(std::size_t nodes = 1);
@@ -83,15 +76,6 @@ class MapperClient {
   /// Publishes a scan and waits for its pose.
   std::optional<Pose2> match(const sensor_msgs::LaserScan& scan, double timeout_s = 5.0);
 
-  /// The next report of a diagnostics item ("Scans", "Match", "Map") by key; "level" and "message"
-  /// are the level and the message of the item. Empty if none comes.
-  std::map<std::string, std::string> report(const std::string& item);
-
-  /// One value of the next report; empty if it is missing.
-  std::string diagnosis(const std::string& item, const std::string& key) {
-    return report(item)[key];
-  }
-
   ros::NodeHandle nh;
   tf2_ros::StaticTransformBroadcaster static_broadcaster;
   tf2_ros::TransformBroadcaster broadcaster;
@@ -103,18 +87,11 @@ class MapperClient {
   nav_msgs::MapMetaData metadata;
   nav_msgs::Path trajectory;
   sensor_msgs::PointCloud2 cloud;
-  std::map<std::string, geometry_msgs::TransformStamped> transforms;  ///< last one, by child
-  std::map<std::string, std::set<std::string>> parents;               ///< of every child
 
  private:
-  void onTransforms(const tf2_msgs::TFMessage& message);
-  void onDiagnostics(const diagnostic_msgs::DiagnosticArray& message);
-
   TransformConnections connections_;
-  std::string mapper_name_;
   ros::Publisher scan_publisher_;
   std::vector<ros::Subscriber> subscribers_;
-  std::map<std::string, std::map<std::string, std::string>> diagnostics_;
 };
 
 }  // namespace kestrel

@@ -32,6 +32,11 @@ std::map<std::string, std::string> NodeWatcher::report(const std::string& item) 
   return diagnostics_[item];
 }
 
+geometry_msgs::TransformStamped NodeWatcher::lastTransform(const std::string& child) const {
+  const auto known = transforms.find(child);
+  return known == transforms.end() ? geometry_msgs::TransformStamped() : known->second.back();
+}
+
 void NodeWatcher::onTransforms(const tf2_msgs::TFMessage& message) {
   for (const geometry_msgs::TransformStamped& transform : message.transforms) {
     transforms[transform.child_frame_id].push_back(transform);

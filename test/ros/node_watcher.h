@@ -37,11 +37,16 @@ class NodeWatcher {
     return report(item)[key];
   }
 
+  /// The last transform of a child; empty if there is none.
+  geometry_msgs::TransformStamped lastTransform(const std::string& child) const;
+
   std::map<std::string, std::vector<geometry_msgs::TransformStamped>> transforms;  ///< by child
   std::map<std::string, std::set<std::string>> parents;                            ///< by child
 
- private:
+ protected:
   void onTransforms(const tf2_msgs::TFMessage& message);
+
+ private:
   void onDiagnostics(const diagnostic_msgs::DiagnosticArray& message);
 
   std::string prefix_;

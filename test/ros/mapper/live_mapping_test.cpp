@@ -120,14 +120,14 @@ TEST_F(LiveMapping, StampsAndFramesMatchTheScans) {
 
 TEST_F(LiveMapping, TfHasOneParentAndEqualsThePose) {
   ASSERT_TRUE(client_->waitFor([] {
-    return client_->transforms["base_link"].header.stamp == ros::Time(lastScan().scan.stamp);
+    return client_->lastTransform("base_link").header.stamp == ros::Time(lastScan().scan.stamp);
   }));
   const std::set<std::string> map{"map"};
   EXPECT_EQ(client_->parents["base_link"], map);
   EXPECT_EQ(client_->parents["scanmatcher_frame"], map);
   EXPECT_EQ(client_->parents.count("odom"), 0U);
-  EXPECT_TRUE(poseOf(client_->transforms["base_link"].transform) == poses_.back());
-  EXPECT_TRUE(poseOf(client_->transforms["scanmatcher_frame"].transform) == poses_.back());
+  EXPECT_TRUE(poseOf(client_->lastTransform("base_link").transform) == poses_.back());
+  EXPECT_TRUE(poseOf(client_->lastTransform("scanmatcher_frame").transform) == poses_.back());
 }
 
 TEST_F(LiveMapping, CovarianceIsPositiveDefinite) {

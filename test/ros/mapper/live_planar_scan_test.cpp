@@ -105,7 +105,7 @@ TEST_F(LivePlanarScan, NeedsNoTransformOfTheLaser) {
   EXPECT_EQ(client.diagnosis("Scans", "received"), client.diagnosis("Scans", "used"));
   EXPECT_GT(planar_->flight.truth(next_ - 1).distance(), 1.0) << "the vehicle must move";
   EXPECT_EQ(client.parents["base_footprint"], std::set<std::string>{"map"});
-  EXPECT_TRUE(poseOf(client.transforms["base_footprint"].transform) == poseOf(client.pose.pose));
+  EXPECT_TRUE(poseOf(client.lastTransform("base_footprint").transform) == poseOf(client.pose.pose));
 }
 
 TEST_F(LivePlanarScan, AShortArrayIsCounted) {
@@ -172,7 +172,7 @@ TEST(LivePlanarScanWithOdometry, WaitsForTheOdometryOfTheBase) {
   }
   const Pose2 error = planar.flight.truth(49).inverse() * poseOf(client.pose.pose);
   EXPECT_LT(error.distance(), kLimit_m);
-  const Pose2 map_T_odom = poseOf(client.transforms["odometry_odom"].transform);
+  const Pose2 map_T_odom = poseOf(client.lastTransform("odometry_odom").transform);
   EXPECT_LT((map_T_odom * odom_T_start).distance(), kLimit_m);
   EXPECT_EQ(client.parents["odometry_odom"], std::set<std::string>{"map"});
   EXPECT_EQ(client.parents["odometry_base"], std::set<std::string>{"odometry_odom"});

@@ -120,10 +120,10 @@ TEST(LiveTransforms, OdometryGetsTheCorrection) {
   expectNear(pose, flight.truth(last));
 
   const ros::Time dated = ros::Time(flight.scans[last].scan.stamp) + ros::Duration(0.1);
-  ASSERT_TRUE(client.waitFor([&] { return client.transforms["odom"].header.stamp == dated; }));
+  ASSERT_TRUE(client.waitFor([&] { return client.lastTransform("odom").header.stamp == dated; }));
   EXPECT_EQ(client.parents["odom"], std::set<std::string>{"map"});
   EXPECT_EQ(client.parents["odom_base"], std::set<std::string>{"odom"});
-  const Pose2 map_T_odom = poseOf(client.transforms["odom"].transform);
+  const Pose2 map_T_odom = poseOf(client.lastTransform("odom").transform);
   const Pose2 difference = (map_T_odom * odometry.odom_T_base(last)).inverse() * *pose;
   EXPECT_LT(difference.distance(), 1e-9);
   EXPECT_LT(std::abs(difference.yaw), 1e-9);
