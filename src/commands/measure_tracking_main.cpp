@@ -32,8 +32,9 @@ std::size_t foundInTime(const PhdScenarioSummary& summary, std::size_t target) {
 
 PhdScenarioSummary printRow(const char* name, const PhdScenario& scenario, std::size_t runs) {
   const PhdScenarioSummary s = summarizeScenario(scenario, runs);
-  std::printf("| %s | %zu | %.2f | %.2f | %.2f | %.1f to %.1f | %.2f | %+.2f |\n", name, s.runs,
-              s.ospa, s.localization, s.cardinality, s.best, s.worst, s.sigma, s.count_bias);
+  std::printf("| %s | %zu | %.2f | %.2f | %.2f | %.1f to %.1f | %.2f | %+.2f | %.1f |\n", name,
+              s.runs, s.ospa, s.localization, s.cardinality, s.best, s.worst, s.sigma, s.count_bias,
+              s.foundAfter());
   std::fflush(stdout);
   return s;
 }
@@ -73,7 +74,7 @@ void runWalkers(const Options& options) {
 void runFilter(const Options& options) {
   std::puts(
       "| PHD filter | runs | OSPA, m | localization | cardinality | single runs | sigma | bias of "
-      "the number |\n|---|---|---|---|---|---|---|---|");
+      "the number | found after, scans |\n|---|---|---|---|---|---|---|---|---|");
   PhdScenario scenario = standardScenario();
   printRow("standard births, heavy components", scenario, options.runs);
   scenario.labeled = true;

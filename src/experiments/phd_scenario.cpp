@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kestrel_slam/evaluation/consistency.h"
 #include "kestrel_slam/evaluation/tracking_metrics.h"
 #include "kestrel_slam/geometry/random.h"
 
@@ -125,12 +126,6 @@ void noteFound(const PhdScenario& scenario, int scan, const PointSet& estimate,
   }
 }
 
-double meanOf(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
-}
-
 void append(const PhdScenarioRun& run, PhdScenarioSummary& summary) {
   const double n = static_cast<double>(++summary.runs), mean = meanOf(run.ospa);
   const double step = mean - summary.ospa;
@@ -207,6 +202,16 @@ PhdScenarioRun runScenario(const PhdScenario& scenario, std::uint64_t seed) {
     run.most_components = std::max(run.most_components, filter.components().size());
   }
   return run;
+}
+
+double PhdScenarioSummary::foundAfter() const {
+  std::vector<double> scans;
+  for (const PhdScenarioRun& run : single) {
+    for (const int after : run.found_after) {
+      if (after >= 0) scans.push_back(after);
+    }
+  }
+  return meanOf(scans);
 }
 
 PhdScenarioSummary summarizeScenario(const PhdScenario& scenario, std::size_t runs) {

@@ -62,6 +62,9 @@ struct PhdScenarioSummary {
   double sigma = 0.0;                                        ///< of the single runs, m
   double count_bias = 0.0;
   std::vector<PhdScenarioRun> single;
+
+  /// Mean of the scans after which a target was found, over all that were.
+  double foundAfter() const;
 };
 
 PhdScenarioSummary summarizeScenario(const PhdScenario& scenario, std::size_t runs);
