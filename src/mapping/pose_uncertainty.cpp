@@ -216,7 +216,7 @@ void PoseUncertainty::carry(const Pose2& predicted, const PredictionError& error
   predict(predicted, {error.position_m(), error.position_m(), error.yaw_rad()});
 }
 
-/// The matches agree with each other, so the motion between them has the same error.
+/// The motion since the last scan has the error, too: that scan may have been right.
 void PoseUncertainty::doubt(const PredictionError& error) {
   const Eigen::Vector2d variance = Eigen::Vector2d::Constant(square(error.position_m()));
   last_.match_covariance.diagonal().head<2>() += variance;
