@@ -121,7 +121,8 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   const PredictionSource prediction_source = motion.predictionSourceOf(scan, odom_T_base);
   const std::optional<Pose2> motion_prediction =
       motion.motionPrediction(request, scan, odom_T_base);
-  result.match = matcher->match(map.current(), request);
+  growDoubt(scan);
+  result.match = matchInDoubt(request);
   if (motion_prediction)
     compareAlong(points, scan, *motion_prediction, prediction_source, error, result.match);
   result.match.impossible_motion = prediction_source == PredictionSource::kVelocity &&
@@ -164,6 +165,7 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   } else {
     uncertainty.update(map.current().surface(), points, result.match, motion.secondsSince(scan),
                        moved, prediction_source);
+    if (doubt) uncertainty.doubt(*doubt);
   }
 }
 
@@ -178,6 +180,7 @@ void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResu
       result.state != MatchState::kLost && (!result.carried || has_odometry || result.followed);
   const bool moved = first || map.lacks(scan.source) || movedEnough();
   if (!known_pose || !accepted || !moved || isRepeated(result)) return;
+  if (doubt && contradictsMap(result.match)) return;
   // Without an IMU the laser is level and always sees the same slice: a new object is moving or was
   // moved, and is not a new view.
   const bool new_view =
@@ -280,6 +283,7 @@ void Mapper::setPose(const Pose2& map_T_base) {
   state_->laser_odometry.stop();
   state_->motion_check.clear();
   state_->unsettled_scans = 0;
+  state_->doubt.reset();
 }
 
 void Mapper::setFoundPose(const Pose2& map_T_base, const Mapper& measured) {

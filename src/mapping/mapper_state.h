@@ -48,6 +48,9 @@ struct Mapper::State {
   std::deque<Pose2> inserted_poses;  ///< of the last inserted scans
   PoseUncertainty uncertainty;
   int unsettled_scans = 0;  ///< scans that have to fit before the state is ok again
+  /// Error of the position since an impossible motion, until the state is ok again. In this time
+  /// the scans may be matched with something that moves, like the floor that a tilted laser sees.
+  std::optional<PredictionError> doubt;
 
   void begin(MapperResult& result);
   void follow(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& map_T_base,
@@ -73,6 +76,9 @@ struct Mapper::State {
                 const PredictionError& error);
   MatchState judge(const MatchResult& match, const MatchRequest& request,
                    const PredictionError& error);
+  void growDoubt(const PlanarScan& scan);
+  MatchResult matchInDoubt(const MatchRequest& request) const;
+  bool contradictsMap(const MatchResult& match) const;
   void settle(bool out_of_reach, MapperResult& result);
   void insert(const PlanarScan& scan, bool has_odometry, MapperResult& result);
   bool movedEnough() const;

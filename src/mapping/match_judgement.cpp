@@ -41,6 +41,37 @@ void Mapper::State::settle(bool out_of_reach, MapperResult& result) {
     if (result.state == MatchState::kOk) --unsettled_scans;
     result.state = MatchState::kDegraded;
   }
+  if (result.match.impossible_motion && !doubt) doubt.emplace();
+  if (result.state == MatchState::kOk) doubt.reset();
+  result.doubtful = doubt.has_value();
+}
+
+/// From where the error needs a wide window, the search finds the pose in that window: the error
+/// does not grow any more.
+void Mapper::State::growDoubt(const PlanarScan& scan) {
+  if (!doubt || motion.isWide(*doubt)) return;
+  PredictedStep step;
+  step.seconds = motion.secondsSince(scan);
+  step.yaw_measured = true;  // what moves is followed by the position; the walls show the yaw
+  doubt->grow(step);
+}
+
+/// The walls that moved may have taken the pose along, farther than a descent finds back. So it is
+/// searched for where the error is large, and before the doubt ends.
+MatchResult Mapper::State::matchInDoubt(const MatchRequest& request) const {
+  const bool is_searched =
+      doubt && !request.lost && !request.prior && (motion.isWide(*doubt) || unsettled_scans <= 1);
+  if (!is_searched) return matcher->match(map.current(), request);
+  MatchRequest wide = request;
+  wide.wide = true;
+  wide.last = request.initial_guesses.front();
+  return matcher->match(map.current(), wide);
+}
+
+/// Whether more of the scan contradicts the map than it shows new space. In doubt such a scan would
+/// only teach the map what moved, and the next one like it would fit.
+bool Mapper::State::contradictsMap(const MatchResult& match) const {
+  return match.known * (1.0 - match.score) > 1.0 - match.known;
 }
 
 /// A poor fit far from where the vehicle is predicted is worth less than the prediction.

@@ -216,6 +216,15 @@ void PoseUncertainty::carry(const Pose2& predicted, const PredictionError& error
   predict(predicted, {error.position_m(), error.position_m(), error.yaw_rad()});
 }
 
+/// The motion since the last scan has the error, too: that scan may have been right.
+void PoseUncertainty::doubt(const PredictionError& error) {
+  const Eigen::Vector2d variance = Eigen::Vector2d::Constant(square(error.position_m()));
+  last_.match_covariance.diagonal().head<2>() += variance;
+  found_.diagonal().head<2>() += variance;
+  motion_.diagonal().head<2>() += variance;
+  clear_ = followed_ = false;
+}
+
 void PoseUncertainty::lose(const Pose2& predicted, const PredictionError& error) {
   const double linear = std::max(kLostM, error.position_m());
   predict(predicted, {linear, linear, std::max(kLostRad, error.yaw_rad())});

@@ -65,6 +65,47 @@ TEST(MapperRecovery, AMotionThatIsNotPossibleIsSaid) {
   EXPECT_EQ(result.state, MatchState::kOk);
 }
 
+/// As when a laser that tilts sees the floor: an impossible motion, and then scans that contradict
+/// the map in a fifth of the beams.
+TEST(MapperRecovery, ADoubtfulPoseIsSaidAndTeachesTheMapNothing) {
+  constexpr std::size_t kFirst = 90, kEnd = 160;
+  double time = 0.0;
+  Mapper mapper = mapperInRoom(time);
+  MapperResult result = mapper.process(freeScan(Pose2(-1.1, 0.4, 0.3), time));
+  ASSERT_STREQ(result.reason, "impossible motion");
+  EXPECT_TRUE(result.doubtful);
+  const double sure = result.covariance(0, 0);
+  for (int i = 1; i < 10; ++i) {
+    const Pose2 truth(-1.1, 0.4 - 0.06 * i, 0.3);
+    result = mapper.process(coveredScan(truth, time += kScanTime, kFirst, kEnd));
+    EXPECT_NEAR((truth.inverse() * result.pose).distance(), 0.0, 0.05) << i;
+    EXPECT_TRUE(result.doubtful) << i;
+    EXPECT_FALSE(result.inserted) << i;
+  }
+  EXPECT_GT(result.covariance(0, 0), sure + 0.03 * 0.03) << "the error since then";
+  for (int i = 0; i < 30; ++i)
+    result = mapper.process(freeScan(Pose2(-1.1, -0.14, 0.3), time += kScanTime));
+  EXPECT_EQ(result.state, MatchState::kOk);
+  EXPECT_FALSE(result.doubtful);
+  EXPECT_LT(result.covariance(0, 0), 0.01 * 0.01);
+}
+
+/// New space is mapped in doubt, too, or else the vehicle would be lost in it.
+TEST(MapperRecovery, InDoubtNewSpaceIsMapped) {
+  double time = 0.0;
+  Mapper mapper = mapperInRoom(time);
+  ASSERT_TRUE(mapper.process(freeScan(Pose2(-1.1, 0.4, 0.3), time)).doubtful);
+  bool inserted = false;
+  for (int i = 1; i < 9; ++i) {
+    PlanarScan scan = freeScan(Pose2(-1.1, 0.4 - 0.06 * i, 0.3), time += kScanTime);
+    for (std::size_t k = 90; k < 160; ++k) scan.rays[k].end *= 2.0F;  // through a door
+    const MapperResult result = mapper.process(scan);
+    EXPECT_TRUE(result.doubtful) << i;
+    inserted = inserted || result.inserted;
+  }
+  EXPECT_TRUE(inserted);
+}
+
 TEST(MapperRecovery, IsLostWithABlockedViewAndRecoversFarAway) {
   double time = 0.0;
   Mapper mapper = mapperInRoom(time);

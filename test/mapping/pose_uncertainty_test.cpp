@@ -64,6 +64,18 @@ TEST(MapUncertainty, IsThatOfTheScansThatFirstSawTheWalls) {
   EXPECT_TRUE(uncertainty.at(map.surface(), points, Pose2()).isApprox(first, 1e-6));
 }
 
+TEST(PoseUncertainty, ADoubtIsInThePoseAndInTheMotion) {
+  constexpr double kDoubtM = 0.2;
+  PoseUncertainty uncertainty;
+  uncertainty.begin(Pose2());
+  const Eigen::Matrix3d pose = uncertainty.last().covariance(), motion = uncertainty.motion();
+  uncertainty.doubt(PredictionError({kDoubtM, 0.1}));
+  const Eigen::Matrix3d doubt =
+      Eigen::Vector3d(kDoubtM * kDoubtM, kDoubtM * kDoubtM, 0.0).asDiagonal();
+  EXPECT_TRUE(uncertainty.last().covariance().isApprox(pose + doubt, 1e-9));
+  EXPECT_TRUE(uncertainty.motion().isApprox(motion + doubt, 1e-9));
+}
+
 /// A vehicle that moves within a known room.
 TEST(PoseUncertainty, DoesNotGrowInAKnownPlace) {
   Mapper mapper{MapperConfig()};

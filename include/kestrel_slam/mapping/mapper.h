@@ -40,6 +40,9 @@ struct MapperResult {
   bool blank = false;       ///< too few hits for a match
   bool carried = false;     ///< there is no match: `pose` is the prediction, not a measurement
   std::optional<Pose2> odom_T_base;  ///< the odometry at the scan
+  /// After an impossible motion, until the state is ok again: the scan may have been matched with
+  /// something that moves.
+  bool doubtful = false;
   bool followed = false;    ///< the scan was matched with the scans before it, not with the map
   double evaluation = 0.0;  ///< f of [MAV SLAM 2013, eq. 4]: small if the scan fits
   bool inserted = false;    ///< the scan was inserted into the map

@@ -64,6 +64,9 @@ class PoseUncertainty {
   /// The scan has nothing to match: the pose is `predicted`, with `error` since the last match.
   void carry(const Pose2& predicted, const PredictionError& error);
 
+  /// The last position may be wrong by this error, although it was matched.
+  void doubt(const PredictionError& error);
+
   /// The vehicle is lost; only a predicted pose is known.
   void lose(const Pose2& predicted, const PredictionError& error);
 
