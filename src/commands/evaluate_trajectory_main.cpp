@@ -21,13 +21,15 @@ namespace kestrel {
 namespace {
 
 struct Options {
-  std::string trajectory, relations, covariances, scans, reference, reference_topic, json, plot;
+  std::string trajectory, relations, covariances, odometry, scans, reference, reference_topic, json,
+      plot;
 };
 
 struct Results {
   Trajectory trajectory;
   std::optional<RelationEvaluation> relations;
   std::optional<CovarianceEvaluation> covariances;
+  std::optional<RelationNoise> noise;
   std::optional<ReferenceEvaluation> reference;
   std::optional<StateEvaluation> states;
 };
@@ -64,6 +66,13 @@ void printTable(const Results& results) {
     printRow("error / sigma, translation", results.covariances->translation, "");
     printRow("error / sigma, rotation", results.covariances->rotation, "");
     printRow("NEES of the relations", results.covariances->nees, "(expected mean: 3)");
+  }
+  if (results.noise) {
+    std::printf(
+        "noise of %zu relations up to %.0f s: relations %.4f m, trajectory %.4f m, "
+        "odometry %.4f m\n",
+        results.noise->count, kShortRelation, results.noise->relations_m,
+        results.noise->trajectory_m, results.noise->odometry_m);
   }
   if (results.reference) {
     printRows("ATE", results.reference->ate_statistics);
@@ -111,6 +120,12 @@ void writeJson(const std::string& path, const Results& results) {
                       {"rotation_sigmas", toJson(results.covariances->rotation)},
                       {"nees", toJson(results.covariances->nees)}};
   }
+  if (results.noise) {
+    json["noise"] = {{"count", results.noise->count},
+                     {"relations_m", results.noise->relations_m},
+                     {"trajectory_m", results.noise->trajectory_m},
+                     {"odometry_m", results.noise->odometry_m}};
+  }
   if (results.reference) {
     json["reference"] = {{"ate", toJson(results.reference->ate_statistics)},
                          {"rpe_per_1_m", toJson(results.reference->rpe_per_meter)},
@@ -143,6 +158,10 @@ Results evaluate(const Options& options) {
   if (!options.covariances.empty()) {
     results.covariances =
         evaluateCovariances(readCovariances(options.covariances), readRelations(options.relations));
+  }
+  if (!options.odometry.empty()) {
+    results.noise =
+        noiseOf(readRelations(options.relations), results.trajectory, readTum(options.odometry));
   }
   if (!options.reference.empty()) {
     try {
@@ -204,6 +223,10 @@ int main(int argc, char** argv) {
   app.add_option("--covariances", options.covariances,
                  "covariances.txt of map_recording; compares the errors of the relations with "
                  "their covariances")
+      ->needs("--relations");
+  app.add_option("--odometry", options.odometry,
+                 "odometry of the same recording, TUM format; compares all three, which shows the "
+                 "noise of the relations themselves")
       ->needs("--relations");
   app.add_option("--reference", options.reference, "reference trajectory, TUM format or rosbag");
   app.add_option("--scans", options.scans,

@@ -39,6 +39,12 @@ class PoseIndex {
     return best->pose;
   }
 
+  std::optional<Pose2> between(double stamp1, double stamp2) const {
+    const std::optional<Pose2> a = at(stamp1), b = at(stamp2);
+    if (!a || !b) return std::nullopt;
+    return a->between(*b);
+  }
+
   /// The pose at `stamp`, interpolated if necessary.
   std::optional<Pose2> interpolated(double stamp) const {
     if (const std::optional<Pose2> exact = at(stamp)) return exact;
@@ -213,6 +219,31 @@ RelationEvaluation evaluateRelations(const Trajectory& trajectory,
   result.distant = statisticsOf(distant);
   result.unmatched.assign(unmatched.begin(), unmatched.end());
   return result;
+}
+
+RelationNoise noiseOf(const std::vector<Relation>& relations, const Trajectory& trajectory,
+                      const Trajectory& odometry) {
+  constexpr double kMoved = 0.05;         // m
+  constexpr double kMedianOfTwo = 1.386;  // of the sum of two squared normal variables
+  const PoseIndex mapped(trajectory), measured(odometry);
+  std::vector<double> relation_mapped, relation_measured, mapped_measured;
+  for (const Relation& relation : relations) {
+    if (std::abs(relation.stamp2 - relation.stamp1) > kShortRelation) continue;
+    const std::optional<Pose2> motion = mapped.between(relation.stamp1, relation.stamp2),
+                               wheels = measured.between(relation.stamp1, relation.stamp2);
+    if (!motion || !wheels || wheels->distance() < kMoved) continue;
+    const auto difference = [](const Pose2& a, const Pose2& b) {
+      return (a.translation() - b.translation()).squaredNorm();
+    };
+    relation_mapped.push_back(difference(relation.pose, *motion));
+    relation_measured.push_back(difference(relation.pose, *wheels));
+    mapped_measured.push_back(difference(*motion, *wheels));
+  }
+  const double rm = statisticsOf(relation_mapped).median / kMedianOfTwo,
+               rw = statisticsOf(relation_measured).median / kMedianOfTwo,
+               mw = statisticsOf(mapped_measured).median / kMedianOfTwo;
+  const auto sigma = [](double twice) { return std::sqrt(std::max(0.0, 0.5 * twice)); };
+  return {relation_mapped.size(), sigma(rm + rw - mw), sigma(rm + mw - rw), sigma(rw + mw - rm)};
 }
 
 ReferenceEvaluation evaluateReference(const Trajectory& trajectory, const Trajectory& reference) {

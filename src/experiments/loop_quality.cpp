@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "kestrel_slam/evaluation/consistency.h"
-#include "kestrel_slam/graph/marginals.h"
+#include "kestrel_slam/graph/keyframe_errors.h"
 
 namespace kestrel {
 namespace {
@@ -50,16 +51,15 @@ std::vector<std::pair<std::size_t, std::size_t>> revisitsOf(const std::vector<do
 }
 
 /// At every tenth keyframe.
-std::vector<double> neesAlong(const PoseGraph& graph, const std::vector<Pose2>& truth) {
+std::vector<double> neesAlong(const GraphResult& mapped, const std::vector<Pose2>& truth) {
   constexpr std::size_t kEvery = 10;
-  std::vector<std::size_t> vertices;
-  for (std::size_t i = kEvery; i < truth.size(); i += kEvery) vertices.push_back(i);
   std::vector<double> result;
-  const auto poses = marginals(graph, {}, 0, vertices);
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    if (!poses[i]) continue;
-    const Pose2 error = poses[i]->mean.between(truth[0].between(truth[vertices[i]]));
-    result.push_back(neesOf(error.log(), poses[i]->covariance));
+  const KeyframeMarginals marginals(mapped.graph, mapped.errors, {});
+  for (std::size_t i = kEvery; i < truth.size(); i += kEvery) {
+    const std::optional<GaussianPose2> pose = marginals.between(0, i);
+    if (!pose) continue;
+    const Pose2 error = pose->mean.between(truth[0].between(truth[i]));
+    result.push_back(neesOf(error.log(), pose->covariance + mapped.errors[i].match));
   }
   return result;
 }
@@ -82,7 +82,7 @@ LoopQuality qualityOf(const GraphResult& result, const Trajectory& truth) {
       closed[loop.query] = closed[loop.anchor] = true;
     }
   }
-  if (quality.accepted > 0) quality.nees = neesAlong(result.graph, poses);
+  if (quality.accepted > 0) quality.nees = neesAlong(result, poses);
   for (const auto& [first, last] : revisitsOf(result.stamps, poses)) {
     ++quality.revisits;
     const auto begin = closed.begin();

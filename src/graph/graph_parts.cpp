@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "kestrel_slam/graph/marginals.h"
+#include "kestrel_slam/graph/keyframe_errors.h"
 #include "kestrel_slam/graph/submap_graph.h"
 
 namespace kestrel {
@@ -48,7 +48,11 @@ SubmapGraph::SubmapGraph(const MapperConfig& mapper, const LoopConfig& config, G
     if (edge.kind == EdgeKind::kOdometry && edge.from + 1 == edge.to) odometry[edge.to] = &edge;
   }
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
-    if (odometry[i] != nullptr) odometry_.edges.push_back(*odometry[i]);
+    errors_.emplace_back();
+    if (odometry[i] != nullptr) {
+      odometry_.edges.push_back(*odometry[i]);
+      errors_.back().lasting = odometry[i]->information.inverse();
+    }
     if (odometry[i] == nullptr) part_begin_ = i;
     path_.push_back((i == 0 ? 0.0 : path_.back()) + lengthOf(odometry_, i));
     odometry_.vertices.emplace_back();
@@ -235,15 +239,18 @@ std::optional<GraphCorrection::Known> SubmapGraph::knownEnd() const {
   weights.resize(graph_.edges.size(), 1.0);  // edges since then
   const std::size_t end = keyframes_.size() - 1;
   const std::optional<GaussianPose2> first_T_end =
-      GraphMarginals(graph_, weights).between(joined_[end], end);
+      KeyframeMarginals(graph_, errors_, weights).between(joined_[end], end);
   if (!first_T_end) return std::nullopt;
-  return GraphCorrection::Known{{poseOf(end), first_T_end->covariance}, end_};
+  UncertainPose local = end_;
+  local.match_covariance.setZero();
+  return GraphCorrection::Known{{poseOf(end), first_T_end->covariance}, local};
 }
 
 std::size_t SubmapGraph::memoryBytes() const {
   std::size_t bytes = places_.memoryBytes() + graph_.edges.capacity() * sizeof(PoseEdge) +
                       graph_.vertices.capacity() * sizeof(PoseVertex) +
-                      loops_.capacity() * sizeof(Loop);
+                      loops_.capacity() * sizeof(Loop) +
+                      errors_.capacity() * sizeof(KeyframeErrors);
   for (const LocalKeyframe& keyframe : keyframes_)
     bytes += sizeof keyframe + keyframe.keyframe->memoryBytes();
   return bytes + track_.memoryBytes() + (finder_ ? finder_->memoryBytes() : 0);

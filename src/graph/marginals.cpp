@@ -14,13 +14,14 @@ constexpr Eigen::Index kHeld = -1;
 /// The joint distribution of the poses that are not held, in the axes of map.
 class JointDistribution {
  public:
-  JointDistribution(const PoseGraph& graph, const std::vector<double>& weights) : graph_(graph) {
+  JointDistribution(const PoseGraph& graph, const std::vector<double>& weights)
+      : graph_(graph), weights_(weights) {
     for (const bool held : heldVertices(graph)) {
       rows_.push_back(held ? kHeld : size_);
       if (!held) size_ += 3;
     }
     SparseMatrix information(size_, size_);
-    const std::vector<Eigen::Triplet<double>> entries = entriesOf(weights);
+    const std::vector<Eigen::Triplet<double>> entries = entriesOf();
     information.setFromTriplets(entries.begin(), entries.end());
     if (size_ > 0) factor_.compute(information);
     valid_ = size_ == 0 || factor_.info() == Eigen::Success;
@@ -41,12 +42,25 @@ class JointDistribution {
     return columns.middleRows<3>(rows_[vertex]);
   }
 
+  /// The error of a vertex, whose columns these are, for each component of the error of an edge.
+  Eigen::Matrix3d effectOf(std::size_t edge, const Columns& columns) const {
+    const PoseEdge& e = graph_.edges[edge];
+    Eigen::Matrix3d J_from, J_to;
+    edgeError(e.measured, graph_.vertices[e.from].pose, graph_.vertices[e.to].pose, &J_from, &J_to);
+    const Eigen::Matrix3d moved = J_from * blockOf(e.from, columns) + J_to * blockOf(e.to, columns);
+    return moved.transpose() * informationOf(edge);
+  }
+
  private:
-  std::vector<Eigen::Triplet<double>> entriesOf(const std::vector<double>& weights) const {
+  Eigen::Matrix3d informationOf(std::size_t edge) const {
+    return (weights_.empty() ? 1.0 : weights_[edge]) * graph_.edges[edge].information;
+  }
+
+  std::vector<Eigen::Triplet<double>> entriesOf() const {
     std::vector<Eigen::Triplet<double>> entries;
     for (std::size_t i = 0; i < graph_.edges.size(); ++i) {
       const PoseEdge& edge = graph_.edges[i];
-      const Eigen::Matrix3d information = (weights.empty() ? 1.0 : weights[i]) * edge.information;
+      const Eigen::Matrix3d information = informationOf(i);
       Eigen::Matrix3d J_from, J_to;
       edgeError(edge.measured, graph_.vertices[edge.from].pose, graph_.vertices[edge.to].pose,
                 &J_from, &J_to);
@@ -69,6 +83,7 @@ class JointDistribution {
   }
 
   const PoseGraph& graph_;
+  const std::vector<double> weights_;
   std::vector<Eigen::Index> rows_;  // first row of each vertex
   Eigen::Index size_ = 0;
   Eigen::SimplicialLDLT<SparseMatrix> factor_;
@@ -130,6 +145,25 @@ std::optional<GaussianPose2> GraphMarginals::between(std::size_t from, std::size
   return kestrel::between({joint_->graph.vertices[from].pose, joint_->tangentBlock(from, from, a)},
                           {joint_->graph.vertices[to].pose, joint_->tangentBlock(to, to, b)},
                           joint_->tangentBlock(from, to, b));
+}
+
+/// The errors of the edges, each with its effect on the motion: [Huber 1967] calls the sum a
+/// sandwich.
+std::optional<GaussianPose2> GraphMarginals::between(
+    std::size_t from, std::size_t to, const std::vector<Eigen::Matrix3d>& edge_covariances) const {
+  if (!joint_ || !joint_->reach.joins(from, to)) return std::nullopt;
+  const Columns a = joint_->distribution.columnsOf(from), b = joint_->distribution.columnsOf(to);
+  const Pose2 &map_T_from = joint_->graph.vertices[from].pose,
+              &map_T_to = joint_->graph.vertices[to].pose;
+  GaussianPose2 result{map_T_from.between(map_T_to), Eigen::Matrix3d::Zero()};
+  const Eigen::Matrix3d of_from = result.mean.inverse().adjoint() * axesOf(map_T_from).transpose(),
+                        of_to = axesOf(map_T_to).transpose();
+  for (std::size_t i = 0; i < edge_covariances.size(); ++i) {
+    const Eigen::Matrix3d effect =
+        of_to * joint_->distribution.effectOf(i, b) - of_from * joint_->distribution.effectOf(i, a);
+    result.covariance += effect * edge_covariances[i] * effect.transpose();
+  }
+  return result;
 }
 
 std::vector<std::optional<GaussianPose2>> marginals(const PoseGraph& graph,

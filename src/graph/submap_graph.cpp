@@ -79,6 +79,9 @@ void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result
   keyframe->covariance = symmetric(result.covariance);
   if (!first)
     keyframe->motion_covariance = symmetric(tangentCovariance(result.keyframe_covariance, motion));
+  errors_.push_back({first ? tangentCovariance(result.uncertain.map_covariance, result.pose)
+                           : tangentCovariance(result.lasting_covariance, motion),
+                     tangentCovariance(result.uncertain.match_covariance, result.pose)});
   keyframe->new_view = result.new_view;
   keyframe->scan = CompactScan(scan.rays);
   if (!first && keyframes_.back().submap != submap) addPlace();

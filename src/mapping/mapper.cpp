@@ -191,7 +191,10 @@ void Mapper::State::insert(const PlanarScan& scan, bool has_odometry, MapperResu
   result.submap = map.submap();
   inserted_poses.push_back(motion.pose());
   if (inserted_poses.size() > kRememberedPoses) inserted_poses.pop_front();
-  if (!first) result.keyframe_covariance = uncertainty.motionSince(inserted_pose);
+  if (!first) {
+    result.keyframe_covariance = uncertainty.motionSince(inserted_pose);
+    result.lasting_covariance = uncertainty.lastingSince(inserted_pose);
+  }
   uncertainty.insert();
   inserted_pose = uncertainty.last();
 }

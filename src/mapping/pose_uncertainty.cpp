@@ -98,6 +98,11 @@ Eigen::Matrix3d PoseUncertainty::motionSince(const UncertainPose& inserted) cons
   return rotated(limited(map, kChainFactor * matches) + matches, -inserted.pose.yaw);
 }
 
+Eigen::Matrix3d PoseUncertainty::lastingSince(const UncertainPose& inserted) const {
+  const auto [map, matches] = partsOf(inserted, last_);
+  return rotated(followed_ ? limited(map, kChainFactor * matches) : map, -inserted.pose.yaw);
+}
+
 double PoseUncertainty::driftSinceInsertion() const {
   return drifting_ ? std::sqrt(drift_variance_ - inserted_variance_) : 0.0;
 }

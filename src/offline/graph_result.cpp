@@ -35,6 +35,7 @@ GraphResult resultOf(const SubmapGraph& graph, const Trajectory& before) {
   result.graph = graph.graph();
   for (const LocalKeyframe& keyframe : graph.keyframes())
     result.stamps.push_back(keyframe.keyframe->stamp);
+  result.errors = graph.errors();
   result.loops = graph.loops();
   result.submaps = graph.submapCount();
   result.memory_bytes = graph.memoryBytes();

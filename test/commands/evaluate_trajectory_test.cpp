@@ -52,6 +52,17 @@ TEST_F(EvaluateTrajectory, TheStatesOfTheScansAreCounted) {
   EXPECT_CONTAINS(outcome.output, "0 scans ok, 0 degraded, 20 lost; 0 ok, but wrong");
 }
 
+TEST_F(EvaluateTrajectory, OdometryShowsTheNoiseOfTheRelations) {
+  std::ostringstream lines;
+  for (int i = 0; i < 10; ++i) lines << i << " " << i + 1 << " 0.52 0 0 0 0 0\n";
+  const std::string relations = folder_.write("relations", lines.str());
+  const Outcome outcome = runCommand(kEvaluate + trajectory_ + " --relations " + relations +
+                                     " --odometry " + trajectory_);
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_CONTAINS(outcome.output,
+                  "noise of 10 relations up to 3 s: relations 0.0170 m, trajectory 0.0000 m");
+}
+
 TEST_F(EvaluateTrajectory, AReferenceThatHardlyOverlapsIsBadInput) {
   const std::string reference = folder_.write("reference.tum", poses(6, 0.0));
   const Outcome outcome = runCommand(kEvaluate + trajectory_ + " --reference " + reference);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "kestrel_slam/geometry/random.h"
 #include "kestrel_slam/recording/text_stream.h"
 #include "kestrel_slam/report/evaluation_plot.h"
 #include "temporary_folder.h"
@@ -94,6 +95,34 @@ Trajectory bentPath() {
                                     i < 50 ? 0.0 : kPi / 2.0)});
   }
   return path;
+}
+
+TEST(Relations, ThreeMeasurementsShowTheNoiseOfEach) {
+  Random random(1);
+  const auto noisy = [&](double sigma) {
+    return Pose2(0.4 + sigma * random.gaussian(), sigma * random.gaussian(), 0.0);
+  };
+  Trajectory mapped = {{0.0, Pose2()}}, wheels = mapped;
+  std::vector<Relation> relations;
+  for (int i = 0; i < 1000; ++i) {
+    const double stamp = mapped.back().stamp;
+    mapped.push_back({stamp + 1.0, mapped.back().pose * noisy(0.002)});
+    wheels.push_back({stamp + 1.0, wheels.back().pose * noisy(0.03)});
+    relations.push_back({stamp, stamp + 1.0, noisy(0.02)});
+  }
+  relations.push_back({0.0, 900.0, Pose2(50.0, 0.0, 0.0)});  // too long: the odometry drifts
+  const RelationNoise noise = noiseOf(relations, mapped, wheels);
+  EXPECT_EQ(noise.count, 1000U);
+  EXPECT_NEAR(noise.relations_m, 0.02, 0.003);
+  EXPECT_LT(noise.trajectory_m, 0.008);
+  EXPECT_NEAR(noise.odometry_m, 0.03, 0.003);
+}
+
+TEST(Relations, WhereTheVehicleStandsNothingIsCompared) {
+  const Trajectory standing = {{0.0, Pose2()}, {1.0, Pose2(0.01, 0.0, 0.0)}};
+  const RelationNoise noise = noiseOf({{0.0, 1.0, Pose2(0.5, 0.0, 0.0)}}, standing, standing);
+  EXPECT_EQ(noise.count, 0U);
+  EXPECT_EQ(noise.relations_m, 0.0);
 }
 
 TEST(Reference, AlignmentRemovesARigidMotion) {

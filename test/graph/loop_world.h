@@ -69,11 +69,17 @@ class Drive {
     constexpr double kSigmaM = 0.005, kSigmaRad = 0.002;
     result.keyframe_covariance.diagonal() << kSigmaM * kSigmaM, kSigmaM * kSigmaM,
         kSigmaRad * kSigmaRad;
+    result.lasting_covariance = result.keyframe_covariance;
+    result.keyframe_covariance += 2.0 * match;
+    result.uncertain = {
+        local_, truths_.size() == 1 ? first : Eigen::Matrix3d(Eigen::Matrix3d::Zero()), match};
     graph.add(scan, result);
   }
 
   /// Whether the wheels measure the true motion.
   bool with_odometry = false;
+  /// What the mapper says of the error of each match, and of the map at the first keyframe.
+  Eigen::Matrix3d match = Eigen::Matrix3d::Zero(), first = Eigen::Matrix3d::Zero();
 
   /// Error of the last corrected pose relative to the first, m.
   double lastError(const SubmapGraph& graph) const {

@@ -70,6 +70,41 @@ TEST(Marginals, DescribeTheErrorsOfTheOptimum) {
   EXPECT_NEAR(nees, 3.0, 4.0 * std::sqrt(6.0 / kRuns));
 }
 
+TEST(Marginals, AreTheSameWithTheCovariancesOfTheInformation) {
+  Random random(6);
+  PoseGraph graph = loopedGraph(squareDrive(2), kLap, random);
+  optimize(graph);
+  std::vector<Eigen::Matrix3d> covariances;
+  for (const PoseEdge& edge : graph.edges) covariances.push_back(edge.information.inverse());
+  const GraphMarginals joint(graph, {});
+  const auto expected = joint.between(20, 130), found = joint.between(20, 130, covariances);
+  ASSERT_TRUE(expected && found);
+  EXPECT_EQ(found->mean, expected->mean);
+  EXPECT_TRUE(found->covariance.isApprox(expected->covariance, 1e-6));
+}
+
+/// The optimizer takes the loops for five times worse than they are.
+TEST(Marginals, DescribeTheErrorsOfAnOptimumWithOtherWeights) {
+  constexpr int kRuns = 60;
+  constexpr double kFactor = 25.0;
+  const std::vector<Pose2> truth = squareDrive(2);
+  double nees = 0.0;
+  Random random(7);
+  for (int run = 0; run < kRuns; ++run) {
+    PoseGraph graph = loopedGraph(truth, kLap, random);
+    std::vector<Eigen::Matrix3d> covariances;
+    for (PoseEdge& edge : graph.edges) {
+      covariances.push_back(edge.information.inverse());
+      if (edge.kind == EdgeKind::kLoop) edge.information /= kFactor;
+    }
+    optimize(graph, {0.0});
+    const auto result = GraphMarginals(graph, {}).between(20, 130, covariances);
+    const Eigen::Vector3d error = result->mean.between(truth[20].between(truth[130])).log();
+    nees += error.dot(result->covariance.inverse() * error) / kRuns;
+  }
+  EXPECT_NEAR(nees, 3.0, 4.0 * std::sqrt(6.0 / kRuns));
+}
+
 TEST(Marginals, AreUnknownBetweenPartsThatAreNotConnected) {
   Random random(5);
   PoseGraph graph = odometryGraph(squareDrive(1), random);

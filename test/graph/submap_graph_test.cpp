@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 
+#include "kestrel_slam/graph/marginals.h"
 #include "loop_world.h"
 
 namespace kestrel {
@@ -73,6 +75,54 @@ TEST(SubmapGraph, ALoopMakesThePoseCertain) {
   const double after = std::sqrt(end->map_T_keyframe.covariance.topLeftCorner<2, 2>().trace());
   EXPECT_LT(after, 0.3 * before);
   EXPECT_LT(laps.lastError(closed), 4.0 * after);
+}
+
+/// Each match is in the motions to and from its keyframe, but only the last one is in the pose.
+TEST(SubmapGraph, TheErrorsOfMatchesDoNotAddUp) {
+  constexpr double kMatchM2 = 1e-4, kMatchRad2 = 1e-5;
+  SubmapGraph exact{MapperConfig(), LoopConfig()}, noisy{MapperConfig(), LoopConfig()};
+  Drive one(loop_world::ring(), kYawDrift), other(loop_world::ring(), kYawDrift);
+  other.match = Eigen::Vector3d(kMatchM2, kMatchM2, kMatchRad2).asDiagonal();
+  for (const Pose2& pose : loop_world::laps(1.4)) {
+    one.add(pose, exact);
+    other.add(pose, noisy);
+  }
+  const auto expected = exact.knownEnd(), found = noisy.knownEnd();
+  ASSERT_TRUE(expected && found);
+  EXPECT_LT(found->map_T_keyframe.covariance.determinant(),
+            2.0 * expected->map_T_keyframe.covariance.determinant());
+  EXPECT_TRUE(found->local.match_covariance.isZero());
+  const std::size_t end = noisy.keyframes().size() - 1;
+  const auto of_edges = GraphMarginals(noisy.graph(), {}).between(0, end);
+  EXPECT_LT(found->map_T_keyframe.covariance(2, 2), 0.5 * of_edges->covariance(2, 2));
+}
+
+/// The map begins with the first keyframe, whose error is that of its frame.
+TEST(SubmapGraph, TheErrorOfTheFirstKeyframeLasts) {
+  SubmapGraph graph{MapperConfig(), LoopConfig()};
+  Drive drive(loop_world::ring(), kYawDrift);
+  constexpr double kFirstM2 = 1.0;
+  drive.first = Eigen::Vector3d(kFirstM2, kFirstM2, 0.0).asDiagonal();
+  for (const Pose2& pose : loop_world::laps(1.4)) drive.add(pose, graph);
+  const auto end = graph.knownEnd();
+  ASSERT_TRUE(end);
+  const Eigen::Matrix3d& covariance = end->map_T_keyframe.covariance;
+  EXPECT_GT(covariance(0, 0), kFirstM2);
+  EXPECT_GT(covariance(1, 1), kFirstM2);
+  EXPECT_LT(covariance(0, 0) + covariance(1, 1), 2.1 * kFirstM2);
+}
+
+/// A record does not say which part of an error lasts.
+TEST(SubmapGraph, InARecordTheWholeErrorOfAMotionLasts) {
+  SubmapGraph graph{MapperConfig(), LoopConfig()};
+  Drive drive(loop_world::ring(), kYawDrift);
+  drive.match = 1e-4 * Eigen::Matrix3d::Identity();
+  for (const Pose2& pose : loop_world::laps(0.2)) drive.add(pose, graph);
+  const SubmapGraph again(MapperConfig(), LoopConfig(), graph.record());
+  ASSERT_EQ(again.errors().size(), graph.keyframes().size());
+  const PoseEdge& edge = graph.graph().edges[3];
+  EXPECT_TRUE(again.errors()[edge.to].lasting.isApprox(edge.information.inverse(), 1e-6));
+  EXPECT_LT(graph.errors()[edge.to].lasting(2, 2), 0.5 * again.errors()[edge.to].lasting(2, 2));
 }
 
 TEST(GraphCorrection, AddsTheMotionSinceTheKeyframe) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "kestrel_slam/geometry/pose_covariance.h"
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/sensor/planar_scan.h"
 #include "room.h"
@@ -150,6 +151,7 @@ TEST(PoseUncertainty, TheAgeOfTheWallsIsNoErrorOfTheMotion) {
   match.covariance = Eigen::Vector3d(1e-5, 1e-5, 1e-7).asDiagonal();
   match.degenerate_direction = Eigen::Vector2d::UnitX();
   match.constraint = 0.2;
+  double lasting = 0.0;
   const auto sigma_with = [&](auto change, PredictionSource source) {
     PoseUncertainty uncertainty;
     uncertainty.begin(Pose2());
@@ -162,15 +164,44 @@ TEST(PoseUncertainty, TheAgeOfTheWallsIsNoErrorOfTheMotion) {
     change(next);
     uncertainty.update(map.surface(), points, next, 0.1, 0.0, source);
     uncertainty.update(map.surface(), points, match, 0.1, 0.0, source);
+    lasting = std::sqrt(uncertainty.lastingSince(inserted)(0, 0));
     return std::sqrt(uncertainty.motionSince(inserted)(0, 0));
   };
   const auto laser = PredictionSource::kVelocity;
   EXPECT_LT(sigma_with([](MatchResult&) {}, laser), 0.02);
+  EXPECT_LT(lasting, 0.02);
   // What the scans between do not show for certain is not limited.
   EXPECT_GT(sigma_with([](MatchResult& next) { next.unclear_along = true; }, laser), 0.6);
   EXPECT_GT(sigma_with([](MatchResult& next) { next.ambiguous = true; }, laser), 0.6);
   EXPECT_GT(sigma_with([](MatchResult& next) { next.searched = true; }, laser), 0.6);
   EXPECT_GT(sigma_with([](MatchResult&) {}, PredictionSource::kOdometry), 0.6);
+  EXPECT_GT(lasting, 0.6);
+}
+
+/// The motions between many keyframes in a known room: the errors of their matches do not add up.
+TEST(PoseUncertainty, TheErrorOfAMatchDoesNotLast) {
+  Mapper mapper{MapperConfig()};
+  Eigen::Matrix3d motions = Eigen::Matrix3d::Zero(), lasting = motions, matches = motions;
+  UncertainPose before;
+  for (int i = 0; i < 400; ++i) {
+    const Pose2 pose(0.5 * std::sin(0.05 * i), 0.5 * std::cos(0.05 * i), 0.01 * i);
+    if (i == 0) mapper.reset(pose);
+    PlanarScan scan = room::scanFrom(pose);
+    scan.stamp = scan.time = 0.025 * i;
+    const MapperResult result = mapper.process(scan);
+    if (!result.inserted) continue;
+    if (i > 0) {
+      motions += rotated(result.keyframe_covariance, before.pose.yaw);
+      lasting += rotated(result.lasting_covariance, before.pose.yaw);
+      matches += result.uncertain.match_covariance +
+                 transported(before.match_covariance,
+                             result.pose.translation() - before.pose.translation());
+    }
+    before = result.uncertain;
+  }
+  EXPECT_TRUE((lasting + matches).isApprox(motions, 1e-9));
+  EXPECT_LT(lasting(2, 2), 0.5 * motions(2, 2));
+  EXPECT_LT(lasting(0, 0), 0.5 * motions(0, 0));
 }
 
 TEST(PoseUncertainty, GrowsAlongACorridorForAllBeamCounts) {

@@ -67,6 +67,20 @@ constexpr double kStampTolerance = 1e-5;   ///< s; largest difference of equal s
 RelationEvaluation evaluateRelations(const Trajectory& trajectory,
                                      const std::vector<Relation>& relations);
 
+/// The noise of the relations themselves. Trajectory, relations and odometry measure the same
+/// motions, and their errors are independent: the three differences between them give the noise of
+/// each ("three-cornered hat"). Medians over relations of at most kShortRelation in which the
+/// vehicle moved; standard deviations along one axis, zero where the differences show none.
+struct RelationNoise {
+  std::size_t count = 0;
+  double relations_m = 0.0, trajectory_m = 0.0, odometry_m = 0.0;
+};
+
+constexpr double kShortRelation = 3.0;  ///< s
+
+RelationNoise noiseOf(const std::vector<Relation>& relations, const Trajectory& trajectory,
+                      const Trajectory& odometry);
+
 /// Comparison with a reference trajectory.
 ///
 /// Each pose is compared with the reference at its stamp, interpolated between two poses that are

@@ -14,7 +14,9 @@ struct GraphCorrection {
   /// A keyframe whose pose in map has a covariance from the graph.
   struct Known {
     GaussianPose2 map_T_keyframe;
-    UncertainPose local;  ///< the same keyframe, as the mapper found it
+    /// The same keyframe, as the mapper found it. The error of its match is only here if it is a
+    /// part of the covariance above, too.
+    UncertainPose local;
   };
 
   Pose2 map_T_local;

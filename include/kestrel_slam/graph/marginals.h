@@ -27,6 +27,11 @@ class GraphMarginals {
   /// error.
   std::optional<GaussianPose2> between(std::size_t from, std::size_t to) const;
 
+  /// The same if the errors of the edges have these covariances, in the tangent space of their
+  /// measurements, while the optimizer weighed the edges with their information.
+  std::optional<GaussianPose2> between(std::size_t from, std::size_t to,
+                                       const std::vector<Eigen::Matrix3d>& edge_covariances) const;
+
  private:
   struct Joint;
   std::unique_ptr<Joint> joint_;

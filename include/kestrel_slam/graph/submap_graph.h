@@ -9,6 +9,7 @@
 
 #include "kestrel_slam/graph/graph_correction.h"
 #include "kestrel_slam/graph/graph_uncertainty.h"
+#include "kestrel_slam/graph/keyframe_errors.h"
 #include "kestrel_slam/graph/loop.h"
 #include "kestrel_slam/graph/loop_matcher.h"
 #include "kestrel_slam/graph/odometry_chain.h"
@@ -77,13 +78,16 @@ class SubmapGraph {
   /// The correction at the last keyframe.
   Pose2 mapTLocal() const;
 
-  /// The last keyframe relative to the first one, with the marginal covariance of the graph. Only
-  /// after a loop: nothing before, and where no edges lead from one to the other.
+  /// The last keyframe relative to the first one, with the marginal covariance of the graph (see
+  /// KeyframeMarginals: without the error of its own match, which is not in the poses after it).
+  /// Only after a loop: nothing before, and where no edges lead from one to the other.
   std::optional<GraphCorrection::Known> knownEnd() const;
   /// Changes when the graph is optimized.
   std::size_t solutionCount() const { return solutions_; }
 
   const std::vector<LocalKeyframe>& keyframes() const { return keyframes_; }
+  /// Of every keyframe. A record only has those of the motions as a whole.
+  const std::vector<KeyframeErrors>& errors() const { return errors_; }
   const PoseGraph& graph() const { return graph_; }
   std::size_t submapCount() const { return places_.all().size(); }
   const Places& places() const { return places_; }
@@ -153,6 +157,7 @@ class SubmapGraph {
   LoopConfig config_;
   LoopMatcher matcher_;
   std::vector<LocalKeyframe> keyframes_;
+  std::vector<KeyframeErrors> errors_;
   std::vector<double> path_;  ///< from the first keyframe to each, m
   Places places_;
   PoseGraph odometry_;  ///< only that, for `chain_`

@@ -52,6 +52,8 @@ struct MapperResult {
   /// Covariance of the motion since the scan that was inserted before it, in the base frame of that
   /// scan, m² and rad².
   Eigen::Matrix3d keyframe_covariance = Eigen::Matrix3d::Zero();
+  /// The part of it that all later poses keep, see PoseUncertainty::lastingSince().
+  Eigen::Matrix3d lasting_covariance = Eigen::Matrix3d::Zero();
   bool searched = false;  ///< the local fit was poor and the exhaustive search was run
   /// The pose is a measurement of the scan.
   bool isMatched() const { return state != MatchState::kLost && !carried; }

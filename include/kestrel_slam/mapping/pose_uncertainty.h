@@ -74,6 +74,10 @@ class PoseUncertainty {
   void insert();
   /// Covariance of the motion since `inserted`, the pose of the last inserted scan.
   Eigen::Matrix3d motionSince(const UncertainPose& inserted) const;
+  /// The part of it that all later poses keep: the growth of the error of the map. The error of a
+  /// match does not last: it is in the motion to the scan and, with the other sign, in that from
+  /// it.
+  Eigen::Matrix3d lastingSince(const UncertainPose& inserted) const;
 
   /// The error along the unobservable direction of `match`, as predicted `seconds` after the last
   /// scan and `moved_m` away from it.

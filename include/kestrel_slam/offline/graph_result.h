@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "kestrel_slam/graph/keyframe_errors.h"
 #include "kestrel_slam/graph/loop.h"
 #include "kestrel_slam/graph/pose_graph.h"
 #include "kestrel_slam/graph/scan_poses.h"
@@ -21,8 +22,9 @@ struct OccupancyGridConfig;
 struct GraphResult {
   PoseGraph graph;             ///< its vertices are the keyframes
   std::vector<double> stamps;  ///< of the keyframes, s
-  std::vector<Loop> loops;     ///< all that were tried
-  std::size_t submaps = 0;     ///< finished ones
+  std::vector<KeyframeErrors> errors;
+  std::vector<Loop> loops;  ///< all that were tried
+  std::size_t submaps = 0;  ///< finished ones
   std::size_t memory_bytes = 0;
   Trajectory before;  ///< as mapped, without the corrections
 
