@@ -110,8 +110,7 @@ RelocalizationTrial RelocalizationMap::follow(const std::vector<PlacedScan>& sca
   bool begins_in_map = false;
   std::optional<Pose2> last;
   for (std::size_t i = first; i < scans.size() && trial.travel_m <= travel_m; ++i) {
-    const Pose2 local_T_base = mapper.process(scans[i].scan).pose;
-    finder.add(scans[i].scan, local_T_base);
+    finder.add(scans[i].scan, mapper.process(scans[i].scan).pose);
     const double start = processorSeconds();
     if (finder.advance(RelocalizationConfig().most_work)) {
       trial.seconds.push_back(processorSeconds() - start);
@@ -120,12 +119,13 @@ RelocalizationTrial RelocalizationMap::follow(const std::vector<PlacedScan>& sca
     compare(scans[i], trial);
     if (i == first) begins_in_map = trial.in_map;
     if (trial.isFound()) break;
-    if (!last) last = local_T_base;
-    if (last->between(local_T_base).distance() < kPathStepM) continue;
-    trial.travel_m += last->between(local_T_base).distance();
-    last = local_T_base;
+    if (!last) last = scans[i].pose;
+    if (last->between(scans[i].pose).distance() < kPathStepM) continue;
+    trial.travel_m += last->between(scans[i].pose).distance();
+    last = scans[i].pose;
   }
-  trial.in_map &= begins_in_map;
+  // The recording may end before.
+  trial.in_map &= begins_in_map && (trial.isFound() || trial.travel_m > travel_m);
   trial.memory_bytes = finder.memoryBytes();
   return trial;
 }
