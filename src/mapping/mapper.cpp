@@ -112,6 +112,29 @@ void Mapper::State::followAlong(const Points& points, double seconds,
     motion.setGainAlong(match.degenerate_direction, error.speedGain());
 }
 
+/// Whether another pose explains the scan as well, where the match is far from the prediction or
+/// the prediction says little.
+void Mapper::State::lookForSecond(const MatchRequest& request, PredictionSource source,
+                                  const PredictionError& error, MapperResult& result) const {
+  const bool is_measured = source != PredictionSource::kVelocity;
+  if (request.lost || request.wide) {
+    if (result.state == MatchState::kLost) return;
+    if (!secondExplanation(map.current(), request, result.match, config.matcher) &&
+        (is_measured || laser_odometry.agrees(request, result.match)))
+      return;
+    result.match.ambiguous = true;
+    result.state = request.lost ? MatchState::kLost : MatchState::kDegraded;
+    return;
+  }
+  // The scan before shows a jump best: it needs no map, which may look the same elsewhere.
+  if (is_measured ||
+      !JumpCheck::isJump(request.initial_guesses.front(), result.match.pose, error) ||
+      laser_odometry.agrees(request, result.match))
+    return;
+  result.match.ambiguous = true;
+  result.state = MatchState::kLost;
+}
+
 void Mapper::State::match(const Points& points, const PlanarScan& scan,
                           const std::optional<Pose2>& odom_T_base, const PredictionError& error,
                           MapperResult& result) {
@@ -129,20 +152,7 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
                                    motion_check.isImpossible(positionOf(result.match, scan));
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request, error);
-  if ((request.lost || request.wide) && result.state != MatchState::kLost &&
-      (secondExplanation(map.current(), request, result.match, config.matcher) ||
-       (prediction_source == PredictionSource::kVelocity &&
-        !laser_odometry.agrees(request, result.match)))) {
-    result.match.ambiguous = true;
-    result.state = request.lost ? MatchState::kLost : MatchState::kDegraded;
-  }
-  // The scan before shows a jump best: it needs no map, which may look the same elsewhere.
-  if (!request.lost && !request.wide && prediction_source == PredictionSource::kVelocity &&
-      JumpCheck::isJump(request.initial_guesses.front(), result.match.pose, error) &&
-      !laser_odometry.agrees(request, result.match)) {
-    result.match.ambiguous = true;
-    result.state = MatchState::kLost;
-  }
+  lookForSecond(request, prediction_source, error, result);
   matchElsewhere(request, result);
   settle(motion.isOutOfReach(scan, odom_T_base), result);
   const bool lost = result.state == MatchState::kLost;

@@ -63,6 +63,8 @@ struct Mapper::State {
                    PredictionSource source, const AlongError& error, MatchResult& match);
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
+  void lookForSecond(const MatchRequest& request, PredictionSource source,
+                     const PredictionError& error, MapperResult& result) const;
   void matchElsewhere(const MatchRequest& request, MapperResult& result);
   bool isCarried(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                  const PredictionError& error) const;
