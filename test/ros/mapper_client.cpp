@@ -102,7 +102,9 @@ Pose2 poseOf(const geometry_msgs::Transform& message) {
 }
 
 MapperClient::MapperClient(const std::string& ns)
-    : NodeWatcher(ns.empty() ? "mapper" : ns + "/mapper"), nh(ns), connections_(nh) {
+    : NodeWatcher(ns.empty() ? "mapper" : ns + "/mapper", {"/tf", "/tf_static"}),
+      nh(ns),
+      connections_(nh) {
   scan_publisher_ = nh.advertise<sensor_msgs::LaserScan>("scan", kQueue);
   const boost::function<void(const geometry_msgs::PoseStamped&)> on_pose =
       [this](const geometry_msgs::PoseStamped& message) {
@@ -116,7 +118,6 @@ MapperClient::MapperClient(const std::string& ns)
       keepLast(nh, "map_metadata", metadata),
       keepLast(nh, "trajectory", trajectory),
       keepLast(nh, "slam_cloud", cloud),
-      nh.subscribe("/tf_static", kQueue, &MapperClient::onTransforms, this),
   };
 }
 

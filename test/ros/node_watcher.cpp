@@ -10,10 +10,12 @@ constexpr std::uint32_t kQueue = 1000;
 
 }  // namespace
 
-NodeWatcher::NodeWatcher(const std::string& node) : prefix_(node + ": ") {
+NodeWatcher::NodeWatcher(const std::string& node, const std::vector<std::string>& transform_topics)
+    : prefix_(node + ": ") {
   ros::NodeHandle nh;
-  subscribers_ = {nh.subscribe("/tf", kQueue, &NodeWatcher::onTransforms, this),
-                  nh.subscribe("/diagnostics", kQueue, &NodeWatcher::onDiagnostics, this)};
+  subscribers_ = {nh.subscribe("/diagnostics", kQueue, &NodeWatcher::onDiagnostics, this)};
+  for (const std::string& topic : transform_topics)
+    subscribers_.push_back(nh.subscribe(topic, kQueue, &NodeWatcher::onTransforms, this));
 }
 
 bool NodeWatcher::waitFor(const std::function<bool()>& condition, double timeout_s) {

@@ -18,7 +18,8 @@ namespace kestrel {
 class NodeWatcher {
  public:
   /// `node`: its full name without the leading slash.
-  explicit NodeWatcher(const std::string& node);
+  explicit NodeWatcher(const std::string& node,
+                       const std::vector<std::string>& transform_topics = {"/tf"});
 
   /// Runs callbacks until `condition` is true. Returns false after `timeout_s` of wall time.
   bool waitFor(const std::function<bool()>& condition, double timeout_s = 5.0);
@@ -43,10 +44,8 @@ class NodeWatcher {
   std::map<std::string, std::vector<geometry_msgs::TransformStamped>> transforms;  ///< by child
   std::map<std::string, std::set<std::string>> parents;                            ///< by child
 
- protected:
-  void onTransforms(const tf2_msgs::TFMessage& message);
-
  private:
+  void onTransforms(const tf2_msgs::TFMessage& message);
   void onDiagnostics(const diagnostic_msgs::DiagnosticArray& message);
 
   std::string prefix_;
