@@ -66,7 +66,7 @@ def localization(bench):
     text = bench.relocalize(bench.log("intel"), "--search", 0, "--kidnappings", 0)
     for line in re.findall(r"^intel: second half in the .*$", text, re.MULTILINE):
         scans, lost, wrong = re.search(r"(\d+) scans, (\d+) lost, (\d+) wrong", line).groups()
-        mean = re.search(r"mean error ([\d.]+) m", line)
+        mean = re.search(r"relations across: ([\d.]+) m", line)
         row("intel, " + line[len("intel: "):line.index(" of the first")] + " of the first",
             "wrong 0; relations across ≤ 0.0146 m",
             f"{wrong} wrong, {lost} without a pose of {scans}; "
@@ -84,7 +84,7 @@ def carried_row(text):
 
 def kidnapped(bench):
     only = ["--search", "0", "--localize", "0"]
-    carried_row(bench.relocalize(bench.log("fr079"), *only))
+    carried_row(bench.relocalize(bench.log("fr079"), "--kidnappings", 100, *only))
     carried_row(bench.relocalize("--world", "office", *only))
     carried_row(bench.relocalize("--world", "twins", "--kidnappings", 20, *only))
 
