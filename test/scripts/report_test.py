@@ -11,6 +11,7 @@ import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -37,9 +38,9 @@ class Browser:
 
         self._process = subprocess.Popen(
             [CHROMIUM, "--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run",
-             "--disable-dev-shm-usage", "--user-data-dir=" + folder, "--remote-debugging-pipe"],
+             "--disable-breakpad", "--disable-dev-shm-usage", "--user-data-dir=" + folder, "--remote-debugging-pipe"],
             preexec_fn=connect, close_fds=False, stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL)
+            stderr=subprocess.DEVNULL, start_new_session=True)
         os.close(to_browser)
         os.close(from_browser)
         self._buffer, self._number, self.events = b"", 0, []
@@ -50,10 +51,28 @@ class Browser:
             self.call(domain + ".enable")
 
     def close(self):
+        """Ends all processes of Chromium: each may write into its folder until it has ended."""
+        self._session = None
+        try:
+            self.call("Browser.close")
+            self._process.wait(20)
+        except (RuntimeError, OSError, subprocess.TimeoutExpired):
+            pass
         self._process.kill()
         self._process.wait()
+        end = time.monotonic() + 10.0
+        while self._is_running() and time.monotonic() < end:
+            time.sleep(0.02)
         os.close(self._write)
         os.close(self._read)
+
+    def _is_running(self):
+        """Whether a process of Chromium is left. It gets a signal that ends it."""
+        try:
+            os.killpg(self._process.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            return False
+        return True
 
     def _next(self):
         while b"\0" not in self._buffer:
