@@ -185,7 +185,7 @@ def scene(bench, name, *options):
     """The figures of a simulated scene."""
     text = bench.run("measure_tracking_3d", "--only", name, *options)
     cells = cells_of(text)
-    change = re.search(r"change of a? ?pose: ([\d.]+) m, ([\d.]+) deg", text)
+    change = re.search(r"change of pose: ([\d.]+) m, ([\d.]+) deg", text)
     return {"mota": number(cells["all"][1]), "false": int(cells["all"][4]),
             "switches": int(cells["all"][5]), "iou": number(re.search(r"IoU (.*)", text)[1]),
             "change_m": float(change[1]), "change_deg": float(change[2]), "cells": cells}
