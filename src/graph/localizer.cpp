@@ -17,9 +17,6 @@ constexpr double kWorkPerSecond = 5e8;
 constexpr std::int64_t kLeastWork = 2'000'000, kMostWork = 80'000'000;
 /// The match of the current scan must confirm the pose that was found, m.
 constexpr double kConfirmM = 0.5;
-/// The map may be exchanged for a grown one without a scan for so long, s. After it, the match with
-/// the other map must not depend on how the vehicle has moved meanwhile.
-constexpr double kExchangeS = 0.5;
 /// A pose that was found in a smaller map is checked for so long, m.
 constexpr double kCheckM = 5.0;
 /// Standard deviations of an unknown pose.
@@ -51,14 +48,11 @@ Localizer::Localizer(const MapperConfig& config, Submap map,
 
 MapperResult Localizer::process(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {
   // A search near the prediction could find an equal room.
-  if (!lost_ && tracker_.isOutOfReach(scan, odom_T_base)) {
+  if (!lost_ && tracker_.isAfterGap(scan, odom_T_base)) {
     const MapRegion region{tracker_.pose().translation(), tracker_.reach(scan, odom_T_base)};
     lose(tracker_.pose());
     finder_.limitTo(region);
   }
-  // The scans during which the map was exchanged are missing.
-  const bool is_first = check_from_ && !fit_time_ && time_;
-  if (!lost_ && is_first && scan.time - *time_ > kExchangeS) lose(tracker_.pose());
   MapperResult result = lost_ ? search(scan, odom_T_base) : track(scan, odom_T_base);
   time_ = scan.time;
   return result;
@@ -116,7 +110,10 @@ std::int64_t Localizer::workFor(const PlanarScan& scan) const {
 }
 
 MapperResult Localizer::search(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {
-  if (!local_) local_ = std::make_unique<Mapper>(local_config_);
+  if (!local_) {
+    local_ = std::make_unique<Mapper>(local_config_);
+    local_->takeInterval(tracker_);
+  }
   MapperResult result = local_->process(scan, odom_T_base);
   if (result.state == MatchState::kLost) {
     // The motion is unknown, too: begin anew.
@@ -177,6 +174,7 @@ void Localizer::setPose(const Pose2& map_T_base) {
 }
 
 void Localizer::continueFrom(const Localizer& before, const Pose2& after_T_before) {
+  tracker_.takeInterval(before.tracker_);
   if (before.lost_) return;
   const Pose2 pose = after_T_before * before.tracker_.pose();
   setPose(pose);

@@ -55,6 +55,10 @@ void ContinuedMotion::addInterval(double seconds) {
   typical_s_ = typical_s_ > 0.0 ? typical_s_ + kIntervalGain * (usual_s - typical_s_) : seconds;
 }
 
+void ContinuedMotion::takeInterval(const ContinuedMotion& other) {
+  if (other.typical_s_ > 0.0) typical_s_ = other.typical_s_;
+}
+
 bool ContinuedMotion::isGap(double seconds) const {
   return typical_s_ > 0.0 && seconds > kLongInterval * typical_s_;
 }

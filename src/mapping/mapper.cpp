@@ -304,11 +304,16 @@ void Mapper::setFoundPose(const Pose2& map_T_base, const Mapper& measured) {
   MotionModel motion = measured.state_->motion;
   setPose(map_T_base);
   motion.setFound(map_T_base);
+  motion.takeInterval(state_->motion);
   state_->motion = motion;
 }
 
-bool Mapper::isOutOfReach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const {
-  return state_->motion.isOutOfReach(scan, odom_T_base);
+void Mapper::takeInterval(const Mapper& other) {
+  state_->motion.takeInterval(other.state_->motion);
+}
+
+bool Mapper::isAfterGap(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const {
+  return state_->motion.isAfterGap(scan, odom_T_base);
 }
 
 double Mapper::reach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const {

@@ -121,6 +121,11 @@ bool MotionModel::isWide(const PredictionError& error) const {
          kSigmas * error.yaw_rad() > near_window_.angular_rad;
 }
 
+bool MotionModel::isAfterGap(const PlanarScan& scan,
+                             const std::optional<Pose2>& odom_T_base) const {
+  return !placed_ && isGap(scan.time - time_) && isWide(errorAt(scan, odom_T_base));
+}
+
 bool MotionModel::isOutOfReach(const PlanarScan& scan,
                                const std::optional<Pose2>& odom_T_base) const {
   return !placed_ && isGap(scan.time - time_) &&

@@ -24,7 +24,10 @@ class ContinuedMotion {
   /// The time between two matched scans, s.
   void addInterval(double seconds);
 
-  /// Whether scans are missing in this time, s.
+  /// Takes the typical interval from `other` if it is known there.
+  void takeInterval(const ContinuedMotion& other);
+
+  /// Whether scans are missing in this time, s. False if the typical interval is not known.
   bool isGap(double seconds) const;
 
  private:

@@ -99,9 +99,13 @@ class Mapper {
   /// place nearby, too, says nothing against the pose.
   void setFoundPose(const Pose2& map_T_base, const Mapper& measured);
 
-  /// Whether scans are missing before `scan` for so long that the vehicle may be outside of the
-  /// largest search window around the prediction.
-  bool isOutOfReach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
+  /// Expects the scans of the same laser as `other`, as often: a gap is noticed from the first scan
+  /// on.
+  void takeInterval(const Mapper& other);
+
+  /// Whether scans are missing before `scan`, and the vehicle may have moved out of the near search
+  /// window around the prediction meanwhile.
+  bool isAfterGap(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
 
   /// How far the vehicle may be from pose() at `scan`, m, see MotionModel::reach.
   double reach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;

@@ -52,6 +52,9 @@ class MotionModel {
   /// True if the vehicle may be outside of the near search window around a prediction.
   bool isWide(const PredictionError& error) const;
 
+  /// Whether scans are missing, and the prediction isWide.
+  bool isAfterGap(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
+
   /// Whether scans are missing for so long that the vehicle may be outside of the largest search
   /// window.
   bool isOutOfReach(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
@@ -86,6 +89,9 @@ class MotionModel {
 
   /// Moves to the predicted pose at `scan`, which shows nothing to match.
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base);
+
+  /// Takes the typical interval of the laser from `other` if it is known there.
+  void takeInterval(const MotionModel& other) { continued_.takeInterval(other.continued_); }
 
   /// Whether scans are missing in this time since the last one, s.
   bool isGap(double seconds) const { return continued_.isGap(seconds); }
