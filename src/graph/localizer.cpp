@@ -33,8 +33,8 @@ MapperConfig fixedConfig(MapperConfig config) {
   return config;
 }
 
-bool fits(const MapperResult& result) {
-  return result.isMatched() && result.match.score >= kFitScore && result.match.known >= kFitKnown;
+bool fits(const MapperResult& result, double least_score = kFitScore) {
+  return result.isMatched() && result.match.score >= least_score && result.match.known >= kFitKnown;
 }
 
 }  // namespace
@@ -44,7 +44,8 @@ Localizer::Localizer(const MapperConfig& config, Submap map,
     : local_config_(localConfig(config, map)),
       tracker_(fixedConfig(local_config_), std::move(map)),
       global_(tracker_.map()),
-      finder_(global_, config.matcher, relocalization) {}
+      finder_(global_, config.matcher, relocalization),
+      min_fit_(relocalization.min_fit) {}
 
 MapperResult Localizer::process(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {
   // A search near the prediction could find an equal room.
@@ -139,13 +140,14 @@ MapperResult Localizer::search(const PlanarScan& scan, const std::optional<Pose2
   return result;
 }
 
-/// The search began some scans ago: the current scan must fit as well.
+/// The search began some scans ago: the current scan must fit as well as its scans did.
 std::optional<MapperResult> Localizer::confirm(const PlanarScan& scan,
                                                const std::optional<Pose2>& odom_T_base,
                                                const Pose2& pose) {
   tracker_.setFoundPose(pose, local_ ? *local_ : tracker_);
   const MapperResult result = tracker_.process(scan, odom_T_base);
-  if (!fits(result) || result.pose.between(pose).distance() > kConfirmM) return std::nullopt;
+  if (!fits(result, min_fit_) || result.pose.between(pose).distance() > kConfirmM)
+    return std::nullopt;
   lost_ = false;
   fit_time_ = scan.time;
   check_from_.reset();

@@ -61,6 +61,7 @@ class Localizer {
   Mapper tracker_;
   GlobalMap global_;
   PlaceFinder finder_;
+  double min_fit_;                 ///< of a scan where the vehicle was found, 0 to 1
   std::unique_ptr<Mapper> local_;  ///< while lost: measures the motion
   bool lost_ = true;
   std::optional<Pose2> check_from_;  ///< where it went on in a grown map, until it is checked
