@@ -189,46 +189,77 @@ std::vector<Pose2> flight() {
   return result;
 }
 
+Submap mapAlong(const std::vector<Pose2>& way, const building::Walls& walls) {
+  Submap result{OccupancyGridConfig()};
+  for (std::size_t i = 0; i < way.size(); i += 3)
+    result.insert(room::scanFrom(way[i], walls, 180), way[i]);
+  return result;
+}
+
+/// Flies on by so many scans. Returns in how many the vehicle was not lost; there the pose is
+/// right.
+std::size_t fly(Localizer& localizer, const std::vector<Pose2>& way, std::size_t scans,
+                std::size_t& at) {
+  static const building::Walls walls = building::walls();
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < scans; ++i, ++at) {
+    const MapperResult result = process(localizer, way[at], 0.1 * static_cast<double>(at), walls);
+    if (result.state == MatchState::kLost) continue;
+    ++found;
+    EXPECT_LT(way[at].between(result.pose).distance(), 0.3) << at;
+  }
+  return found;
+}
+
 /// The vehicle is found by the first scan after a gap, and the next scans are missing, too, or
 /// the map is exchanged. Then nothing is known of the interval between scans but what was before.
 TEST(Localizer, AGapRightAfterAGapIsNoticed) {
-  const building::Walls walls = building::walls();
   const std::vector<Pose2> way = flight();
-  const auto map = [&] {
-    Submap result{OccupancyGridConfig()};
-    for (std::size_t i = 0; i < way.size(); i += 3)
-      result.insert(room::scanFrom(way[i], walls, 180), way[i]);
-    return result;
-  };
   constexpr std::size_t kBegin = 5, kGap = 25, kEnd = 5;
   std::size_t found = 0;
   for (const bool exchanged : {false, true}) {
     for (std::size_t start = 0; start + 2 * kGap + 2 * kEnd < way.size(); start += 30) {
-      auto localizer = std::make_unique<Localizer>(MapperConfig(), map());
+      auto localizer =
+          std::make_unique<Localizer>(MapperConfig(), mapAlong(way, building::walls()));
       localizer->setPose(way[start]);
       std::size_t at = start;
-      const auto fly = [&](std::size_t scans) {
-        for (std::size_t i = 0; i < scans; ++i, ++at) {
-          const MapperResult result =
-              process(*localizer, way[at], 0.1 * static_cast<double>(at), walls);
-          if (result.state == MatchState::kLost) continue;
-          ++found;
-          EXPECT_LT(way[at].between(result.pose).distance(), 0.3) << start << ' ' << at;
-        }
-      };
-      fly(kBegin);
+      found += fly(*localizer, way, kBegin, at);
       at += kGap;
-      fly(1);
+      found += fly(*localizer, way, 1, at);
       if (exchanged) {
-        auto grown = std::make_unique<Localizer>(MapperConfig(), map());
+        auto grown = std::make_unique<Localizer>(MapperConfig(), mapAlong(way, building::walls()));
         grown->continueFrom(*localizer, Pose2());
         localizer = std::move(grown);
       }
       at += kGap;
-      fly(kEnd);
+      found += fly(*localizer, way, kEnd, at);
     }
   }
   EXPECT_GT(found, 100U);
+}
+
+/// Scans are missing while the first one is searched for. Its place is not that of the next scan.
+TEST(Localizer, TheScanThatConfirmsAPlaceFitsAsTheSearchDemands) {
+  const building::Walls walls = building::walls();
+  const std::vector<Pose2> way = flight();
+  constexpr std::size_t kScans = 6;
+  const double min_fit = RelocalizationConfig().min_fit;
+  std::size_t found = 0;
+  for (const std::size_t gap : {8, 16, 24}) {
+    for (std::size_t start = 0; start + gap + kScans < way.size(); start += 30) {
+      Localizer localizer(MapperConfig(), mapAlong(way, walls));
+      for (std::size_t i = 0; i < kScans; ++i) {
+        const std::size_t at = start + i + (i > 0 ? gap : 0);
+        const bool was_lost = localizer.isLost();
+        const MapperResult result =
+            process(localizer, way[at], 0.1 * static_cast<double>(at), walls);
+        if (!was_lost || localizer.isLost()) continue;
+        ++found;
+        EXPECT_GE(result.match.score, min_fit) << start << ' ' << at;
+      }
+    }
+  }
+  EXPECT_GT(found, 20U);
 }
 
 }  // namespace
