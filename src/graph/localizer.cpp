@@ -53,6 +53,7 @@ MapperResult Localizer::process(const PlanarScan& scan, const std::optional<Pose
     const MapRegion region{tracker_.pose().translation(), tracker_.reach(scan, odom_T_base)};
     lose(tracker_.pose());
     finder_.limitTo(region);
+    tracker_.learnInterval(secondsSince(scan));
   }
   MapperResult result = lost_ ? search(scan, odom_T_base) : track(scan, odom_T_base);
   time_ = scan.time;
@@ -106,21 +107,26 @@ MapperResult Localizer::doubt(const PlanarScan& scan, const std::optional<Pose2>
 
 /// The work of a search for one scan.
 std::int64_t Localizer::workFor(const PlanarScan& scan) const {
-  const double seconds = time_ ? scan.time - *time_ : 0.0;
-  return std::clamp(static_cast<std::int64_t>(kWorkPerSecond * seconds), kLeastWork, kMostWork);
+  return std::clamp(static_cast<std::int64_t>(kWorkPerSecond * secondsSince(scan)), kLeastWork,
+                    kMostWork);
+}
+
+double Localizer::secondsSince(const PlanarScan& scan) const {
+  return time_ ? scan.time - *time_ : 0.0;
 }
 
 MapperResult Localizer::search(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) {
+  if (local_ && local_->isAfterGap(scan, odom_T_base)) {
+    beginAnew(local_->pose());
+    tracker_.learnInterval(secondsSince(scan));
+  }
   if (!local_) {
     local_ = std::make_unique<Mapper>(local_config_);
     local_->takeInterval(tracker_);
   }
   MapperResult result = local_->process(scan, odom_T_base);
   if (result.state == MatchState::kLost) {
-    // The motion is unknown, too: begin anew.
-    guess_ = guess_ * result.pose;
-    local_.reset();
-    finder_.reset();
+    beginAnew(result.pose);
   } else if (!result.blank) {
     finder_.add(scan, result.pose);
     finder_.advance(workFor(scan));
@@ -138,6 +144,14 @@ MapperResult Localizer::search(const PlanarScan& scan, const std::optional<Pose2
   result.uncertain = {result.pose, result.covariance, Eigen::Matrix3d::Zero()};
   result.motion_covariance = result.covariance;
   return result;
+}
+
+/// The motion in the map of the last scans is unknown, too.
+void Localizer::beginAnew(const Pose2& local_T_base) {
+  guess_ = guess_ * local_T_base;
+  tracker_.takeInterval(*local_);
+  local_.reset();
+  finder_.reset();
 }
 
 /// The search began some scans ago: the current scan must fit as well as its scans did.

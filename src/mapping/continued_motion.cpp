@@ -51,12 +51,22 @@ void ContinuedMotion::add(const Pose2& step, double seconds) {
 
 void ContinuedMotion::addInterval(double seconds) {
   if (!(seconds > 0.0)) return;
+  if (typical_s_ == 0.0) return learnInterval(seconds);
+  // Beside the second interval the first one may be seen to be a gap.
+  if (is_first_ && typical_s_ > kLongInterval * seconds) typical_s_ = seconds;
   const double usual_s = std::min(seconds, kLongInterval * typical_s_);
-  typical_s_ = typical_s_ > 0.0 ? typical_s_ + kIntervalGain * (usual_s - typical_s_) : seconds;
+  typical_s_ += kIntervalGain * (usual_s - typical_s_);
+  is_first_ = false;
+}
+
+void ContinuedMotion::learnInterval(double seconds) {
+  if (typical_s_ == 0.0 && seconds > 0.0) typical_s_ = seconds;
 }
 
 void ContinuedMotion::takeInterval(const ContinuedMotion& other) {
-  if (other.typical_s_ > 0.0) typical_s_ = other.typical_s_;
+  if (other.typical_s_ == 0.0) return;
+  typical_s_ = other.typical_s_;
+  is_first_ = other.is_first_;
 }
 
 bool ContinuedMotion::isGap(double seconds) const {

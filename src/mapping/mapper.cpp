@@ -312,6 +312,8 @@ void Mapper::takeInterval(const Mapper& other) {
   state_->motion.takeInterval(other.state_->motion);
 }
 
+void Mapper::learnInterval(double seconds) { state_->motion.learnInterval(seconds); }
+
 bool Mapper::isAfterGap(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const {
   return state_->motion.isAfterGap(scan, odom_T_base);
 }

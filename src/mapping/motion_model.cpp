@@ -123,7 +123,7 @@ bool MotionModel::isWide(const PredictionError& error) const {
 
 bool MotionModel::isAfterGap(const PlanarScan& scan,
                              const std::optional<Pose2>& odom_T_base) const {
-  return !placed_ && isGap(scan.time - time_) && isWide(errorAt(scan, odom_T_base));
+  return !placed_ && continued_.mayBeGap(scan.time - time_) && isWide(errorAt(scan, odom_T_base));
 }
 
 bool MotionModel::isOutOfReach(const PlanarScan& scan,
@@ -337,7 +337,7 @@ void MotionModel::setFound(const Pose2& map_T_base) {
   found_time_ = measured_time_ = time_;
   error_ = PredictionError();
   lost_scans_ = 0;
-  carried_ = placed_ = false;
+  carried_ = false;
 }
 
 }  // namespace kestrel

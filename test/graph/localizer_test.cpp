@@ -238,8 +238,9 @@ TEST(Localizer, AGapRightAfterAGapIsNoticed) {
   EXPECT_GT(found, 100U);
 }
 
-/// Scans are missing while the first one is searched for. Its place is not that of the next scan.
-TEST(Localizer, TheScanThatConfirmsAPlaceFitsAsTheSearchDemands) {
+/// Scans are missing while the first one is searched for, or right after its place was found. Its
+/// place is not that of the next scan.
+TEST(Localizer, AGapAfterTheFirstScanIsNoticed) {
   const building::Walls walls = building::walls();
   const std::vector<Pose2> way = flight();
   constexpr std::size_t kScans = 6;
@@ -253,13 +254,39 @@ TEST(Localizer, TheScanThatConfirmsAPlaceFitsAsTheSearchDemands) {
         const bool was_lost = localizer.isLost();
         const MapperResult result =
             process(localizer, way[at], 0.1 * static_cast<double>(at), walls);
-        if (!was_lost || localizer.isLost()) continue;
+        if (localizer.isLost()) continue;
         ++found;
-        EXPECT_GE(result.match.score, min_fit) << start << ' ' << at;
+        EXPECT_LT(way[at].between(result.pose).distance(), 0.3) << start << ' ' << at;
+        EXPECT_TRUE(!was_lost || result.match.score >= min_fit) << start << ' ' << at;
       }
     }
   }
   EXPECT_GT(found, 20U);
+}
+
+/// In a log with few scans every step is as long as a gap.
+TEST(Localizer, FindsTheVehicleInALogWithFewScans) {
+  const std::vector<Pose2> way = flight();
+  constexpr std::size_t kEvery = 12;  // 1 m
+  Localizer localizer(MapperConfig(), mapAlong(way, building::walls()));
+  std::size_t found = 0, scans = 0;
+  for (std::size_t at = 0; at < way.size(); at += kEvery - 1, ++scans)
+    found += fly(localizer, way, 1, at);
+  EXPECT_GT(10 * found, 9 * scans);
+}
+
+/// The pose of a user is searched around in the grown map, too.
+TEST(Localizer, APoseOfAUserIsKeptIfTheMapIsExchangedBeforeTheNextScan) {
+  Localizer before(MapperConfig(), room::map());
+  before.setPose({1.1, -0.9, 2.15});
+  Submap map = room::map();
+  insertAt(30.0, moved(room::walls(), 30.0), map);
+  Localizer localizer(MapperConfig(), std::move(map));
+  localizer.continueFrom(before, Pose2());
+  const Pose2 truth(1, -1, 2.1);
+  const MapperResult result = process(localizer, truth, 1.7e9);
+  EXPECT_NE(result.state, MatchState::kLost);
+  EXPECT_LT(truth.between(result.pose).distance(), 0.05);
 }
 
 }  // namespace

@@ -46,6 +46,14 @@ TEST(MotionModel, AGapIsSeenFromTheThirdScanOn) {
   EXPECT_TRUE(flight.model().isGap(6 * kPeriod));
 }
 
+TEST(MotionModel, AGapBeforeTheSecondScanDoesNotHideTheNextOne) {
+  Flight flight;
+  flight.match(0);
+  flight.match(30);
+  flight.match(31);
+  EXPECT_TRUE(flight.model().isGap(6 * kPeriod));
+}
+
 TEST(MotionModel, MissingScansDoNotChangeThePredictedSpeed) {
   Flight flight;
   for (int i = 0; i < 6; ++i) flight.match(i);

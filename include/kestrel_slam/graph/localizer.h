@@ -52,9 +52,11 @@ class Localizer {
                      const MapperResult& result);
   bool mustCheck(const Pose2& map_T_base) const;
   std::int64_t workFor(const PlanarScan& scan) const;
+  double secondsSince(const PlanarScan& scan) const;
   MapperResult search(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base);
   std::optional<MapperResult> confirm(const PlanarScan& scan,
                                       const std::optional<Pose2>& odom_T_base, const Pose2& pose);
+  void beginAnew(const Pose2& local_T_base);
   void lose(const Pose2& map_T_base);
 
   MapperConfig local_config_;

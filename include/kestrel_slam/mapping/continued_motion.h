@@ -24,11 +24,17 @@ class ContinuedMotion {
   /// The time between two matched scans, s.
   void addInterval(double seconds);
 
+  /// If nothing is known about the intervals, this is a typical one, s.
+  void learnInterval(double seconds);
+
   /// Takes the typical interval from `other` if it is known there.
   void takeInterval(const ContinuedMotion& other);
 
   /// Whether scans are missing in this time, s. False if the typical interval is not known.
   bool isGap(double seconds) const;
+
+  /// Whether scans may be missing in this time, s: it isGap, or nobody knows.
+  bool mayBeGap(double seconds) const { return typical_s_ == 0.0 || isGap(seconds); }
 
  private:
   Pose2 inProportion(double seconds) const;
@@ -37,6 +43,7 @@ class ContinuedMotion {
   Pose2 step_;
   double periods_ = 1.0;    ///< of the laser in the last step
   double typical_s_ = 0.0;  ///< smoothed interval between two matched scans, s; 0: unknown
+  bool is_first_ = true;    ///< at most one interval is known
   double proportion_error_ = 0.0, repetition_error_ = 0.0;  ///< weighted sums, m + rad
 };
 

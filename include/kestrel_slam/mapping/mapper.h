@@ -103,8 +103,11 @@ class Mapper {
   /// on.
   void takeInterval(const Mapper& other);
 
-  /// Whether scans are missing before `scan`, and the vehicle may have moved out of the near search
-  /// window around the prediction meanwhile.
+  /// If the interval of the laser is unknown, this is one of them, s.
+  void learnInterval(double seconds);
+
+  /// Whether scans are missing before `scan`, or may be because the interval is unknown, and the
+  /// vehicle may have moved out of the near search window around the prediction meanwhile.
   bool isAfterGap(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
 
   /// How far the vehicle may be from pose() at `scan`, m, see MotionModel::reach.

@@ -52,7 +52,8 @@ class MotionModel {
   /// True if the vehicle may be outside of the near search window around a prediction.
   bool isWide(const PredictionError& error) const;
 
-  /// Whether scans are missing, and the prediction isWide.
+  /// Whether scans are missing, or may be because their interval is unknown, and the
+  /// prediction isWide.
   bool isAfterGap(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base) const;
 
   /// Whether scans are missing for so long that the vehicle may be outside of the largest search
@@ -89,6 +90,9 @@ class MotionModel {
 
   /// Moves to the predicted pose at `scan`, which shows nothing to match.
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base);
+
+  /// If nothing is known about the intervals of the laser, this is a typical one, s.
+  void learnInterval(double seconds) { continued_.learnInterval(seconds); }
 
   /// Takes the typical interval of the laser from `other` if it is known there.
   void takeInterval(const MotionModel& other) { continued_.takeInterval(other.continued_); }
