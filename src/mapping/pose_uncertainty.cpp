@@ -116,13 +116,15 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
     entry_variance_ = along.dot(last_.covariance().topLeftCorner<2, 2>() * along);
     drift_variance_ = inserted_variance_ = 0.0;
   }
-  const bool is_weak = match.degenerate || match.constraint < kWeakConstraint;
+  // A match that is not clear along a weak direction does not make it a strong one.
+  const bool is_weak =
+      match.degenerate || match.constraint < kWeakConstraint || (weak_ && match.unclear_along);
   if (is_weak) {
     if (!weak_) {
       along_ = drifted_ = firstError(along, prediction_source);
       base_variance_ = along.dot(last_.map_covariance.topLeftCorner<2, 2>() * along);
     }
-    const bool nothing_shown = match.degenerate && !match.predicted_along;
+    const bool nothing_shown = match.unclear_along || (match.degenerate && !match.predicted_along);
     drift(seconds, moved_m, prediction_source,
           nothing_shown ? std::numeric_limits<double>::infinity() : match.along_variance);
   }
@@ -210,10 +212,8 @@ void PoseUncertainty::drift(double seconds, double moved_m, PredictionSource sou
   along_.predict(seconds, moved_m, source);
   drift_variance_ += along_.covariance(0, 0) - before;
   along_.correct(along_variance, source);
-  // A few beams may be on another door frame, or on the floor. While they are followed they show
-  // the speed, but not the position.
+  // A few beams may be on another door frame, or on the floor ahead, which moves along.
   drifted_.predict(seconds, moved_m, source);
-  drifted_.limitSpeed(std::sqrt(along_.covariance(1, 1)));
 }
 
 void PoseUncertainty::carry(const Pose2& predicted, const PredictionError& error) {

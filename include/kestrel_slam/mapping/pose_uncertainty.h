@@ -110,8 +110,8 @@ class PoseUncertainty {
   double drift_variance_ = 0.0;     ///< variance of the motion since then, m²
   double inserted_variance_ = 0.0;  ///< the same at the last insertion
   AlongError along_;
-  /// The same without the positions that the scans show, which a few beams do not show for certain.
-  /// This is what the pose claims without a motion sensor.
+  /// The same without what the scans show along it: a few beams do not show it for certain. This is
+  /// what the pose claims without a motion sensor.
   AlongError drifted_;
   double base_variance_ = 0.0;  ///< variance of the map along it when the direction became weak, m²
   double carried_speed_m_s_ = 0.0;  ///< the same for a pose that is only predicted
