@@ -106,20 +106,54 @@ std::vector<std::size_t> movingPart(const std::vector<std::size_t>& cluster,
   return 2 * come.size() > cluster.size() && come.size() >= needed ? come : cluster;
 }
 
+PointCluster<2> clusterOf(std::vector<std::size_t> numbers,
+                          const std::vector<Eigen::Vector2d>& points) {
+  PointCluster<2> cluster{Eigen::Vector2d::Zero(), std::move(numbers)};
+  for (const std::size_t i : cluster.points) cluster.mode += points[i];
+  cluster.mode /= static_cast<double>(cluster.points.size());
+  return cluster;
+}
+
+/// A thing beside the way of an object joins its cluster. The object is what is left without it,
+/// if that has enough points to be seen as one.
+void addParts(PointCluster<2>&& cluster, const std::vector<Eigen::Vector2d>& points,
+              std::size_t needed, const StoodBefore& stood_before,
+              std::vector<PointCluster<2>>& parts) {
+  const std::vector<bool> stood =
+      stood_before ? stood_before(points, cluster.points) : std::vector<bool>();
+  std::vector<std::size_t> come, standing;
+  for (std::size_t k = 0; k < stood.size(); ++k) {
+    (stood[k] ? standing : come).push_back(cluster.points[k]);
+  }
+  if (standing.empty() || come.size() < needed) {
+    parts.push_back(std::move(cluster));
+    return;
+  }
+  parts.push_back(clusterOf(std::move(come), points));
+  parts.push_back(clusterOf(std::move(standing), points));
+}
+
 }  // namespace
 
 std::vector<ObjectCluster> findObjects(const std::vector<MovingPoint>& moving,
                                        const std::vector<GridRay<2>>& rays,
-                                       const Visibility& visibility, const TrackerConfig& config) {
+                                       const Visibility& visibility, const TrackerConfig& config,
+                                       const StoodBefore& stood_before) {
   std::vector<Eigen::Vector2d> points;
   points.reserve(moving.size());
   for (const MovingPoint& point : moving) points.push_back(point.position);
+  const auto neededFor = [&](const PointCluster<2>& cluster) {
+    return pointsNeeded(visibility.rangeOf(cluster.mode), visibility, config);
+  };
+  std::vector<PointCluster<2>> clusters;
+  for (PointCluster<2>& joined :
+       joinConnected<2>(points, meanShift<2>(points, config.bandwidth_m), config.join_gap_m)) {
+    const std::size_t needed = neededFor(joined);
+    addParts(std::move(joined), points, needed, stood_before, clusters);
+  }
   std::vector<ObjectCluster> objects;
-  const auto clusters =
-      joinConnected<2>(points, meanShift<2>(points, config.bandwidth_m), config.join_gap_m);
   for (const PointCluster<2>& cluster : clusters) {
-    const double range = visibility.rangeOf(cluster.mode);
-    const std::size_t needed = pointsNeeded(range, visibility, config);
+    const std::size_t needed = neededFor(cluster);
     if (cluster.points.size() < needed) continue;
     std::vector<Eigen::Vector2d> own;
     own.reserve(cluster.points.size());

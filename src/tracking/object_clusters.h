@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "kestrel_slam/tracking/object_box.h"
@@ -37,9 +39,16 @@ struct ObjectCluster {
   ObjectEnds ends = ObjectEnds::kHidden;
 };
 
-/// Clusters of the points, without those that have too few points for their range.
+/// Of each of the points with these numbers, which are a cluster: did something stand there before
+/// what moves came there? Empty: nowhere.
+using StoodBefore = std::function<std::vector<bool>(const std::vector<Eigen::Vector2d>& points,
+                                                    const std::vector<std::size_t>& numbers)>;
+
+/// Clusters of the points, without those that have too few points for their range. What stood there
+/// before is an object of its own.
 std::vector<ObjectCluster> findObjects(const std::vector<MovingPoint>& points,
                                        const std::vector<GridRay<2>>& rays,
-                                       const Visibility& visibility, const TrackerConfig& config);
+                                       const Visibility& visibility, const TrackerConfig& config,
+                                       const StoodBefore& stood_before = {});
 
 }  // namespace kestrel

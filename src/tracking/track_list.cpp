@@ -12,7 +12,7 @@ namespace {
 /// Points farther than this from the box of a track belong to something else, m.
 constexpr double kMargin = 0.25;
 constexpr double kNotFinite = std::numeric_limits<double>::quiet_NaN();
-/// What stood at a place for longer than this before an object came there is something else, s.
+/// What stood at a place for longer than this is not the object that came there later, s.
 constexpr double kEarlier = 1.0;
 constexpr double kPathStep = 0.1;  ///< m, between the noted places of an object
 constexpr std::size_t kPathPlaces = 50;
@@ -92,13 +92,13 @@ void TrackList::notePath(Entry& entry, double time) {
   if (path.size() > kPathPlaces) path.pop_front();
 }
 
-/// When the object has come to the place, s; the start of its path if it was always there.
-double TrackList::arrivalAt(const Entry& entry, const Eigen::Vector2d& place) {
-  const double radius = 0.5 * std::max(entry.length, kPersonWidth) + kMargin;
+/// When the object has come to the place, s; nothing if it was there on its whole path.
+std::optional<double> TrackList::arrivalAt(const Entry& entry, const Eigen::Vector2d& place) {
+  const double radius = radiusOf(entry);
   const auto outside = std::find_if(entry.path.rbegin(), entry.path.rend(), [&](const Place& past) {
     return (past.position - place).norm() > radius;
   });
-  return outside == entry.path.rend() ? entry.path.front().time : outside->time;
+  return outside == entry.path.rend() ? std::nullopt : std::optional<double>(outside->time);
 }
 
 bool TrackList::mayBe(TargetLabel label, const ObjectCluster& object,
@@ -106,7 +106,50 @@ bool TrackList::mayBe(TargetLabel label, const ObjectCluster& object,
   const auto entry = std::find_if(entries_.begin(), entries_.end(),
                                   [label](const Entry& e) { return e.label == label; });
   if (entry == entries_.end() || entry->path.empty()) return true;
-  return cameAfter(arrivalAt(*entry, object.observation.value) - kEarlier, object, grid);
+  const double arrival =
+      arrivalAt(*entry, object.observation.value).value_or(entry->path.front().time);
+  return cameAfter(arrival - kEarlier, object, grid);
+}
+
+std::vector<bool> TrackList::stoodBefore(const std::vector<Eigen::Vector2d>& points,
+                                         const std::vector<std::size_t>& numbers,
+                                         const MotionGrid<2>& grid) const {
+  const auto reaches = [&](const Entry& entry) {
+    const double radius = radiusOf(entry);
+    return std::any_of(numbers.begin(), numbers.end(), [&](std::size_t i) {
+      return (entry.track.position - points[i]).squaredNorm() <= radius * radius;
+    });
+  };
+  if (std::none_of(entries_.begin(), entries_.end(),
+                   [&](const Entry& entry) { return !entry.track.moved && reaches(entry); })) {
+    return {};
+  }
+  std::vector<bool> stood(numbers.size());
+  for (const Entry& entry : entries_) {
+    if (entry.path.empty() || !reaches(entry)) continue;
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      stood[k] = stoodBefore(entry, points[numbers[k]], grid);
+    }
+    const auto count = std::count(stood.begin(), stood.end(), true);
+    if (count > 0 && count < static_cast<std::ptrdiff_t>(stood.size())) return stood;
+  }
+  return {};
+}
+
+/// Is there a track that has not moved, and was something there before the object came? A foot of a
+/// person who walks stands, too, but not for so long.
+bool TrackList::stoodBefore(const Entry& entry, const Eigen::Vector2d& point,
+                            const MotionGrid<2>& grid) const {
+  const Entry* other = at(point);
+  if (other == nullptr || other->track.moved) return false;
+  const std::optional<double> arrival = arrivalAt(entry, point);
+  if (!arrival) return false;
+  const double since = std::min(*arrival, grid.time() - kEarlier);
+  return !grid.cameAfter(grid.indexOf(point.cast<float>()), since);
+}
+
+double TrackList::radiusOf(const Entry& entry) {
+  return 0.5 * std::max(entry.length, kPersonWidth) + kMargin;
 }
 
 void TrackList::miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility) {
@@ -145,7 +188,7 @@ std::vector<Track> TrackList::tracks() const {
 bool TrackList::showsAt(const Eigen::Vector2d& point, double seconds) const {
   return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
     const Eigen::Vector2d center = entry.track.position + seconds * entry.track.velocity;
-    const double radius = 0.5 * std::max(entry.length, kPersonWidth) + kMargin;
+    const double radius = radiusOf(entry);
     return entry.track.isShown() && (center - point).squaredNorm() < radius * radius;
   });
 }
@@ -172,7 +215,7 @@ const TrackList::Entry* TrackList::at(const Eigen::Vector2d& point) const {
   double best = std::numeric_limits<double>::infinity();
   for (const Entry& entry : entries_) {
     const double distance2 = (entry.track.position - point).squaredNorm();
-    const double radius = 0.5 * std::max(entry.length, kPersonWidth) + kMargin;
+    const double radius = radiusOf(entry);
     if (distance2 > radius * radius || distance2 >= best) continue;
     best = distance2;
     nearest = &entry;

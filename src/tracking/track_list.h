@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "kestrel_slam/tracking/phd_filter.h"
@@ -49,6 +50,12 @@ class TrackList {
   /// False if the object stood at its place before this target came there: it is something else.
   bool mayBe(TargetLabel label, const ObjectCluster& object, const MotionGrid<2>& grid) const;
 
+  /// Of each of the points with these numbers, which are a cluster: did something stand there
+  /// before an object came that makes up the rest of the cluster? Empty: nowhere.
+  std::vector<bool> stoodBefore(const std::vector<Eigen::Vector2d>& points,
+                                const std::vector<std::size_t>& numbers,
+                                const MotionGrid<2>& grid) const;
+
   /// An observed place and the cells that the object filled.
   struct Sample {
     double time;  ///< of the grid, s
@@ -82,11 +89,15 @@ class TrackList {
   };
 
   const Entry* at(const Eigen::Vector2d& point) const;
+  /// What is farther from the middle than this belongs to something else, m.
+  static double radiusOf(const Entry& entry);
+  bool stoodBefore(const Entry& entry, const Eigen::Vector2d& point,
+                   const MotionGrid<2>& grid) const;
   static void findAgain(Entry& entry, const ObjectCluster& object);
   void see(Entry& entry, const LabeledTarget<5>& target, const ObjectCluster& object,
            const Visibility& visibility, const MotionGrid<2>& grid);
   static double stepResidual(const std::deque<Sample>& samples, const Eigen::Vector2d& origin);
-  static double arrivalAt(const Entry& entry, const Eigen::Vector2d& place);
+  static std::optional<double> arrivalAt(const Entry& entry, const Eigen::Vector2d& place);
   static void notePath(Entry& entry, double time);
   void noteMove(Entry& entry, const ObjectCluster& object, const Visibility& visibility,
                 const MotionGrid<2>& grid) const;

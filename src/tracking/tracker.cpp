@@ -238,7 +238,9 @@ struct Tracker::State {
     const std::vector<PhdComponent<5>> new_targets = births();
     objects =
         findObjects(movingPoints(rays, inserted, mask.update(scan, pose), visibility.beamStep()),
-                    rays, visibility, config);
+                    rays, visibility, config, [&](const auto& points, const auto& numbers) {
+                      return tracks.stoodBefore(points, numbers, grid);
+                    });
     limitObjects(visibility);
     std::vector<Observation<2>> observations;
     for (const ObjectCluster& object : objects) observations.push_back(object.observation);

@@ -14,7 +14,8 @@ constexpr double kRange = 3.0;  // m of the object; behind it, nothing for 10 m
 
 /// The objects of a scan, in which the beams from `first` to `last` hit something in one row. Of
 /// these, those from `from` to `until` hit what has come into free space.
-std::vector<ObjectCluster> objectsOf(int first, int last, int from, int until) {
+std::vector<ObjectCluster> objectsOf(int first, int last, int from, int until,
+                                     const StoodBefore& stood_before = {}) {
   std::vector<GridRay<2>> rays;
   std::vector<MovingPoint> moving;
   for (int i = 0; i < 100; ++i) {
@@ -26,7 +27,7 @@ std::vector<ObjectCluster> objectsOf(int first, int last, int from, int until) {
     const bool has_come = i >= from && i <= until;
     if (hits) moving.push_back({end, has_come, has_come, static_cast<std::size_t>(i)});
   }
-  return findObjects(moving, rays, Visibility(rays), TrackerConfig());
+  return findObjects(moving, rays, Visibility(rays), TrackerConfig(), stood_before);
 }
 
 double bearingOf(const ObjectCluster& object) {
@@ -50,6 +51,35 @@ TEST(ObjectClusters, ObjectInUnknownSpaceIsTheWholeCluster) {
   const auto objects = objectsOf(45, 58, 45, 50);
   ASSERT_EQ(objects.size(), 1U);
   EXPECT_EQ(objects[0].points.size(), 14U);
+}
+
+/// What is to the left of this bearing stood there before.
+StoodBefore leftOf(double bearing) {
+  return [bearing](const auto& points, const auto& numbers) {
+    std::vector<bool> stood;
+    for (const std::size_t i : numbers) {
+      stood.push_back(std::atan2(points[i].y(), points[i].x()) > bearing);
+    }
+    return stood;
+  };
+}
+
+// Neither has come into free space, but one of them was there first.
+TEST(ObjectClusters, WhatStoodThereBeforeIsAnotherObject) {
+  const auto alone = objectsOf(45, 54, 0, -1);
+  const auto objects = objectsOf(45, 62, 0, -1, leftOf(0.045));
+  ASSERT_EQ(alone.size(), 1U);
+  ASSERT_EQ(objects.size(), 2U);
+  EXPECT_EQ(objects[0].points.size(), 10U);
+  EXPECT_EQ(objects[1].points.size(), 8U);
+  EXPECT_NEAR(bearingOf(objects[0]), bearingOf(alone[0]), 1e-6);
+}
+
+// What is left is too small to be an object.
+TEST(ObjectClusters, SplitsOffNoSingleReturns) {
+  const auto objects = objectsOf(45, 62, 0, -1, leftOf(-0.045));
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_EQ(objects[0].points.size(), 18U);
 }
 
 }  // namespace

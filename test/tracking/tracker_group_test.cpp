@@ -41,5 +41,28 @@ TEST(TrackerGroup, FirstOfAQueueIsShownWithinASecond) {
   EXPECT_LE(first, kStart + 10);
 }
 
+// For a moment, somebody and a thing beside the way are one cluster. The thing neither holds the
+// middle back nor gets the track.
+TEST(TrackerGroup, WhatStandsBesideTheWayDoesNotHoldBackWhoPasses) {
+  Room room;
+  Tracker tracker;
+  constexpr int kStart = 50, kEnd = 90;
+  long id = -1;
+  for (int i = 0; i < kEnd; ++i) {
+    std::vector<Disk> disks;
+    if (i >= 20) disks.push_back({{0.45, 3.0}, 0.15});  // somebody has put it there
+    const Eigen::Vector2d passer(0.0, 5.5 - 0.1 * (i - kStart));
+    if (i >= kStart) disks.push_back({passer, 0.15});
+    const auto& result = tracker.process(room.scan(i, Pose2(), disks), Pose2());
+    if (i < kStart + 15) continue;
+    const Track* track = shownAt(result, passer);
+    ASSERT_NE(track, nullptr) << i;
+    if (id < 0) id = track->id;
+    EXPECT_EQ(track->id, id) << i;
+    EXPECT_LT((track->position - passer).norm(), 0.12) << i;
+    EXPECT_LT((track->velocity - Eigen::Vector2d(0.0, -1.0)).norm(), 0.3) << i;
+  }
+}
+
 }  // namespace
 }  // namespace kestrel
