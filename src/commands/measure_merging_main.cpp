@@ -118,27 +118,27 @@ void measureHeights(const Options& options) {
   constexpr double kRightMapM = 0.3;
   const SlamConfig config = configOf(options);
   std::map<std::string, JoinedPairs> counts;
-  std::printf("%-40s %-16s %-16s %8s %8s  %s\n", "pair", "without heights", "with heights", "error m",
-              "wall m", "reason");
+  std::printf("%-22s %-20s %-16s %-16s %8s %8s  %s\n", "buildings", "flights", "without heights",
+              "with heights", "error m", "wall m", "reason");
   for (std::uint64_t seed = 1; seed <= options.heights; ++seed) {
     const FlightsAtHeights flights(seed, config);
     for (const PairAtHeights& pair : flights.pairs()) {
       const auto [with, without] = mergeAtHeights(pair, config);
-      std::printf("%-40s %-16s %-16s %8.3f %8.1f  %s\n", pair.what.c_str(),
-                  toString(without.result.state), toString(with.result.state), with.error_m,
-                  with.result.differing_wall_m, with.result.reason.c_str());
+      std::printf("%-22s %-20s %-16s %-16s %8.3f %8.1f  %s\n", pair.where.c_str(),
+                  pair.flying.c_str(), toString(without.result.state), toString(with.result.state),
+                  with.error_m, with.result.differing_wall_m, with.result.reason.c_str());
       std::fflush(stdout);
       // A map that is wrong itself need not be joined.
       const bool is_right = std::max(pair.a->error(), pair.b->error()) < kRightMapM;
-      JoinedPairs& count = counts[pair.what + (is_right ? "" : ", own map wrong")];
+      JoinedPairs& count = counts[pair.where + (is_right ? "" : ", own map wrong")];
       ++count.pairs;
       count.with += with.result.isJoined() ? 1 : 0;
       count.without += without.result.isJoined() ? 1 : 0;
       count.error_m = std::max(count.error_m, with.error_m);
     }
   }
-  for (const auto& [what, count] : counts)
-    std::printf("%-40s %zu of %zu joined, %zu without heights, error up to %.3f m\n", what.c_str(),
+  for (const auto& [where, count] : counts)
+    std::printf("%-40s %zu of %zu joined, %zu without heights, error up to %.3f m\n", where.c_str(),
                 count.with, count.pairs, count.without, count.error_m);
 }
 
@@ -295,9 +295,10 @@ int main(int argc, char** argv) {
   CLI::Option* output = app.add_option("--output", options.output,
                                        "folder for the merged map, with --parts; see --rooms");
   app.add_option("--offices", options.offices, "N: number of simulated offices");
-  app.add_option("--heights", options.heights,
-                 "N: number of simulated buildings whose doors have lintels, in which vehicles fly at "
-                 "different heights; also buildings that differ in a door or a wall");
+  app.add_option(
+      "--heights", options.heights,
+      "N: number of simulated buildings whose doors have lintels, in which vehicles fly at "
+      "different heights; also buildings that differ in a door or a wall");
   app.add_option("--rooms", options.rooms,
                  "N: writes the sessions of four simulated vehicles in an office of N rooms to "
                  "--output; 90 rooms are 1 km")

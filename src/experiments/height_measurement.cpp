@@ -44,10 +44,11 @@ Place withoutDoor(Place rooms, bool along_x) {
   constexpr double kWidth = 1.4, kThickness = 0.3;
   const Eigen::Vector2d door = along_x ? Eigen::Vector2d(-2.8, 0.0) : Eigen::Vector2d(0.0, -2.8);
   const double height = rooms.parts.ceiling_m;
-  rooms.parts.boxes.push_back({{door.x(), door.y(), 0.5 * height},
-                               {along_x ? kWidth : kThickness, along_x ? kThickness : kWidth, height},
-                               0.0,
-                               Material::kMatt});
+  rooms.parts.boxes.push_back(
+      {{door.x(), door.y(), 0.5 * height},
+       {along_x ? kWidth : kThickness, along_x ? kThickness : kWidth, height},
+       0.0,
+       Material::kMatt});
   return rooms;
 }
 
@@ -87,7 +88,8 @@ void FlightsAtHeights::addOffice(std::uint64_t seed, const SlamConfig& config) {
   const std::size_t first = maps_.size();
   const auto fly = [&](OfficeChange change, std::uint64_t route, const Flying& way) {
     const Place office = officeWithDoors(seed, change, route, way.heights);
-    maps_.push_back(std::make_unique<SimulatedMap>(mapOf(office, 100 * seed + maps_.size(), config)));
+    maps_.push_back(
+        std::make_unique<SimulatedMap>(mapOf(office, 100 * seed + maps_.size(), config)));
     return maps_.back().get();
   };
   for (const Flying& way : ways) fly(OfficeChange::kNone, 1, way);
@@ -96,9 +98,9 @@ void FlightsAtHeights::addOffice(std::uint64_t seed, const SlamConfig& config) {
     for (const Flying& way : ways) {
       const SimulatedMap* const other = fly(change, 2, way);
       for (std::size_t i = 0; i < ways.size(); ++i) {
-        const std::string what =
-            std::string("office, ") + toString(change) + ": " + ways[i].name + ", " + way.name;
-        pairs_.push_back({what, maps_[first + i].get(), other, change == OfficeChange::kNone});
+        const std::string flying = std::string(ways[i].name) + ", " + way.name;
+        pairs_.push_back(
+            {std::string("office, ") + toString(change), flying, maps_[first + i].get(), other});
       }
     }
   }
@@ -119,12 +121,12 @@ void FlightsAtHeights::addFourRooms(std::uint64_t seed, const SlamConfig& config
   for (std::size_t b = 0; b < kVehicles; ++b) {
     vehicles.push_back(fly(rooms, b));
     for (std::size_t a = 0; a < b; ++a)
-      pairs_.push_back({"four rooms, the same", vehicles[a], vehicles[b], true});
+      pairs_.push_back({"four rooms, the same", "random", vehicles[a], vehicles[b]});
   }
   for (const bool along_x : {false, true}) {
     const SimulatedMap* const twin = fly(withoutDoor(rooms, along_x), 1);
     for (const SimulatedMap* const vehicle : vehicles)
-      pairs_.push_back({"four rooms, no door", vehicle, twin, false});
+      pairs_.push_back({"four rooms, no door", "random", vehicle, twin});
   }
 }
 

@@ -27,8 +27,7 @@ PlanarScan freePart(PlanarScan scan) {
   const auto saysNothing = [](const PlanarRay& ray) {
     return ray.no_return || ray.presumed || (ray.end - ray.origin).norm() <= kNear;
   };
-  scan.rays.erase(std::remove_if(scan.rays.begin(), scan.rays.end(), saysNothing),
-                  scan.rays.end());
+  scan.rays.erase(std::remove_if(scan.rays.begin(), scan.rays.end(), saysNothing), scan.rays.end());
   for (PlanarRay& ray : scan.rays) {
     if (ray.hit) ray.end -= kNear * (ray.end - ray.origin).normalized();
     ray.hit = false;
@@ -53,11 +52,7 @@ void ComparedMap::forEachScan(Visit visit) const {
 
 ComparedMap::ComparedMap(const JointMap& joint, const std::vector<PoseVertex>& poses,
                          const std::vector<bool>& used, std::size_t part)
-    : joint_(joint),
-      poses_(poses),
-      used_(used),
-      part_(joint.parts()[part]),
-      grid_(comparedGrid()) {
+    : joint_(joint), poses_(poses), used_(used), part_(joint.parts()[part]), grid_(comparedGrid()) {
   bool has_heights = false;
   forEachScan([&](const PlanarScan& scan, const Pose2& pose) {
     grid_.insert(scan, pose);

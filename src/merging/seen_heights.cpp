@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
 namespace kestrel {
 namespace {
 
@@ -69,9 +70,8 @@ std::vector<AtHeight> sortedByHeight(const Sightings& walls, const Sightings& ot
     if (!std::isnan(sighting.height_m))
       sorted.push_back({sighting.height_m, {0.0, logOddsOf(sighting)}});
   }
-  std::stable_sort(sorted.begin(), sorted.end(), [](const AtHeight& a, const AtHeight& b) {
-    return a.height_m < b.height_m;
-  });
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const AtHeight& a, const AtHeight& b) { return a.height_m < b.height_m; });
   return sorted;
 }
 
@@ -139,10 +139,15 @@ void SightingCollector::add(PlanarScan scan, const Pose2& pose) {
   // Without the map, a beam that has no return says nothing.
   const auto isSilent = [](const PlanarRay& ray) { return ray.no_return || ray.presumed; };
   scan.rays.erase(std::remove_if(scan.rays.begin(), scan.rays.end(), isSilent), scan.rays.end());
+  float reach = 0.0F;
+  for (const PlanarRay& ray : scan.rays)
+    reach = std::max({reach, ray.origin.norm(), ray.end.norm()});
+  const double farthest = static_cast<double>(reach) + cell_m_;  // what a cell is around its center
   grid_.clear();
   grid_.insert(scan, pose);
   const Pose2 scan_T_points = pose.inverse();
   for (std::size_t i = 0; i < points_.size(); ++i) {
+    if ((points_[i].at - pose.translation()).squaredNorm() > farthest * farthest) continue;
     if (!grid_.isKnown(grid_.cellAt(points_[i].at.cast<float>()))) continue;
     const Eigen::Vector2f point = (scan_T_points * points_[i].at).cast<float>();
     const float height = scan.height.isKnown() ? scan.height.at(point) : kUnknown;
@@ -159,8 +164,8 @@ bool SightingCollector::hasWallAt(const WallPoint& point) const {
   const auto beside = is_straight ? 2 : most;
   for (auto x = -beside; x <= beside; ++x) {
     for (auto y = -most; y <= most; ++y) {
-      const Eigen::Vector2d near = point.at + step * (static_cast<double>(x) * along +
-                                                      static_cast<double>(y) * across);
+      const Eigen::Vector2d near =
+          point.at + step * (static_cast<double>(x) * along + static_cast<double>(y) * across);
       if (grid_.isOccupied(grid_.cellAt(near.cast<float>()))) return true;
     }
   }

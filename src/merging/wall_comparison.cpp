@@ -137,26 +137,28 @@ double longestRun(const std::vector<WallCell>& cells, const Eigen::Vector2d& dir
                         direction.dot(cell.at), cell.explained, cell.by_height);
   }
   std::sort(places.begin(), places.end());
-  double longest = 0.0, length = 0.0, last = 0.0;
+  double longest = 0.0, begin = 0.0, by_heights = 0.0, last = 0.0;
   bool runs = false, last_by_height = false;
   std::int64_t last_line = 0;
   for (const auto& [line, along, explained, by_height] : places) {
     if (!runs || line != last_line || along - last > kGapM) {
-      length = by_height ? 0.0 : kCellM;
-    } else if (!by_height || !last_by_height) {
-      length += along - last;
+      begin = along;
+      by_heights = by_height ? kCellM : 0.0;
+    } else if (by_height && last_by_height) {
+      by_heights += along - last;
     }
     runs = !explained;
     last_line = line;
     last = along;
     last_by_height = by_height;
-    if (runs) longest = std::max(longest, length);
+    if (runs) longest = std::max(longest, along - begin + kCellM - by_heights);
   }
   return longest;
 }
 
-/// Whether a wall of `other` explains a cell. If the heights contradict, no wall of the other map is
-/// at the cell, and one that this vehicle saw through at some heights, as a lintel, is not behind it.
+/// Whether a wall of `other` explains a cell. If the heights contradict, no wall of the other map
+/// is at the cell, and one that this vehicle saw through at some heights, as a lintel, is not
+/// behind it.
 bool explains(const ComparedMap& other, const Cell& near, double distance_m,
               const DifferingCell& cell) {
   if (!other.grid().isOccupied(near)) return false;

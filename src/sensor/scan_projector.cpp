@@ -223,15 +223,16 @@ std::vector<Eigen::Vector3f> someReturns(const LaserScan& scan, const SweepFrame
   return returns;
 }
 
-/// The plane of the beams. `height_m`: of the base over the floor.
+/// The plane of the beams. `height_m`: of the base over the floor. A plane that is steeper than 60
+/// degrees is no slice of the walls.
 ScanHeight heightOf(const SensorFrame& frame, double height_m) {
-  constexpr float kLeastCosine = 0.5F;  // of a plane that is steeper, most returns are floor or ceiling
+  constexpr float kLeastCosine = 0.5F;
   const Eigen::Vector3f normal = frame.rotation.col(2);
   if (!(std::abs(normal.z()) > kLeastCosine)) return {};
   ScanHeight height;
   height.slope = -normal.head<2>() / normal.z();
-  height.base_m = static_cast<float>(height_m) + frame.origin.z() -
-                  height.slope.dot(frame.origin.head<2>());
+  height.base_m =
+      static_cast<float>(height_m) + frame.origin.z() - height.slope.dot(frame.origin.head<2>());
   return height;
 }
 

@@ -64,8 +64,8 @@ void addInnerDoor(World::Parts& parts, const Room& room, double x) {
   const double near = kInnerDoor - 0.5 * kInnerWidth, far = kInnerDoor + 0.5 * kInnerWidth;
   addBox(parts, room, x, 0.5 * near, kThickness, near, parts.ceiling_m);
   addBox(parts, room, x, 0.5 * (far + room.depth), kThickness, room.depth - far, parts.ceiling_m);
-  addBlock(parts, {x, room.y(kInnerDoor)},
-           {kThickness, kInnerWidth, parts.ceiling_m - kDoorHeight}, 0.0, kDoorHeight);
+  addBlock(parts, {x, room.y(kInnerDoor)}, {kThickness, kInnerWidth, parts.ceiling_m - kDoorHeight},
+           0.0, kDoorHeight);
 }
 
 /// Which walls of a room have a door to the next room, and whether doors have a lintel.
@@ -175,8 +175,12 @@ std::vector<Eigen::Vector3d> wayAtHeights(const std::vector<Room>& rooms, std::u
       corners.push_back(0.5 * (before + door));
       corners.back().z() = height();
     }
-    corners.insert(corners.end(), {door, behind, {inside.x(), inside.y(), height()},
-                                   {inside.x(), inside.y(), height()}, behind, door});
+    corners.insert(corners.end(), {door,
+                                   behind,
+                                   {inside.x(), inside.y(), height()},
+                                   {inside.x(), inside.y(), height()},
+                                   behind,
+                                   door});
   }
   return corners;
 }
@@ -251,7 +255,8 @@ Place officeWithDoors(std::uint64_t seed, OfficeChange change, std::uint64_t rou
     addRoom(office.parts, rooms[i], i == changed ? change : OfficeChange::kNone, doors);
   }
   addCorridor(office.parts, rooms, seed);
-  office.plan = planOf(wayAtHeights(rooms, route, heights, Random(3000 + 10 * seed + route)), route);
+  office.plan =
+      planOf(wayAtHeights(rooms, route, heights, Random(3000 + 10 * seed + route)), route);
   return office;
 }
 

@@ -14,8 +14,8 @@ building::Walls rooms(bool closed) {
   addBox(all, 0, 0, 7, 6);
   addBox(all, 7.2, 0, 5, 6);
   // Left and right of the opening; the faces between the rooms were drawn with the boxes.
-  all.erase(all.begin() + 1);   // x = 7
-  all.erase(all.begin() + 6);   // x = 7.2
+  all.erase(all.begin() + 1);  // x = 7
+  all.erase(all.begin() + 6);  // x = 7.2
   for (const double x : {7.0, 7.2}) {
     all.insert(all.end(), {{x, 0, x, 2.4}, {x, 4.0, x, 6}});
     if (closed) all.push_back({x, 2.4, x, 4.0});
@@ -47,7 +47,8 @@ VehicleMap fly(const std::string& name, const std::vector<Leg>& legs, bool door 
   return vehicleMapOf(name, graph);
 }
 
-const std::vector<Eigen::Vector2d> kRound = {{1.5, 1.5}, {5.5, 1.5}, {5.5, 4.5}, {1.5, 4.5}, {1.5, 2}};
+const std::vector<Eigen::Vector2d> kRound = {
+    {1.5, 1.5}, {5.5, 1.5}, {5.5, 4.5}, {1.5, 4.5}, {1.5, 2}};
 const std::vector<Eigen::Vector2d> kBack = {{1.5, 2}, {5.0, 2}, {5.0, 4}, {2, 4}, {2, 1.8}};
 
 VehicleMap low(bool door = true) {
@@ -55,11 +56,14 @@ VehicleMap low(bool door = true) {
 }
 /// It first sees the opening, and then the wall above it.
 VehicleMap both(bool door = true) {
-  return fly("both",
-             {{kBack, 0.9F, false}, {kBack, 1.6F, false}, {kRound, 2.3F, true}, {kBack, 2.3F, true}},
-             door);
+  return fly(
+      "both",
+      {{kBack, 0.9F, false}, {kBack, 1.6F, false}, {kRound, 2.3F, true}, {kBack, 2.3F, true}},
+      door);
 }
-VehicleMap high(bool door = true) { return fly("high", {{kBack, 2.2F, true}, {kRound, 2.3F, true}}, door); }
+VehicleMap high(bool door = true) {
+  return fly("high", {{kBack, 2.2F, true}, {kRound, 2.3F, true}}, door);
+}
 
 VehicleMap withoutHeights(VehicleMap map) {
   for (LocalKeyframe& entry : map.keyframes) {

@@ -46,8 +46,7 @@ TEST(SeenHeights, AtEqualHeightsAWallIsADifference) {
 TEST(SeenHeights, ADoorThatOnlyOneVehicleSawIsADifference) {
   // It may be a lintel, or a wall: another building, in which this door is not there.
   EXPECT_FALSE(isExplained(seen(9, 2.2F, true), seen(7, 1.0F, false)));
-  EXPECT_FALSE(
-      isExplained(seen(9, 2.2F, true), seen(9, 1.0F, false) + seen(2, 2.2F, true)));
+  EXPECT_FALSE(isExplained(seen(9, 2.2F, true), seen(9, 1.0F, false) + seen(2, 2.2F, true)));
 }
 
 TEST(SeenHeights, AWallBetweenHeightsThatWereFreeIsAContradiction) {

@@ -77,8 +77,8 @@ TEST(Session, RemovesWhatRefersToNothing) {
 }
 
 TEST(Session, AnImpossibleHeightIsAProblem) {
-  for (const ScanHeight& height :
-       {ScanHeight{-1.0F, {0.0F, 0.0F}}, ScanHeight{NAN, {0.0F, 0.0F}}, ScanHeight{1.0F, {0.0F, NAN}}}) {
+  for (const ScanHeight& height : {ScanHeight{-1.0F, {0.0F, 0.0F}}, ScanHeight{NAN, {0.0F, 0.0F}},
+                                   ScanHeight{1.0F, {0.0F, NAN}}}) {
     Session session = sampleSession();
     session.keyframes[2] = atHeight(*session.keyframes[2], height);
     EXPECT_EQ(problemOf(session), "keyframe 2: its height is not possible");

@@ -15,7 +15,7 @@ namespace kestrel {
 /// What a simulated vehicle has mapped.
 struct SimulatedMap {
   VehicleMap map;
-  Pose2 world_T_map;  ///< the truth at the start of its flight
+  Pose2 world_T_map;          ///< the truth at the start of its flight
   std::vector<Pose2> truths;  ///< world_T_base of the keyframes
 
   double error() const;  ///< the largest one of a keyframe, m
@@ -23,9 +23,9 @@ struct SimulatedMap {
 
 /// Two vehicles that fly at different heights.
 struct PairAtHeights {
-  std::string what;                 ///< how they fly, and what differs between their buildings
+  std::string where;   ///< and what differs between their buildings
+  std::string flying;  ///< how they fly
   const SimulatedMap *a = nullptr, *b = nullptr;
-  bool same_building = true;
 };
 
 /// Vehicles that fly at different heights in simulated buildings whose doors have lintels: an
