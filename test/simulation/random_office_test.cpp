@@ -31,7 +31,9 @@ TEST(OfficeWithDoors, TheFlightIsLowAtTheDoors) {
   for (const FlightPlan::Waypoint& waypoint : office.plan.waypoints) {
     const double z = waypoint.position.z(),
                  from_door = std::abs(std::abs(waypoint.position.y()) - 1.2);
-    if (from_door < 0.6) EXPECT_LT(z, 1.5);
+    if (from_door < 0.6) {
+      EXPECT_LT(z, 1.5);
+    }
     lowest = std::min(lowest, z);
     highest = std::max(highest, z);
   }
