@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -8,6 +9,7 @@
 
 #include "kestrel_slam/commands/run_tool.h"
 #include "kestrel_slam/evaluation/evaluation.h"
+#include "kestrel_slam/experiments/height_measurement.h"
 #include "kestrel_slam/experiments/merging_measurement.h"
 #include "kestrel_slam/experiments/processor_time.h"
 #include "kestrel_slam/graph/optimizer.h"
@@ -23,7 +25,7 @@ struct Options {
   std::vector<std::string> recordings;
   std::string relations, reference, output, odometry = "none";
   std::vector<std::string> settings;
-  std::size_t parts = 1, offices = 0, steps = 0, rooms = 0;
+  std::size_t parts = 1, offices = 0, steps = 0, rooms = 0, heights = 0;
 };
 
 SlamConfig configOf(const Options& options) {
@@ -103,6 +105,41 @@ void measureOffices(const Options& options) {
   }
   for (const OfficeChange change : kChanges)
     std::printf("%-16s %zu of %zu joined\n", toString(change), joined[change], options.offices);
+}
+
+/// How many pairs of one kind were joined, with and without the heights, and the largest error.
+struct JoinedPairs {
+  std::size_t pairs = 0, with = 0, without = 0;
+  double error_m = 0.0;
+};
+
+/// Vehicles that fly at different heights in the same building, and in buildings that differ.
+void measureHeights(const Options& options) {
+  constexpr double kRightMapM = 0.3;
+  const SlamConfig config = configOf(options);
+  std::map<std::string, JoinedPairs> counts;
+  std::printf("%-22s %-20s %-16s %-16s %8s %8s  %s\n", "buildings", "flights", "without heights",
+              "with heights", "error m", "wall m", "reason");
+  for (std::uint64_t seed = 1; seed <= options.heights; ++seed) {
+    const FlightsAtHeights flights(seed, config);
+    for (const PairAtHeights& pair : flights.pairs()) {
+      const auto [with, without] = mergeAtHeights(pair, config);
+      std::printf("%-22s %-20s %-16s %-16s %8.3f %8.1f  %s\n", pair.where.c_str(),
+                  pair.flying.c_str(), toString(without.result.state), toString(with.result.state),
+                  with.error_m, with.result.differing_wall_m, with.result.reason.c_str());
+      std::fflush(stdout);
+      // A map that is wrong itself need not be joined.
+      const bool is_right = std::max(pair.a->error(), pair.b->error()) < kRightMapM;
+      JoinedPairs& count = counts[pair.where + (is_right ? "" : ", own map wrong")];
+      ++count.pairs;
+      count.with += with.result.isJoined() ? 1 : 0;
+      count.without += without.result.isJoined() ? 1 : 0;
+      count.error_m = std::max(count.error_m, with.error_m);
+    }
+  }
+  for (const auto& [where, count] : counts)
+    std::printf("%-40s %zu of %zu joined, %zu without heights, error up to %.3f m\n", where.c_str(),
+                count.with, count.pairs, count.without, count.error_m);
 }
 
 Trajectory allInWorld(const std::vector<MappedVehicle>& vehicles, const MergeResult& result) {
@@ -233,6 +270,7 @@ void run(const Options& options) {
   if (options.rooms > 0) return writeSessions(options);
   if (options.steps > 0) return measureSteps(options);
   if (options.offices > 0) return measureOffices(options);
+  if (options.heights > 0) return measureHeights(options);
   const std::vector<MappedVehicle> vehicles = mapAll(options);
   if (options.parts > 1) {
     measureParts(options, vehicles);
@@ -257,6 +295,10 @@ int main(int argc, char** argv) {
   CLI::Option* output = app.add_option("--output", options.output,
                                        "folder for the merged map, with --parts; see --rooms");
   app.add_option("--offices", options.offices, "N: number of simulated offices");
+  app.add_option(
+      "--heights", options.heights,
+      "N: number of simulated buildings whose doors have lintels, in which vehicles fly at "
+      "different heights; also buildings that differ in a door or a wall");
   app.add_option("--rooms", options.rooms,
                  "N: writes the sessions of four simulated vehicles in an office of N rooms to "
                  "--output; 90 rooms are 1 km")
@@ -279,7 +321,7 @@ int main(int argc, char** argv) {
   return runTool(
       "measure_merging", app, argc, argv, [&] { run(options); },
       [&] {
-        if (options.recordings.empty() == (options.offices + options.rooms == 0))
-          throw CLI::RequiredError("RECORDING, --offices or --rooms");
+        if (options.recordings.empty() == (options.offices + options.heights + options.rooms == 0))
+          throw CLI::RequiredError("RECORDING, --offices, --heights or --rooms");
       });
 }

@@ -83,6 +83,7 @@ void SubmapGraph::addKeyframe(const PlanarScan& scan, const MapperResult& result
                            : tangentCovariance(result.lasting_covariance, motion),
                      tangentCovariance(result.uncertain.match_covariance, result.pose)});
   keyframe->new_view = result.new_view;
+  if (scan.height.isKnown()) keyframe->height = scan.height;
   keyframe->scan = CompactScan(scan.rays);
   if (!first && keyframes_.back().submap != submap) addPlace();
   graph_.vertices.push_back({mapTLocal() * result.pose, number == 0});

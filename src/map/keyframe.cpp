@@ -7,6 +7,7 @@ PlanarScan Keyframe::planarScan() const {
   PlanarScan result;
   result.stamp = stamp;
   result.time = time;
+  result.height = height;
   result.rays = scan.rays();
   return result;
 }

@@ -57,6 +57,12 @@ PlanarRay rayAt(const kestrel_slam::PlanarScan& message, std::size_t i) {
   throw std::invalid_argument("ray " + std::to_string(i) + " is not finite");
 }
 
+ScanHeight heightOf(const kestrel_slam::PlanarScan& message) {
+  const ScanHeight height{message.height, {message.height_slope_x, message.height_slope_y}};
+  if (std::isfinite(height.base_m) && height.slope.allFinite()) return height;
+  throw std::invalid_argument("height is not finite");
+}
+
 std::uint8_t kindOf(const PlanarRay& ray) {
   if (ray.hit) return kHit;
   return ray.no_return ? kNoReturn : ray.presumed ? kPresumed : kClear;
@@ -78,6 +84,9 @@ kestrel_slam::PlanarScanPtr toPlanarScanMessage(const PlanarScan& scan, const st
   message->predicted_x = scan.predicted ? scan.predicted->x : kAbsent;
   message->predicted_y = scan.predicted ? scan.predicted->y : kAbsent;
   message->predicted_yaw = scan.predicted ? scan.predicted->yaw : kAbsent;
+  message->height = scan.height.isKnown() ? scan.height.base_m : kNan;
+  message->height_slope_x = scan.height.slope.x();
+  message->height_slope_y = scan.height.slope.y();
   for (auto* array : {&message->origin_x, &message->origin_y, &message->end_x, &message->end_y}) {
     array->reserve(scan.rays.size());
   }
@@ -109,6 +118,7 @@ PlanarScan fromPlanarScanMessage(const kestrel_slam::PlanarScan& message) {
   if (isPresent(predicted, "predicted")) {
     scan.predicted = Pose2(predicted.x(), predicted.y(), predicted.z());
   }
+  if (!std::isnan(message.height)) scan.height = heightOf(message);
   scan.rays.reserve(message.hit.size());
   for (std::size_t i = 0; i < message.hit.size(); ++i) scan.rays.push_back(rayAt(message, i));
   return scan;

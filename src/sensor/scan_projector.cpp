@@ -223,6 +223,19 @@ std::vector<Eigen::Vector3f> someReturns(const LaserScan& scan, const SweepFrame
   return returns;
 }
 
+/// The plane of the beams. `height_m`: of the base over the floor. A plane that is steeper than 60
+/// degrees is no slice of the walls.
+ScanHeight heightOf(const SensorFrame& frame, double height_m) {
+  constexpr float kLeastCosine = 0.5F;
+  const Eigen::Vector3f normal = frame.rotation.col(2);
+  if (!(std::abs(normal.z()) > kLeastCosine)) return {};
+  ScanHeight height;
+  height.slope = -normal.head<2>() / normal.z();
+  height.base_m =
+      static_cast<float>(height_m) + frame.origin.z() - height.slope.dot(frame.origin.head<2>());
+  return height;
+}
+
 }  // namespace
 
 ScanProjector::ScanProjector(const ProjectorConfig& config)
@@ -275,6 +288,7 @@ Projection ScanProjector::projectCorrected(const LaserScan& scan,
   }
   result.floor_height_m = surfaces_.floorSeenAt(scan.stamp);
   if (!height) height = surfaces_.floorHeight(scan.stamp);
+  if (height) result.scan.height = heightOf(frames.at(0.5F), *height);
   const Slice slice = sliceOf(config_, height, surfaces_.ceilingHeight(scan.stamp, height),
                               frames.frame(0).origin.z());
   BeamProjector(scan, config_, frames, slice, maskOf(scan, ignored_, mirror_), result).run();

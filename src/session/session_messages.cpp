@@ -72,6 +72,9 @@ void setMessage(const KeyframePtr& keyframe, session_format::Keyframe& message) 
   setMatrix(keyframe->motion_covariance, *message.mutable_motion_covariance());
   message.set_new_view(keyframe->new_view);
   message.set_scan(keyframe->scan.bytes());
+  message.set_height_m(keyframe->height.base_m);
+  message.set_height_slope_x(keyframe->height.slope.x());
+  message.set_height_slope_y(keyframe->height.slope.y());
 }
 
 KeyframePtr fromMessage(const session_format::Keyframe& message) {
@@ -83,6 +86,8 @@ KeyframePtr fromMessage(const session_format::Keyframe& message) {
   keyframe->covariance = matrixOf(message.covariance());
   keyframe->motion_covariance = matrixOf(message.motion_covariance());
   keyframe->new_view = message.new_view();
+  keyframe->height.base_m = message.height_m();
+  keyframe->height.slope = {message.height_slope_x(), message.height_slope_y()};
   try {
     keyframe->scan = CompactScan::fromBytes(message.scan());
   } catch (const std::invalid_argument& error) {

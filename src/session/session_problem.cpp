@@ -46,6 +46,9 @@ std::string problemOfKeyframe(const Keyframe& keyframe, bool has_place) {
   if (!std::isfinite(keyframe.stamp) || !std::isfinite(keyframe.time)) {
     return "a time is not finite";
   }
+  const ScanHeight& height = keyframe.height;
+  if (!std::isfinite(height.base_m) || height.base_m < 0.0F || !height.slope.allFinite())
+    return "its height is not possible";
   if (!has_place) return "it is in no submap and in no vertex";
   return firstOf({problemOfPose(keyframe.submap_T_base), problemOfCovariance(keyframe.covariance),
                   problemOfCovariance(keyframe.motion_covariance)});

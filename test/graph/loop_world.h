@@ -60,6 +60,7 @@ class Drive {
       local_ = local_ * truths_.back().between(truth) * Pose2(0.0, 0.0, yaw_drift_);
     truths_.push_back(truth);
     PlanarScan scan = room::scanFrom(truth, walls_, 180);
+    scan.height = height;
     scan.stamp = scan.time = 0.1 * static_cast<double>(truths_.size());
     MapperResult result;
     if (with_odometry) result.odom_T_base = truth;
@@ -76,6 +77,13 @@ class Drive {
     graph.add(scan, result);
   }
 
+  /// What is seen from now on, as at another height.
+  void see(std::vector<room::Segment> walls, float height_m) {
+    walls_ = std::move(walls);
+    height.base_m = height_m;
+  }
+
+  ScanHeight height;
   /// Whether the wheels measure the true motion.
   bool with_odometry = false;
   /// What the mapper says of the error of each match, and of the map at the first keyframe.

@@ -46,6 +46,18 @@ TEST(SubmapGraph, TheSameInputGivesTheSamePoses) {
   EXPECT_EQ(poses[0], poses[1]);
 }
 
+TEST(SubmapGraph, AKeyframeKnowsTheHeightOfItsScan) {
+  SubmapGraph graph{MapperConfig(), LoopConfig()};
+  Drive drive(loop_world::ring(), kYawDrift);
+  drive.add(loop_world::laps(0.1)[0], graph);
+  drive.height = {1.5F, {0.1F, -0.2F}};
+  drive.add(loop_world::laps(0.1)[1], graph);
+  EXPECT_FALSE(graph.keyframes()[0].keyframe->height.isKnown());
+  const Keyframe& keyframe = *graph.keyframes()[1].keyframe;
+  EXPECT_EQ(keyframe.height.base_m, 1.5F);
+  EXPECT_EQ(keyframe.planarScan().height.slope, Eigen::Vector2f(0.1F, -0.2F));
+}
+
 /// A corridor with rooms that all look the same: without drift that tells them apart, a match is
 /// ambiguous, and with a wrong one all rooms would be drawn over each other.
 TEST(SubmapGraph, IdenticalRoomsAreNotMerged) {

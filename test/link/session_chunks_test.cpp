@@ -15,7 +15,8 @@ Session flight(std::size_t keyframes) {
   session.resolution_m = 0.05;
   for (std::size_t i = 0; i < keyframes; ++i) {
     const Pose2 pose(0.01 * static_cast<double>(i), 0.2, 0.1);
-    session.keyframes.push_back(sampleKeyframe(i, pose, Pose2(), 30));
+    const ScanHeight height{1.0F + 0.01F * static_cast<float>(i), {0.1F, 0.0F}};
+    session.keyframes.push_back(atHeight(*sampleKeyframe(i, pose, Pose2(), 30), height));
     session.vertices.push_back({VertexKind::kKeyframe, i, {pose, i == 0}});
     if (i > 0)
       session.edges.push_back(
@@ -36,6 +37,8 @@ TEST(SessionChunks, AGrowingSessionArrives) {
   for (std::size_t i = 0; i < sent.size(); ++i) {
     EXPECT_LT(sent[i].between(received[i]).distance(), 1e-9);
     EXPECT_TRUE(session.keyframes[i]->scan == flight(200).keyframes[i]->scan);
+    EXPECT_EQ(session.keyframes[i]->height.base_m, flight(200).keyframes[i]->height.base_m);
+    EXPECT_EQ(session.keyframes[i]->height.slope.x(), 0.1F);
   }
 }
 

@@ -26,6 +26,7 @@ PlanarScan threeRays() {
   scan.integrated_yaw = 7.1;  // not exactly representable as float
   scan.integrated_acceleration = Eigen::Vector2d(1.5, -0.1);
   scan.predicted = Pose2(0.7, -0.25, 0.5);
+  scan.height = {1.3F, {0.1F, -0.02F}};
   scan.rays = {{{0.125F, -0.25F}, {3.0F, 4.0F}, true},
                {{0.0F, 0.0F}, {0.0F, 10.0F}, false},
                {{0.5F, 0.5F}, {-2.0F, 0.5F}, true}};
@@ -50,6 +51,8 @@ TEST(PlanarScanMessage, RoundTripIsExact) {
   EXPECT_EQ(back.integrated_yaw, there.integrated_yaw);
   EXPECT_EQ(back.integrated_acceleration, there.integrated_acceleration);
   EXPECT_EQ(back.predicted, there.predicted);
+  EXPECT_EQ(back.height.base_m, there.height.base_m);
+  EXPECT_EQ(back.height.slope, there.height.slope);
   ASSERT_EQ(back.rays.size(), there.rays.size());
   for (std::size_t i = 0; i < there.rays.size(); ++i) {
     EXPECT_EQ(back.rays[i].origin, there.rays[i].origin) << i;
@@ -63,11 +66,13 @@ TEST(PlanarScanMessage, AbsentValuesStayAbsent) {
   scan.integrated_yaw.reset();
   scan.integrated_acceleration.reset();
   scan.predicted.reset();
+  scan.height = ScanHeight();
   const PlanarScan back =
       fromPlanarScanMessage(*toPlanarScanMessage(scan, "base_stabilized", kStamp));
   EXPECT_FALSE(back.integrated_yaw);
   EXPECT_FALSE(back.integrated_acceleration);
   EXPECT_FALSE(back.predicted);
+  EXPECT_FALSE(back.height.isKnown());
 }
 
 TEST(PlanarScanMessage, AScanOfAUtm30lxTakesAtMost26Kilobytes) {
@@ -101,6 +106,8 @@ TEST(PlanarScanMessage, RefusesInvalidMessages) {
       {"a part of a pose", [](Message& m) { m.predicted_yaw = kNan; }, "predicted is not finite"},
       {"a part of an acceleration", [](Message& m) { m.integrated_acceleration_x = kNan; },
        "integrated_acceleration is not finite"},
+      {"an infinite height", [](Message& m) { m.height = kInfinity; }, "height is not finite"},
+      {"a slope that is NaN", [](Message& m) { m.height_slope_y = kNan; }, "height is not finite"},
   };
   for (const Damage& damage : damages) {
     Message damaged = message();

@@ -115,6 +115,27 @@ TEST(ScanProjector, ProjectsATiltedBeamToTheHorizontalPlane) {
   expectPoint(result.scan.rays[1].end, 0.0F, 2.0F);
 }
 
+TEST(ScanProjector, KnowsTheHeightsOfItsReturns) {
+  // A laser 0.2 m above the base, pitched by 30 degrees: forward it looks down.
+  Eigen::Isometry3d base_T_laser(Eigen::Translation3d(0.5, 0.0, 0.2));
+  base_T_laser.rotate(Eigen::AngleAxisd(degToRad(30.0), Eigen::Vector3d::UnitY()));
+  VehicleState vehicle;
+  const LaserScan scan = makeScan({1.0F, 2.0F, 3.0F, 4.0F});
+  ScanProjector projector(projectorConfig(BeamFilterConfig()));
+  EXPECT_FALSE(projector.project(scan, base_T_laser, vehicle).scan.height.isKnown());
+  vehicle.height_m = 2.0;
+  const PlanarScan planar = projector.project(scan, base_T_laser, vehicle).scan;
+  ASSERT_TRUE(planar.height.isKnown());
+  ASSERT_EQ(planar.rays.size(), 4U);
+  const float expected[] = {2.2F - 0.5F, 2.2F, 2.2F + 1.5F, 2.2F};
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(planar.height.at(planar.rays[i].end), expected[i], 1e-5F) << i;
+  base_T_laser.rotate(Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX()));  // upside down
+  const PlanarScan turned = projector.project(scan, base_T_laser, vehicle).scan;
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(turned.height.at(turned.rays[i].end), expected[i], 1e-5F) << i;
+}
+
 TEST(ScanProjector, BeamDirectionsStayAccurateUpToTheLastBeam) {
   LaserScan scan = makeScan(std::vector<float>(20000, 10.0F));
   scan.angle_min = -2.5;

@@ -297,10 +297,33 @@ TEST(SessionFile, AnOldFileOfEveryVersionCanBeRead) {
   ASSERT_EQ(session.keyframes.size(), expected.keyframes.size());
   for (std::size_t i = 0; i < session.keyframes.size(); ++i) {
     EXPECT_EQ(session.keyframes[i]->scan, expected.keyframes[i]->scan);
+    EXPECT_FALSE(session.keyframes[i]->height.isKnown());
   }
   EXPECT_EQ(decodeSession(encodeSession(expected)).loops[0].reason, session.loops[0].reason);
   EXPECT_EQ(session.parameters, expected.parameters);
   EXPECT_EQ(session.edges[0].information, expected.edges[0].information);
+}
+
+/// The first file with heights, of the same version: older programs read it, without the heights.
+TEST(SessionFile, HeightsAreKept) {
+  Session expected = sampleSession();
+  expected.keyframes[1] = atHeight(*expected.keyframes[1], {1.25F, {0.125F, -0.25F}});
+  const std::string golden = KESTREL_SOURCE_DIR "/test/session/golden/version_1_heights.session";
+  for (const Session& session : {decodeSession(encodeSession(expected)), loadSession(golden)}) {
+    ASSERT_EQ(session.keyframes.size(), expected.keyframes.size());
+    EXPECT_EQ(session.keyframes[1]->height.base_m, 1.25F);
+    EXPECT_EQ(session.keyframes[1]->height.slope, Eigen::Vector2f(0.125F, -0.25F));
+    EXPECT_FALSE(session.keyframes[0]->height.isKnown());
+    EXPECT_EQ(session.keyframes[1]->scan, expected.keyframes[1]->scan);
+  }
+}
+
+TEST(SessionFile, AHeightThatIsNotKnownNeedsNoBytes) {
+  constexpr std::size_t kThreeNumbers = 15;
+  Session session = sampleSession();
+  const std::size_t bytes = encodeSession(session).size();
+  session.keyframes[1] = atHeight(*session.keyframes[1], {1.25F, {0.125F, -0.25F}});
+  EXPECT_GE(encodeSession(session).size(), bytes + kThreeNumbers);
 }
 
 }  // namespace

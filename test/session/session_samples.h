@@ -30,6 +30,12 @@ inline KeyframePtr sampleKeyframe(std::uint64_t id, const Pose2& map_T_base,
   return keyframe;
 }
 
+inline KeyframePtr atHeight(const Keyframe& keyframe, const ScanHeight& height) {
+  auto result = std::make_shared<Keyframe>(keyframe);
+  result->height = height;
+  return result;
+}
+
 /// A session with something in every member. Each submap has three keyframes.
 inline Session sampleSession(std::size_t submaps = 2, int beams = 90) {
   Session session;

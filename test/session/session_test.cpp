@@ -76,6 +76,15 @@ TEST(Session, RemovesWhatRefersToNothing) {
   EXPECT_EQ(session.odometry.size(), 6U);
 }
 
+TEST(Session, AnImpossibleHeightIsAProblem) {
+  for (const ScanHeight& height : {ScanHeight{-1.0F, {0.0F, 0.0F}}, ScanHeight{NAN, {0.0F, 0.0F}},
+                                   ScanHeight{1.0F, {0.0F, NAN}}}) {
+    Session session = sampleSession();
+    session.keyframes[2] = atHeight(*session.keyframes[2], height);
+    EXPECT_EQ(problemOf(session), "keyframe 2: its height is not possible");
+  }
+}
+
 TEST(Session, RemovesKeyframesThatAreInNoSubmap) {
   Session session = sampleSession(4);
   const std::size_t count = session.keyframes.size();

@@ -23,6 +23,7 @@ struct Keyframe {
   Eigen::Matrix3d motion_covariance = Eigen::Matrix3d::Zero();
   /// See OccupancyGrid::insert.
   bool new_view = false;
+  ScanHeight height;
   CompactScan scan;
 
   /// The scan, ready to be inserted.

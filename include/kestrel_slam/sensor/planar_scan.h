@@ -29,6 +29,17 @@ struct PlanarRay {
   bool presumed = false;
 };
 
+/// Height of a planar scan over the floor. The laser tilts, so that it is a plane. Unknown where
+/// nothing measures the height, and for the slice of a 3D lidar, which has no single height.
+struct ScanHeight {
+  float base_m = 0.0F;  ///< at the origin of the vehicle's frame, m; 0: unknown
+  Eigen::Vector2f slope = Eigen::Vector2f::Zero();  ///< rise per m forward and left
+
+  bool isKnown() const { return base_m > 0.0F; }
+  /// `point`: in the vehicle's frame, m.
+  float at(const Eigen::Vector2f& point) const { return base_m + slope.dot(point); }
+};
+
 /// Hits and clears of one sweep: the only type that is passed from projector to mapper.
 struct PlanarScan {
   double stamp = 0.0;  ///< as recorded, s; identifies the scan, may go back
@@ -42,6 +53,7 @@ struct PlanarScan {
   std::optional<Eigen::Vector2d> integrated_acceleration;
   /// odom_T_base of a pose filter at `stamp`; only the difference between two scans is meaningful.
   std::optional<Pose2> predicted;
+  ScanHeight height;
   std::vector<PlanarRay> rays;
 
   std::size_t hitCount() const {
