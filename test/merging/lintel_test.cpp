@@ -81,7 +81,7 @@ PairResult merged(const VehicleMap& a, const VehicleMap& b) {
   return merger.merge().pairs.front();
 }
 
-std::string describe(const PairResult& pair) {
+std::string reasonAndWall(const PairResult& pair) {
   return std::string(toString(pair.state)) + ": " + pair.reason + ", wall " +
          std::to_string(pair.differing_wall_m);
 }
@@ -89,9 +89,9 @@ std::string describe(const PairResult& pair) {
 TEST(Lintel, AVehicleThatSawTheOpeningAndTheWallAboveItIsJoined) {
   for (const auto& [a, b] : {std::pair(low(), both()), std::pair(both(), low())}) {
     const PairResult pair = merged(a, b);
-    EXPECT_TRUE(pair.isJoined()) << describe(pair);
+    EXPECT_TRUE(pair.isJoined()) << reasonAndWall(pair);
     const PairResult unknown = merged(withoutHeights(a), withoutHeights(b));
-    EXPECT_EQ(unknown.state, PairState::kContradicted) << describe(unknown);
+    EXPECT_EQ(unknown.state, PairState::kContradicted) << reasonAndWall(unknown);
   }
 }
 
@@ -110,7 +110,7 @@ TEST(Lintel, ATwinWithoutTheOpeningIsNotJoinedAtAnyHeight) {
     twin.name += " in the twin";
     for (const PairResult& pair : {merged(map, twin), merged(twin, map)}) {
       EXPECT_EQ(pair.state, PairState::kContradicted)
-          << map.name << ", " << twin.name << ": " << describe(pair);
+          << map.name << ", " << twin.name << ": " << reasonAndWall(pair);
     }
   }
 }
