@@ -150,6 +150,7 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
     compareAlong(points, scan, *motion_prediction, prediction_source, error, result.match);
   result.match.impossible_motion = prediction_source == PredictionSource::kVelocity &&
                                    motion_check.isImpossible(positionOf(result.match, scan));
+  compareWithInertia(scan, result.match);
   result.evaluation = evaluationFunction(result.match, config.evaluation);
   result.state = judge(result.match, request, error);
   lookForSecond(request, prediction_source, error, result);
@@ -267,6 +268,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   result.map_full = s.map.current().isFull();
   s.motion.remember(scan, odom_T_base, s.laser_odometry.errorAfter(result, error));
   s.laser_odometry.update(scan, result, s.motion.pose());
+  s.updateInertia(scan, result);
   result.pose = s.motion.pose();
   result.velocity = Eigen::Rotation2Dd(-result.pose.yaw) * s.motion.velocity();
   result.yaw_rate = s.motion.yawRate();
@@ -295,6 +297,7 @@ void Mapper::setPose(const Pose2& map_T_base) {
   state_->motion.setPose(map_T_base);
   state_->laser_odometry.stop();
   state_->motion_check.clear();
+  state_->inertia.reset();
   state_->unsettled_scans = 0;
   state_->doubt.reset();
 }

@@ -51,6 +51,8 @@ struct Mapper::State {
   /// Error of the position since an impossible motion, until the state is ok again. In this time
   /// the scans may be matched with something that moves, like the floor that a tilted laser sees.
   std::optional<PredictionError> doubt;
+  /// The motion by the accelerometer alone, since a match last agreed with it.
+  std::optional<MotionModel> inertia;
 
   void begin(MapperResult& result);
   void follow(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& map_T_base,
@@ -61,6 +63,8 @@ struct Mapper::State {
                     PredictionSource source, const PredictionError& predicted, MatchResult& match);
   void followAlong(const Points& points, double seconds, const Pose2& motion_prediction,
                    PredictionSource source, const AlongError& error, MatchResult& match);
+  void compareWithInertia(const PlanarScan& scan, MatchResult& match) const;
+  void updateInertia(const PlanarScan& scan, const MapperResult& result);
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);
   void lookForSecond(const MatchRequest& request, PredictionSource source,

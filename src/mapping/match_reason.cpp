@@ -23,6 +23,7 @@ const char* reasonOfDegraded(const MapperResult& result, const MapperConfig& con
   if (result.match.impossible_motion) return "impossible motion";
   if (result.match.degenerate || result.match.mostly_predicted) return "direction unobservable";
   if (result.match.unclear_along) return "direction unclear";
+  if (result.match.against_inertia) return "IMU disagrees";
   // A scan that fits is degraded only for some time after a pose that may be wrong.
   return result.match.score < config.matcher.search_score ? "poor fit" : "settling";
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <string>
 
 #include "kestrel_slam/mapping/mapper.h"
 #include "room.h"
@@ -91,6 +93,47 @@ TEST(MapperMotion, TheAccelerometerPredictsTheMotionAlongAnUnobservableDirection
   EXPECT_NEAR(with_accelerometer.pose.x, 2.0, 0.25);
   EXPECT_LT(without_accelerometer.pose.x, 1.0);
   EXPECT_NEAR(with_accelerometer.pose.y, 0.0, 0.02);
+}
+
+/// A scan from `seen` of a vehicle that stands still, as its IMU says.
+PlanarScan scanOfStanding(const Pose2& seen, int number) {
+  PlanarScan scan = room::scanFrom(seen);
+  scan.stamp = scan.time = 0.025 * number;
+  scan.integrated_yaw = 0.0;
+  scan.integrated_acceleration = Eigen::Vector2d::Zero();
+  return scan;
+}
+
+// What the laser sees moves away and comes back, as the floor in a tilt does.
+TEST(MapperMotion, AMotionThatTheImuDoesNotShowIsSaid) {
+  Mapper mapper{MapperConfig()};
+  constexpr int kStart = 20, kTurn = 30, kEnd = 40;
+  constexpr double kStep = 0.03;
+  for (int i = 0; i < kEnd + 10; ++i) {
+    const int away = i < kStart ? 0 : i < kTurn ? i - kStart : std::max(0, kEnd - i);
+    const Pose2 seen(kStep * away, 0.0, 0.0);
+    const MapperResult result = mapper.process(scanOfStanding(seen, i));
+    EXPECT_LT(seen.between(result.pose).distance(), 0.01) << i;
+    if (away > 3) {
+      EXPECT_EQ(result.state, MatchState::kDegraded) << i;
+      EXPECT_EQ(result.reason, std::string("IMU disagrees"));
+      EXPECT_LT(seen.x, 3.0 * std::sqrt(result.covariance(0, 0))) << i;
+    }
+    EXPECT_TRUE(away > 0 || result.state == MatchState::kOk) << i;
+  }
+}
+
+// A user knows better than the IMU where the vehicle is.
+TEST(MapperMotion, AfterAPoseOfAUserTheImuBeginsThere) {
+  Mapper mapper{MapperConfig()};
+  for (int i = 0; i < 20; ++i) mapper.process(scanOfStanding(Pose2(), i));
+  const Pose2 moved(0.4, 0.2, 0.0);
+  mapper.setPose(moved);
+  for (int i = 20; i < 25; ++i) {
+    const MapperResult result = mapper.process(scanOfStanding(moved, i));
+    EXPECT_FALSE(result.match.against_inertia) << i;
+    EXPECT_LT(moved.between(result.pose).distance(), 0.03) << i;
+  }
 }
 
 // A vehicle that hovers in gusts moves far enough for an insertion again and again.

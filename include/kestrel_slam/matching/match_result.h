@@ -37,6 +37,7 @@ struct MatchResult {
   double degenerate_turn = 0.0;   ///< turn of the vehicle for each meter along it, rad/m
   bool predicted_along = false;   ///< the pose along it is the prediction, corrected by the scan
   bool mostly_predicted = false;  ///< and the prediction is more accurate than the scan
+  bool against_inertia = false;   ///< the IMU says that the vehicle is elsewhere
   bool unclear_along = false;     ///< the scan fits nearly as well at the prediction along it
   /// The vehicle cannot have moved to the pose, see MotionCheck: the scan may be matched with
   /// something that moves.
