@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "inertia_check.h"
 #include "kestrel_slam/mapping/jump_check.h"
 #include "kestrel_slam/mapping/laser_odometry.h"
 #include "kestrel_slam/mapping/local_map.h"
@@ -43,6 +44,7 @@ struct Mapper::State {
   LaserOdometry laser_odometry;
   JumpCheck jumps;
   MotionCheck motion_check;
+  InertiaCheck inertia;
   bool few_hits = false;             ///< the scan has hits in a small part of its beams
   UncertainPose inserted_pose;       ///< pose of the last inserted scan
   std::deque<Pose2> inserted_poses;  ///< of the last inserted scans
@@ -51,8 +53,6 @@ struct Mapper::State {
   /// Error of the position since an impossible motion, until the state is ok again. In this time
   /// the scans may be matched with something that moves, like the floor that a tilted laser sees.
   std::optional<PredictionError> doubt;
-  /// The motion by the accelerometer alone, since a match last agreed with it.
-  std::optional<MotionModel> inertia;
 
   void begin(MapperResult& result);
   void follow(const Points& points, const PlanarScan& scan, const std::optional<Pose2>& map_T_base,
@@ -63,7 +63,7 @@ struct Mapper::State {
                     PredictionSource source, const PredictionError& predicted, MatchResult& match);
   void followAlong(const Points& points, double seconds, const Pose2& motion_prediction,
                    PredictionSource source, const AlongError& error, MatchResult& match);
-  void compareWithInertia(const PlanarScan& scan, MatchResult& match) const;
+  void compareWithInertia(const PlanarScan& scan, MatchResult& match);
   void updateInertia(const PlanarScan& scan, const MapperResult& result);
   void carry(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
              const PredictionError& error, MapperResult& result);

@@ -68,28 +68,22 @@ MatchResult Mapper::State::matchInDoubt(const MatchRequest& request) const {
   return matcher->match(map.current(), wide);
 }
 
-/// What a tilted laser sees of the floor, or of things that are not as high as the walls, may take
-/// the pose along for some scans. Then it leaves the one that the IMU knows by more than the errors
-/// explain.
-void Mapper::State::compareWithInertia(const PlanarScan& scan, MatchResult& match) const {
-  constexpr double kNoiseM = 0.02, kSigmas = 3.0;  // of a match
-  if (!inertia || inertia->predictionSourceOf(scan, {}) != PredictionSource::kAccelerometer) return;
-  const Eigen::Vector2d away = inertia->predict(scan, {}).translation() - match.pose.translation();
-  const double sigma = inertia->errorAt(scan, {}).position_m();
-  if (away.norm() <= kNoiseM + kSigmas * sigma) return;
+void Mapper::State::compareWithInertia(const PlanarScan& scan, MatchResult& match) {
+  const std::optional<Eigen::Vector2d> away = inertia.contradiction(scan, match.pose);
+  inertia.learn(motion, scan, match.pose);
+  if (!away) return;
   match.against_inertia = true;
-  match.covariance.topLeftCorner<2, 2>() += away * away.transpose();
+  match.covariance.topLeftCorner<2, 2>() += *away * away->transpose();
 }
 
 void Mapper::State::updateInertia(const PlanarScan& scan, const MapperResult& result) {
-  if (result.state == MatchState::kLost) return inertia.reset();
-  if (!inertia || !result.match.against_inertia) {
-    inertia = motion;
-    return;
+  if (result.state == MatchState::kLost) {
+    inertia.reset();
+  } else if (result.match.against_inertia) {
+    inertia.goOn(scan);
+  } else {
+    inertia.follow(motion);
   }
-  const PredictionError error = inertia->errorAt(scan, {});
-  inertia->carry(scan, {});
-  inertia->remember(scan, {}, error);
 }
 
 /// Whether more of the scan contradicts the map than it shows new space. In doubt such a scan would

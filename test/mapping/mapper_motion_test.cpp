@@ -107,7 +107,7 @@ PlanarScan scanOfStanding(const Pose2& seen, int number) {
 // What the laser sees moves away and comes back, as the floor in a tilt does.
 TEST(MapperMotion, AMotionThatTheImuDoesNotShowIsSaid) {
   Mapper mapper{MapperConfig()};
-  constexpr int kStart = 20, kTurn = 30, kEnd = 40;
+  constexpr int kStart = 100, kTurn = 105, kEnd = 110;
   constexpr double kStep = 0.03;
   for (int i = 0; i < kEnd + 10; ++i) {
     const int away = i < kStart ? 0 : i < kTurn ? i - kStart : std::max(0, kEnd - i);
