@@ -123,6 +123,18 @@ TEST(MapperMotion, AMotionThatTheImuDoesNotShowIsSaid) {
   }
 }
 
+// An IMU that misses all motion, as one that is mounted loosely.
+TEST(MapperMotion, AnImuThatIsOftenWrongSaysLittle) {
+  Mapper mapper{MapperConfig()};
+  int disagreeing = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Pose2 pose(0.1 * std::sin(0.7 * i), 0.1 * std::cos(0.9 * i), 0.0);
+    const bool disagrees = mapper.process(scanOfStanding(pose, i)).match.against_inertia;
+    disagreeing += disagrees && i >= 350 ? 1 : 0;
+  }
+  EXPECT_LT(disagreeing, 3);
+}
+
 // A user knows better than the IMU where the vehicle is.
 TEST(MapperMotion, AfterAPoseOfAUserTheImuBeginsThere) {
   Mapper mapper{MapperConfig()};
