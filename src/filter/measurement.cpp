@@ -24,8 +24,8 @@ constexpr double kAnyCorrelation = 2.0;
 const double kMinCosine = std::cos(degToRad(45.0));
 /// Ground levels that differ by less are equal, m.
 constexpr double kSameLevel = 0.1;
-/// A faster change of the distance is a step of the surface below, m/s. After a longer pause any
-/// change may be a step, s.
+/// No vehicle climbs faster, m/s. After a longer pause any change of the distance may be a step of
+/// the surface below, s.
 constexpr double kMaxClimb = 3.0, kMaxRangePause_s = 1.0;
 /// Standard deviation of the floor height when the floor is detected again, m.
 constexpr double kFloorSigma = 0.01;
@@ -204,11 +204,16 @@ Verdict applyPose(const Measurement& m, const PoseFilterConfig& config, FilterSt
   return verdict;
 }
 
-/// Whether the surface below has a step: the distance changes faster than a vehicle can climb.
+/// Whether the surface below has a step: the distance changes faster than the vehicle climbs. Where
+/// it has an edge, a reading may lie between both levels, so that the step comes in two parts.
 bool isJump(double stamp, double down_m, const FilterState& state) {
+  constexpr double kSigmas = 3.0;
   const double seconds = stamp - state.range_stamp;
+  const double climb = std::abs(state.velocity.z()) +
+                       kSigmas * std::sqrt(state.covariance(kVelocity + 2, kVelocity + 2));
   return seconds > kMaxRangePause_s ||
-         std::abs(down_m - state.range_m) > kMaxClimb * std::abs(seconds) + kSameLevel;
+         std::abs(down_m - state.range_m) >
+             std::min(climb, kMaxClimb) * std::abs(seconds) + kSameLevel;
 }
 
 void resetVariance(int index, double variance, FilterState& state) {

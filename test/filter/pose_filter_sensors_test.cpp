@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "filter_flight.h"
 #include "kestrel_slam/filter/pose_filter.h"
@@ -65,6 +66,30 @@ TEST(PoseFilter, KeepsTheHeightOverATable) {
   EXPECT_LT(worst, 0.04);
   EXPECT_EQ(statusAtEnd(filter, flight, 20.0).of(FilterSensor::kRange).rejected.at("step below"),
             3U);
+}
+
+// At an edge, the first reading lies between both levels.
+TEST(PoseFilter, KeepsTheHeightOverAStepThatComesInTwoParts) {
+  for (const auto& [level, part] : {std::pair(0.4, 0.2), std::pair(1.25, 1.08)}) {
+    const FilterFlight flight;
+    PoseFilter filter;
+    Feeding feeding;
+    bool was_over = false;
+    feeding.range = [&, level = level, part = part](double time, HeightSample& range) {
+      const bool is_over = time > 8.0 && time < 11.0;
+      range.height_m -= is_over != was_over ? part : is_over ? level : 0.0;
+      was_over = is_over;
+      return true;
+    };
+    double worst = 0.0;
+    feeding.output = [&](double time, const FilterOutput& output) {
+      const double truth = flight.at(time).position.z();
+      if (time > 3.0)
+        worst = std::max(worst, std::abs(output.map_T_base.translation().z() - truth));
+    };
+    feed(flight, feeding, filter);
+    EXPECT_LT(worst, 0.06) << level;
+  }
 }
 
 TEST(PoseFilter, ABarometerStabilizesTheHeight) {
