@@ -45,9 +45,14 @@ ProjectorClient::ProjectorClient(const std::string& ns)
 }
 
 bool ProjectorClient::connect(bool with_imu) {
+  return connect({scan_publisher, cloud_publisher}, with_imu);
+}
+
+bool ProjectorClient::connect(const std::vector<ros::Publisher>& lasers, bool with_imu) {
   constexpr double kSettle = 0.3;  // s; time from a connection to the arrival of the mountings
-  const auto listens = [this, with_imu] {
-    return scan_publisher.getNumSubscribers() > 0 && cloud_publisher.getNumSubscribers() > 0 &&
+  const auto is_heard = [](const ros::Publisher& laser) { return laser.getNumSubscribers() > 0; };
+  const auto listens = [&] {
+    return std::all_of(lasers.begin(), lasers.end(), is_heard) &&
            (!with_imu || imu_publisher.getNumSubscribers() > 0) &&
            subscribers_[0].getNumPublishers() > 0 &&
            mounting_publisher_.getNumSubscribers() >= nodesOf("/tf_static").subscribers;

@@ -30,6 +30,8 @@ class ProjectorClient : public NodeWatcher {
 
   /// Waits until all topics are connected to the projector.
   bool connect(bool with_imu = true);
+  /// The same with these publishers of scans and clouds.
+  bool connect(const std::vector<ros::Publisher>& lasers, bool with_imu);
 
   std::string frame(const std::string& name) const { return ns_ + "_" + name; }
 

@@ -130,11 +130,7 @@ TEST(ProjectorFlight, EveryLaserHasItsOwnMounting) {
   client.mount("imu", Eigen::Isometry3d::Identity());
   ros::Publisher front = client.nh.advertise<sensor_msgs::LaserScan>("front_scan", 10);
   ros::Publisher back = client.nh.advertise<sensor_msgs::LaserScan>("back_scan", 10);
-  ASSERT_TRUE(client.waitFor([&] {
-    return front.getNumSubscribers() > 0 && back.getNumSubscribers() > 0 &&
-           client.imu_publisher.getNumSubscribers() > 0;
-  }));
-  client.wait(0.3);
+  ASSERT_TRUE(client.connect({front, back}, true));
   client.flyImu(client.time + 0.2);
   for (int i = 0; i < 5; ++i) {
     const double time = client.time, back_time = time + 0.01;
