@@ -13,6 +13,8 @@ constexpr double kIntervalGain = 0.1;
 /// Maximum motion in a period of the laser, m. After a larger one (the vehicle was carried, or its
 /// pose jumped), and after a gap, the motion is not continued.
 constexpr double kMaxStepM = 1.0;
+/// The same, as a speed, where scans are rare and nothing measures the motion, m/s.
+constexpr double kFastest = 3.0;
 /// Weight of the errors before the last one.
 constexpr double kKeptError = 0.8;
 
@@ -37,7 +39,7 @@ Pose2 ContinuedMotion::predict(double seconds) const {
   return repetition_error_ < proportion_error_ ? step_ : inProportion(seconds);
 }
 
-void ContinuedMotion::add(const Pose2& step, double seconds) {
+void ContinuedMotion::add(const Pose2& step, double seconds, bool is_measured) {
   const double proportion = difference(inProportion(seconds), step);
   const double repetition = difference(step_, step);
   if (proportion != repetition) {
@@ -45,7 +47,9 @@ void ContinuedMotion::add(const Pose2& step, double seconds) {
     repetition_error_ = kKeptError * repetition_error_ + repetition;
   }
   periods_ = periodsIn(seconds);
-  const bool usual = !isGap(seconds) && step.distance() <= kMaxStepM * std::max(1.0, periods_);
+  double farthest = kMaxStepM * std::max(1.0, periods_);
+  if (!is_measured) farthest = std::max(farthest, kFastest * seconds);
+  const bool usual = !isGap(seconds) && step.distance() <= farthest;
   step_ = usual ? step : Pose2();
 }
 

@@ -104,6 +104,8 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
   result.prior = priorAt(odom_T_base, error, scan);
   if (result.prior) result.last = result.prior->pose;
   if (is_gap || (result.wide && !result.prior)) result.last = result.initial_guesses.front();
+  if (result.wide && !result.prior && !is_gap && !result.lost)
+    result.turned_back_m = 2.0 * pose_.between(result.initial_guesses.front()).distance();
   if (result.lost) {
     const double distance =
         lost_scans_ > 0 ? kSpeedLimit * (scan.time - found_time_) : kSigmas * error.position_m();
@@ -231,14 +233,16 @@ std::optional<Pose2> MotionModel::motionPrediction(const MatchRequest& request,
   if (lost_scans_ > 0 || placed_ || !(seconds >= 0.0)) return std::nullopt;
   const PredictionSource source = predictionSourceOf(scan, odom_T_base);
   if (source == PredictionSource::kOdometry) return pose_ * *odometryMotion(odom_T_base);
-  if (seconds > gap_s_) return std::nullopt;
+  if (seconds > gap_s_ && isGap(seconds)) return std::nullopt;
   // The motion between two scans is noisy.
-  return source == PredictionSource::kVelocity ? movedWithVelocity(scan)
-                                               : request.initial_guesses.front();
+  return source == PredictionSource::kVelocity && seconds <= gap_s_
+             ? movedWithVelocity(scan)
+             : request.initial_guesses.front();
 }
 
 double MotionModel::secondsSince(const PlanarScan& scan) const {
-  return std::min(std::max(0.0, scan.time - time_), gap_s_);
+  const double seconds = std::max(0.0, scan.time - time_);
+  return isGap(seconds) ? std::min(seconds, gap_s_) : std::min(seconds, kMaxPredicted_s);
 }
 
 void MotionModel::move(const Pose2& found, const Pose2& predicted, bool lost,
@@ -250,7 +254,7 @@ void MotionModel::move(const Pose2& found, const Pose2& predicted, bool lost,
   if (lost || placed_ || carried_ || lost_scans_ > 0) {
     continued_.stop();
   } else {
-    continued_.add(pose_.inverse() * next, scan.time - time_);
+    continued_.add(pose_.inverse() * next, scan.time - time_, odom_.has_value());
   }
   pose_ = next;
   lost_scans_ = lost ? lost_scans_ + 1 : 0;

@@ -173,10 +173,14 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
   WorkBudget budget(kSearchWork);
   std::vector<SearchWindow> windows = searchWindows(config_, request);
   if (request.lost) windows.erase(windows.begin(), windows.end() - 1);
+  const std::size_t expected = windows.size();
+  const double back_m = request.turned_back_m + config_.near_window.linear_m;
+  if (back_m > windows.back().linear_m) windows.push_back({back_m, windows.back().angular_rad});
   const Pose2 center = searchCenter(request);
   SearchWindow searched{0.0, 0.0};
-  for (const SearchWindow& window : windows) {
-    const bool required = (request.prior || request.wide) && &window == &windows.front();
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    const SearchWindow& window = windows[i];
+    const bool required = (request.prior || request.wide) && i == 0;
     // The surroundings of a pose outside of the window were not searched.
     if (best.fit.score >= config_.search_score && !required &&
         isInside(searched, center.between(best.descent.pose)))
@@ -196,6 +200,8 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
         found = other;
     }
     if (!found) continue;
+    // A poor fit so far away is found by chance.
+    if (i >= expected && found->fit.score < config_.search_score) continue;
     // Of two jumps the better one is taken.
     const double margin = best.jumped ? 0.0 : jumpMargin(config_, request, found->descent.pose);
     if (found->penalized_score > best.penalized_score + margin) best = *found;

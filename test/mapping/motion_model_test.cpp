@@ -29,6 +29,11 @@ class Flight {
   double predictAt(double time) const {
     return model_.request(Points(), scanAt(time), std::nullopt).initial_guesses.front().x;
   }
+  std::optional<Pose2> motionPredictionAt(double time) const {
+    const PlanarScan scan = scanAt(time);
+    const Points points;
+    return model_.motionPrediction(model_.request(points, scan, std::nullopt), scan, std::nullopt);
+  }
   bool isOutOfReach(double period) const {
     return model_.isOutOfReach(scanAt(kClock + kPeriod * period), std::nullopt);
   }
@@ -84,6 +89,47 @@ TEST(MotionModel, AScanPerMeterIsAStepOfOneMeterWhateverTheTime) {
     }
     flight.matchAt(time, i);
   }
+}
+
+constexpr double kRarePeriod = 2.1, kRareStep = 1.1;  // s, m: recorded once a meter
+
+/// The time and the place of scan `i` of a recording with a scan per meter.
+double rareTime(int i) { return kClock + kRarePeriod * i; }
+Flight flightWithRareScans() {
+  Flight flight;
+  for (int i = 0; i < 4; ++i) flight.matchAt(rareTime(i), kRareStep * i);
+  return flight;
+}
+
+TEST(MotionModel, AStepOfMoreThanAMeterGoesOnWhereScansAreRare) {
+  EXPECT_NEAR(flightWithRareScans().predictAt(rareTime(4)), 4 * kRareStep, 1e-3);
+}
+
+TEST(MotionModel, AJumpOfMoreThanAMeterDoesNotGoOnWhereScansAreFrequent) {
+  Flight flight;
+  for (int i = 0; i < 6; ++i) flight.match(i);
+  const double jumped = 5 * kPeriod * kSpeed + kRareStep;
+  flight.matchAt(kClock + 6 * kPeriod, jumped);
+  EXPECT_NEAR(flight.predict(7), jumped, 1e-6);
+}
+
+TEST(MotionModel, TheMotionGoesOnAlongACorridorWhereScansAreRare) {
+  const Flight flight = flightWithRareScans();
+  const std::optional<Pose2> next = flight.motionPredictionAt(rareTime(4));
+  ASSERT_TRUE(next);
+  EXPECT_NEAR(next->x, 4 * kRareStep, 1e-3);
+  EXPECT_NEAR(flight.model().secondsSince(scanAt(rareTime(4))), kRarePeriod, 1e-6);
+  EXPECT_FALSE(flight.motionPredictionAt(rareTime(40)));
+}
+
+TEST(MotionModel, AVehicleMayTurnBackBetweenRareScans) {
+  const auto turnedBack = [](const Flight& flight, double time) {
+    return flight.model().request(Points(), scanAt(time), std::nullopt).turned_back_m;
+  };
+  EXPECT_NEAR(turnedBack(flightWithRareScans(), rareTime(4)), 2 * kRareStep, 1e-3);
+  Flight frequent;
+  for (int i = 0; i < 6; ++i) frequent.match(i);
+  EXPECT_EQ(turnedBack(frequent, kClock + 6 * kPeriod), 0.0);
 }
 
 TEST(MotionModel, AfterALongGapTheVehicleMayBeAnywhere) {

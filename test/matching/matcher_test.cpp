@@ -102,6 +102,28 @@ TEST(HybridMatcher, FindsAReversedPoseIfAllYawsAreSearched) {
   EXPECT_NEAR(normalizeAngle(result.pose.yaw - truth.yaw), 0.0, 0.01);
 }
 
+/// The match of a scan from the origin of the room, 2 m away from the first guess.
+MatchResult matchTurnedBack(const Points& points, double turned_back_m) {
+  const Pose2 guess(2.0, 0.0, 0.0);
+  MatchRequest request{points, guess, {guess}};
+  request.wide = true;
+  request.turned_back_m = turned_back_m;
+  return makeMatcher(MatcherConfig())->match(room::map(), request);
+}
+
+TEST(HybridMatcher, FindsAVehicleThatTurnedBack) {
+  const Points points = hitsOf(room::scanFrom(Pose2()));
+  EXPECT_NEAR(matchTurnedBack(points, 2.0).pose.distance(), 0.0, 0.03);
+  EXPECT_GT(matchTurnedBack(points, 0.0).pose.distance(), 0.5);
+}
+
+TEST(HybridMatcher, WhereAVehicleTurnedBackTheScanMustFitWell) {
+  // Every third wall of the scan is another one.
+  Points points = hitsOf(room::scanFrom(Pose2()));
+  for (std::size_t i = 0; i < points.size(); i += 3) points[i] *= 0.5F;
+  EXPECT_EQ(matchTurnedBack(points, 2.0).pose.x, matchTurnedBack(points, 0.0).pose.x);
+}
+
 TEST(HybridMatcher, ACorridorIsUnobservableAlongItself) {
   // Dense enough that distant neighboring hits still give the direction of the wall.
   const PlanarScan scan = room::scanFrom(Pose2(), room::corridor(), 1440);

@@ -15,8 +15,9 @@ class ContinuedMotion {
   /// The motion from the last scan to the next one, `seconds` later.
   Pose2 predict(double seconds) const;
 
-  /// The step from the scan before to the last one, both of which were matched.
-  void add(const Pose2& step, double seconds);
+  /// The step from the scan before to the last one, both of which were matched. `is_measured`:
+  /// an odometry measures the motion, too.
+  void add(const Pose2& step, double seconds, bool is_measured = false);
 
   /// The motion is unknown.
   void stop() { step_ = Pose2(); }

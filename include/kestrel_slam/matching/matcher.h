@@ -58,6 +58,8 @@ struct MatchRequest {
   std::vector<Pose2> initial_guesses;  ///< predicted poses, best first; never empty
   bool search_all_yaws = false;        ///< the yaw is unknown (after a gap, or lost)
   double search_scale = 1.0;   ///< factor of the linear size of the windows, for a longer gap
+  double turned_back_m = 0.0;  ///< a vehicle that turned back is this far from the first guess;
+                               ///< there it must fit well
   double moved_scale = 1.0;    ///< divides the penalty of the motion, if it may be large
   bool yaw_known = false;      ///< the yaw of the first initial guess is accurate to some degrees,
   double yaw_error_rad = 0.0;  ///< or to this, if it is larger
