@@ -2,9 +2,11 @@
 """robustness_table.py --build DIR --data DIR --output DIR [--only TEXT] [--quick] [--seeds N]:
 maps recordings and simulated flights with default parameters, and prints a table of goals and
 values. scripts/benchmark_robustness calls it."""
+import bz2
 import csv
 import json
 import math
+import os
 import statistics
 import subprocess
 import sys
@@ -48,6 +50,11 @@ OTHER_LASERS = {
 }
 
 
+# A recording is thinned to a scan per meter, or per half a radian, and mapped from these scans on.
+STEP_M, STEP_RAD = 1.0, 0.5
+STARTS = [0, 1, 3, 5, 9]
+
+
 class Benchmark:
     def __init__(self, arguments):
         self.build, self.data, self.output = arguments.build, arguments.data, arguments.output
@@ -55,17 +62,17 @@ class Benchmark:
         self.pool = ThreadPoolExecutor(arguments.jobs)
 
     def map(self, recording, name, *options):
-        """Maps a recording and returns the folder with its files."""
+        """Maps a recording of the data, or a file, and returns the folder with the results."""
         folder = f"{self.output}/{name}"
         print(f"mapping {name}", file=sys.stderr, flush=True)
-        benchmark_table.run(self.build, f"{self.data}/{recording}", folder, *options)
+        benchmark_table.run(self.build, os.path.join(self.data, recording), folder, *options)
         return folder
 
     def states(self, name, reference):
         """States and errors of a mapped recording."""
         folder = f"{self.output}/{name}"
         result = benchmark_table.evaluate(self.build, folder, "--reference",
-                                          f"{self.data}/{reference}", "--scans",
+                                          os.path.join(self.data, reference), "--scans",
                                           f"{folder}/scans.csv")
         states = result["states"]
         odometry = states.get("odometry_ate")
@@ -259,11 +266,54 @@ def other_lasers(bench):
                 f"the trajectory of all beams {ate['translation_m']['rmse']:.2f} m", slips == 0)
 
 
+def write_thinned(log, path):
+    """Writes the scans of a log in the format of CARMEN that are far enough apart."""
+    last = None
+    with bz2.open(log, "rt") as lines, open(path, "w") as file:
+        for line in lines:
+            words = line.split()
+            if not words or words[0] != "FLASER":
+                continue
+            first = 2 + int(words[1])  # after the ranges: the pose of the laser by the odometry
+            x, y, yaw = (float(word) for word in words[first:first + 3])
+            if last:
+                turn = abs(math.remainder(yaw - last[2], 2.0 * math.pi))
+                if math.dist((x, y), last[:2]) < STEP_M and turn < STEP_RAD:
+                    continue
+            last = (x, y, yaw)
+            file.write(line)
+
+
+def scan_per_meter(bench):
+    """The recordings as thinned logs. The reference is the trajectory with all scans."""
+    for log in ["intel", "fr079", "mit-csail"]:
+        whole = f"freiburg/{log}.clf.bz2"
+        folder = os.path.abspath(bench.map(whole, f"{log}_whole"))
+        reference, thinned = f"{folder}/trajectory.tum", f"{folder}/thinned.clf"
+        write_thinned(f"{bench.data}/{whole}", thinned)
+
+        def from_start(start):
+            name = f"{log}_thinned_{start}"
+            bench.map(thinned, name, "--skip-scans", str(start))
+            return bench.states(name, reference)
+
+        runs = bench.at_once(from_start, STARTS)
+        scans, wrong = (sum(r[key] for r in runs) for key in ("scans", "wrong_and_ok"))
+        lost = max(r["lost"] / r["scans"] for r in runs)
+        row(f"{log}, a scan per meter, laser only, {len(runs)} starts",
+            "lost ≤ 10 %; wrong and ok 0",
+            f"lost {100 * lost:.1f} % at most; degraded "
+            f"{percent(sum(r['degraded'] for r in runs), scans)}; wrong and ok {wrong} of {scans} "
+            f"scans; ATE {', '.join(format(r['ate'], '.2f') for r in runs)} m",
+            wrong == 0 and lost <= 0.1)
+
+
 # name: function, whether it takes long
 GROUPS = {
     "thinned logs with odometry": (with_odometry, False),
     "thinned logs, laser only": (laser_only, False),
     "thinned logs with bad odometry": (bad_odometry, True),
+    "recordings thinned to a scan per meter": (scan_per_meter, False),
     "mit-csail perturbed": (csail, False),
     "fast turns": (fast_turns, False),
     "other lasers": (other_lasers, False),
