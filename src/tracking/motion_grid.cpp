@@ -30,6 +30,7 @@ double probabilityOf(float log_odds) { return 1.0 / (1.0 + std::exp(-log_odds));
 template <int D>
 MotionGrid<D>::MotionGrid(const MotionGridConfig& config)
     : config_(config),
+      per_meter_(static_cast<float>(1.0 / config.resolution_m)),
       low_(logOdds(config.low)),
       medium_(logOdds(config.medium)),
       high_(logOdds(config.high)),
@@ -280,9 +281,8 @@ bool MotionGrid<D>::isImposed(const Index& index) const {
 
 template <int D>
 GridIndex<D> MotionGrid<D>::indexOf(const Vector& point) const {
-  const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
   Index index;
-  for (int i = 0; i < D; ++i) index(i) = floorToInt(point(i) * inverse);
+  for (int i = 0; i < D; ++i) index(i) = floorToInt(point(i) * per_meter_);
   return index;
 }
 

@@ -56,7 +56,6 @@ class Visibility {
   Eigen::Vector2d sensor_ = Eigen::Vector2d::Zero();
   std::vector<float> reach_;          ///< farthest beam of each bin, m; negative: no beam
   std::vector<float> returns_;        ///< the same of the beams with a return
-  std::vector<int> measured_before_;  ///< for each bin, number of the bins before it with a beam
   double beam_step_ = 0.0;
 };
 

@@ -181,8 +181,7 @@ class MotionGrid {
   void protectAround(const Index& index);
   void protectCell(const Index& index);
   void clearAlong(const std::vector<GridRay<D>>& rays);
-  void updateMiss(const GridRay<D>& ray, float shared);
-  void passAlong(const GridRay<D>& ray, const Vector& from);
+  void passAlong(const GridRay<D>& ray, const Vector& from, const Index& last);
   void passCell(CellData& cell, bool presumed) const;
   static bool isPassedAt(const CellData& cell, const Vector& point);
   bool isNew(const CellData& cell) const;
@@ -190,6 +189,7 @@ class MotionGrid {
   void add(CellData& cell, float static_change, float dynamic_change) const;
 
   MotionGridConfig config_;
+  float per_meter_;                    ///< cells
   float low_, medium_, high_;          ///< log odds at 10 Hz
   float min_, max_, free_, occupied_;  ///< log odds
   float scale_ = 1.0F;                 ///< of the log odds, for the current scan
