@@ -114,7 +114,6 @@ void MotionGrid<D>::updateHit(std::size_t number) {
     result_.full = true;
     return;
   }
-  if (is_moving) result_.moving[cell->slot].rays.push_back(number);
   if (cell->scan == scan_) return;
   cell->scan = scan_;
   const auto now = static_cast<float>(time_);
@@ -134,8 +133,7 @@ typename MotionGrid<D>::CellData* MotionGrid<D>::addMoving(const Index& index) {
   CellData* cell = cells_.obtain(index);
   if (cell == nullptr || cell->moved_in == scan_) return cell;
   cell->moved_in = scan_;
-  cell->slot = static_cast<std::uint32_t>(result_.moving.size());
-  result_.moving.push_back({index, {}});
+  result_.moving.push_back(index);
   return cell;
 }
 
@@ -175,8 +173,8 @@ void MotionGrid<D>::impose(const std::function<Vector(const Vector&)>& displacem
     if (offset.template cast<double>().norm() <= limit) offsets.push_back(offset);
     return false;
   });
-  for (const MovingCell& moving : result_.moving) {
-    const Vector center = centerOf(moving.index);
+  for (const Index& moving : result_.moving) {
+    const Vector center = centerOf(moving);
     const Vector displaced = center + displacement(center);
     if (!displaced.allFinite()) continue;
     const Index moved = indexOf(displaced);

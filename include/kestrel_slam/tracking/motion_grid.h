@@ -78,11 +78,6 @@ class MotionGrid {
 
   explicit MotionGrid(const MotionGridConfig& config = MotionGridConfig());
 
-  /// A cell that holds something that moves, with the rays that end there.
-  struct MovingCell {
-    Index index;
-    std::vector<std::size_t> rays;
-  };
   struct Result {
     std::vector<CellMotion> motion;  ///< of each ray
     std::vector<bool> was_free;      ///< of each ray: the return is in a cell that was free
@@ -91,8 +86,8 @@ class MotionGrid {
     /// beam must have passed at this height or below: what comes into view below the beams, as the
     /// roof of a parked car, has not come.
     std::vector<bool> has_come;
-    std::vector<MovingCell> moving;  ///< occupied cells of the new dynamic map
-    bool full = false;               ///< cells are missing because of the memory limit
+    std::vector<Index> moving;  ///< occupied cells of the new dynamic map
+    bool full = false;          ///< cells are missing because of the memory limit
   };
 
   /// Classifies the returns by the static grid before this scan and by the imposed dynamic map, and
@@ -148,7 +143,6 @@ class MotionGrid {
     std::uint32_t scan = 0;
     std::uint32_t imposed = 0;    ///< number of the scan for which it is in the imposed map
     std::uint32_t moved_in = 0;   ///< last scan with something moving in it
-    std::uint32_t slot = 0;       ///< in Result::moving of that scan
     float first_hit = -1.0F;      ///< time of the first of the returns without long gaps, s
     float last_hit = -1.0F;       ///< negative: none yet
     float last_pass = -1.0F;      ///< time of the last beam that passed, s

@@ -220,6 +220,7 @@ class PhdFilter {
   // During update():
   std::vector<TargetLabel> labels_;      ///< sorted
   std::vector<std::size_t> label_of_;    ///< in `labels_`, of each of `components_`
+  std::vector<Candidate> candidates_;    ///< of one observation
   std::vector<Component> updated_;       ///< by rising observation
   std::vector<Origin> origins_;          ///< of each of `updated_`
   std::vector<double> explained_;

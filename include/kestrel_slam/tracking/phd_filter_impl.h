@@ -140,7 +140,7 @@ void PhdFilter<N, M>::addMissed(const std::vector<Prepared>& prepared) {
 template <int N, int M>
 void PhdFilter<N, M>::addDetected(const std::vector<Prepared>& prepared,
                                   const Observation<M>& observation, int index) {
-  std::vector<Candidate> candidates;
+  candidates_.clear();
   double sum = 0.0;
   for (std::size_t j = 0; j < components_.size(); ++j) {
     Candidate candidate;
@@ -149,12 +149,12 @@ void PhdFilter<N, M>::addDetected(const std::vector<Prepared>& prepared,
     if (!mayCause(components_[j], index)) continue;
     candidate.prior = j;
     sum += candidate.weight;
-    candidates.push_back(candidate);
+    candidates_.push_back(candidate);
   }
   if (!(sum > 0.0)) return;
   const double total = sum + model_.clutter(observation.value);
   explained_[static_cast<std::size_t>(index)] = sum / total;
-  for (Candidate& candidate : candidates) {
+  for (Candidate& candidate : candidates_) {
     candidate.weight /= total;
     if (candidate.weight <= limits_.prune_weight) continue;
     append(corrected(prepared[candidate.prior], observation, candidate), candidate.prior, index);
