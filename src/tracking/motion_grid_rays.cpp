@@ -144,20 +144,19 @@ void MotionGrid<D>::clearAlong(const std::vector<GridRay<D>>& rays) {
     const Vector& origin = rays[i].origin;
     const Vector from =
         shared[i] > 0.0F ? (origin + shared[i] * (rays[i].end - origin)).eval() : origin;
-    passAlong(rays[i], from, ends_[i].index);
+    // Of most beams, only the end is not shared. In the plane, the cell before a return is protected.
+    const int steps = (ends_[i].index - indexOf(from)).cwiseAbs().sum();
+    if (steps > (D == 2 && rays[i].hit ? 1 : 0)) passAlong(rays[i], from);
   }
 }
 
-/// The rows of table 1 and 2 with a free measurement, for the cells of a ray from `first` on to the
-/// one before `last`. In the plane, a tile is looked up once for all cells that the beam passes in
-/// it.
+/// The rows of table 1 and 2 with a free measurement, for the cells of a ray from `first` on. In the
+/// plane, a tile is looked up once for all cells that the beam passes in it.
 template <int D>
-void MotionGrid<D>::passAlong(const GridRay<D>& ray, const Vector& first, const Index& last) {
+void MotionGrid<D>::passAlong(const GridRay<D>& ray, const Vector& first) {
   const Vector from = first * per_meter_, to = ray.end * per_meter_;
   const std::uint32_t scan = scan_;
   if constexpr (D == 2) {
-    // Of most beams, only the end is not shared. The cell before a return is protected.
-    if ((last - indexOf(first)).cwiseAbs().sum() <= (ray.hit ? 1 : 0)) return;
     CellWalk<2> walk(from, to);
     int left[2] = {std::abs(walk.last[0] - walk.index[0]), std::abs(walk.last[1] - walk.index[1])};
     while (left[0] + left[1] > 0) {

@@ -163,19 +163,20 @@ class MotionGrid {
     bool is_usable = false;
   };
 
-  bool isUsable(const GridRay<D>& ray) const;
-  RayEnd endOf(const GridRay<D>& ray);
+  void findEnds(const std::vector<GridRay<D>>& rays);
+  void classify(const std::vector<GridRay<D>>& rays);
   Surroundings surroundingsOf(const Vector& point, double distance) const;
   CellState stateOf(const CellData& cell) const;
   bool isStatic(const CellData* cell) const;
-  CellMotion classify(const GridRay<D>& ray, const CellData* own) const;
+  CellMotion motionOf(const GridRay<D>& ray, const CellData* own) const;
   CellData* addMoving(const Index& index);
-  void updateHit(std::size_t number);
+  void updateHits();
+  void updateHit(CellData& cell, CellMotion motion, bool has_come);
   void protectSurface(const std::vector<GridRay<D>>& rays);
   void protectAround(const Index& index);
   void protectCell(const Index& index);
   void clearAlong(const std::vector<GridRay<D>>& rays);
-  void passAlong(const GridRay<D>& ray, const Vector& from, const Index& last);
+  void passAlong(const GridRay<D>& ray, const Vector& from);
   void passCell(CellData& cell, bool presumed) const;
   static bool isPassedAt(const CellData& cell, const Vector& point);
   bool isNew(const CellData& cell) const;
