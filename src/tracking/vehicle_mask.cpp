@@ -38,7 +38,7 @@ std::vector<bool> VehicleMask::update(const PlanarScan& scan, const Pose2& odom_
     const float range = ray.end.norm();
     if (std::abs(range - bin.range) <= kSameRange) {
       stays[number] = 1;
-      mask[i] = bin.traveled > kTravel;
+      if (bin.traveled > kTravel) mask[i] = true;
     } else if (stays[number] == 0 && seen[number] == 0) {
       bin = {range, 0.0F};
     }

@@ -165,6 +165,7 @@ class PhdFilter {
     std::size_t label;  ///< in `labels_`
     int observation;
     double weight;
+    std::size_t first, end;  ///< of the observation in `updated_`
   };
   struct LabelWeight {
     double detected = 0.0, missed = 0.0;

@@ -142,7 +142,7 @@ void PhdFilter<N, M>::addDetected(const std::vector<Prepared>& prepared,
                                   const Observation<M>& observation, int index) {
   candidates_.clear();
   double sum = 0.0;
-  for (std::size_t j = 0; j < components_.size(); ++j) {
+  for (std::size_t j = 0; j < prepared.size(); ++j) {
     Candidate candidate;
     if (!isNear(prepared[j], observation, candidate)) continue;
     if (!likelihood(prepared[j], observation, candidate)) continue;
@@ -262,14 +262,15 @@ void PhdFilter<N, M>::findTargets() {
 template <int N, int M>
 std::vector<typename PhdFilter<N, M>::Share> PhdFilter<N, M>::sortedShares() const {
   std::vector<Share> shares;
-  std::vector<double> weights(labels_.size(), 0.0);
-  for (std::size_t i = 0; i < updated_.size(); ++i) {
-    const Origin& origin = origins_[i];
-    weights[origin.label] += updated_[i].weight;
-    if (i + 1 < updated_.size() && origins_[i + 1].observation == origin.observation) continue;
+  for (std::size_t first = 0, end = 0; first < updated_.size(); first = end) {
+    const int observation = origins_[first].observation;
+    std::vector<double> weights(labels_.size(), 0.0);
+    for (; end < updated_.size() && origins_[end].observation == observation; ++end) {
+      weights[origins_[end].label] += updated_[end].weight;
+    }
     for (std::size_t label = 0; label < weights.size(); ++label) {
-      if (weights[label] > 0.0) shares.push_back({label, origin.observation, weights[label]});
-      weights[label] = 0.0;
+      if (!(weights[label] > 0.0)) continue;
+      shares.push_back({label, observation, weights[label], first, end});
     }
   }
   std::stable_sort(shares.begin(), shares.end(),
@@ -280,9 +281,8 @@ std::vector<typename PhdFilter<N, M>::Share> PhdFilter<N, M>::sortedShares() con
 template <int N, int M>
 LabeledTarget<N> PhdFilter<N, M>::targetOf(const Share& share, double weight) const {
   std::vector<const Component*> parts;
-  for (std::size_t i = 0; i < updated_.size(); ++i) {
-    if (origins_[i].label != share.label || origins_[i].observation != share.observation) continue;
-    parts.push_back(&updated_[i]);
+  for (std::size_t i = share.first; i < share.end; ++i) {
+    if (origins_[i].label == share.label) parts.push_back(&updated_[i]);
   }
   LabeledTarget<N> target;
   target.label = labels_[share.label];
