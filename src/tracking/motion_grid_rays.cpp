@@ -103,10 +103,11 @@ void MotionGrid<D>::protectSurface(const std::vector<GridRay<D>>& rays) {
     // Between cells side by side there is nothing.
     if (!has_neighbor || (index - ends_[i - 1].index).cwiseAbs().sum() <= 1) continue;
     if ((rays[i].end - rays[i - 1].end).norm() > kMaxSpacing) continue;
-    traverse<D>(rays[i - 1].end * per_meter_, rays[i].end * per_meter_, [this](const Index& between) {
-      protectCell(between);
-      return true;
-    });
+    traverse<D>(rays[i - 1].end * per_meter_, rays[i].end * per_meter_,
+                [this](const Index& between) {
+                  protectCell(between);
+                  return true;
+                });
   }
 }
 
@@ -144,14 +145,15 @@ void MotionGrid<D>::clearAlong(const std::vector<GridRay<D>>& rays) {
     const Vector& origin = rays[i].origin;
     const Vector from =
         shared[i] > 0.0F ? (origin + shared[i] * (rays[i].end - origin)).eval() : origin;
-    // Of most beams, only the end is not shared. In the plane, the cell before a return is protected.
+    // Of most beams, only the end is not shared. In the plane, the cell before a return is
+    // protected.
     const int steps = (ends_[i].index - indexOf(from)).cwiseAbs().sum();
     if (steps > (D == 2 && rays[i].hit ? 1 : 0)) passAlong(rays[i], from);
   }
 }
 
-/// The rows of table 1 and 2 with a free measurement, for the cells of a ray from `first` on. In the
-/// plane, a tile is looked up once for all cells that the beam passes in it.
+/// The rows of table 1 and 2 with a free measurement, for the cells of a ray from `first` on. In
+/// the plane, a tile is looked up once for all cells that the beam passes in it.
 template <int D>
 void MotionGrid<D>::passAlong(const GridRay<D>& ray, const Vector& first) {
   const Vector from = first * per_meter_, to = ray.end * per_meter_;

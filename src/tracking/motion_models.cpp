@@ -70,8 +70,7 @@ MotionModel<N> constantVelocity(double acceleration_sigma, double turn_sigma) {
 template <int D>
 MotionModel<2 * D + 1> constantTurn(double acceleration_sigma, double turn_acceleration_sigma) {
   constexpr int N = 2 * D + 1;
-  return [=](double t, Eigen::Matrix<double, N, 1>& mean,
-             Eigen::Matrix<double, N, N>& covariance) {
+  return [=](double t, Eigen::Matrix<double, N, 1>& mean, Eigen::Matrix<double, N, N>& covariance) {
     const double rate = mean(N - 1), vx = mean(D), vy = mean(D + 1);
     const double sine = std::sin(rate * t), cosine = std::cos(rate * t);
     const TurnTerms terms = turnTerms(rate, t);

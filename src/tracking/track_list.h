@@ -15,7 +15,7 @@
 namespace kestrel {
 
 constexpr double kPersonWidth = 0.4;  ///< m
-constexpr double kMargin = 0.25;  ///< m; points farther from an object belong to something else
+constexpr double kMargin = 0.25;      ///< m; points farther from an object belong to something else
 /// After a longer gap without observations (s), the path starts anew: what is seen then may be
 /// something else that stands.
 constexpr double kPathGap = 0.5;

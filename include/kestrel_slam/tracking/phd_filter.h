@@ -218,16 +218,17 @@ class PhdFilter {
   PhdModel<N, M> model_;
   PhdLimits limits_;
   std::vector<Component> components_;
-  // During update():
-  std::vector<TargetLabel> labels_;      ///< sorted
-  std::vector<std::size_t> label_of_;    ///< in `labels_`, of each of `components_`
-  std::vector<Candidate> candidates_;    ///< of one observation
-  std::vector<Component> updated_;       ///< by rising observation
-  std::vector<Origin> origins_;          ///< of each of `updated_`
   std::vector<double> explained_;
   std::vector<LabeledTarget<N>> targets_;
   std::vector<TargetLabel> reported_;  ///< labels that were a target and still have a component
   TargetLabel next_label_ = 1;
+
+  // During update():
+  std::vector<TargetLabel> labels_;    ///< sorted
+  std::vector<std::size_t> label_of_;  ///< in `labels_`, of each of `components_`
+  std::vector<Candidate> candidates_;  ///< of one observation
+  std::vector<Component> updated_;     ///< by rising observation
+  std::vector<Origin> origins_;        ///< of each of `updated_`
 };
 
 }  // namespace kestrel
