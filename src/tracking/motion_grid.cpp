@@ -61,10 +61,10 @@ const typename MotionGrid<D>::Result& MotionGrid<D>::insert(const std::vector<Gr
 template <int D>
 void MotionGrid<D>::findEnds(const std::vector<GridRay<D>>& rays) {
   const float limit = kMaxCoordinate * static_cast<float>(config_.resolution_m);
-  ends_.assign(rays.size(), {});
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const GridRay<D>& ray = rays[i];
-    RayEnd& end = ends_[i];
+  ends_.clear();
+  ends_.reserve(rays.size());
+  for (const GridRay<D>& ray : rays) {
+    RayEnd& end = ends_.emplace_back();
     end.is_usable =
         (ray.origin.array().abs() < limit).all() && (ray.end.array().abs() < limit).all();
     if (!end.is_usable) continue;

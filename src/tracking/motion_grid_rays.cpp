@@ -145,10 +145,12 @@ void MotionGrid<D>::clearAlong(const std::vector<GridRay<D>>& rays) {
     const Vector& origin = rays[i].origin;
     const Vector from =
         shared[i] > 0.0F ? (origin + shared[i] * (rays[i].end - origin)).eval() : origin;
-    // Of most beams, only the end is not shared. In the plane, the cell before a return is
-    // protected.
-    const int steps = (ends_[i].index - indexOf(from)).cwiseAbs().sum();
-    if (steps > (D == 2 && rays[i].hit ? 1 : 0)) passAlong(rays[i], from);
+    if constexpr (D == 2) {
+      // Of most beams, only the end is not shared, and the cell before a return is protected.
+      const int steps = (ends_[i].index - indexOf(from)).cwiseAbs().sum();
+      if (steps <= (rays[i].hit ? 1 : 0)) continue;
+    }
+    passAlong(rays[i], from);
   }
 }
 
