@@ -26,12 +26,13 @@ Beam beamOf(const GridRay<2>& ray, float cell) {
 }  // namespace
 
 std::vector<float> sharedWays(const std::vector<GridRay<2>>& rays, float cell) {
-  std::vector<Beam> beams(rays.size());
-  for (std::size_t i = 0; i < rays.size(); ++i) beams[i] = beamOf(rays[i], cell);
+  std::vector<Beam> beams;
+  beams.reserve(rays.size());
+  for (const GridRay<2>& ray : rays) beams.push_back(beamOf(ray, cell));
   std::vector<float> shared(rays.size(), 0.0F);
-  for (std::size_t i = 1; i < rays.size(); ++i) {
+  for (std::size_t i = 1; i < beams.size(); ++i) {
     const std::size_t step = i & (~i + 1);  // the largest power of two that divides i
-    if (step >= kWidest || i + step >= rays.size()) continue;
+    if (step >= kWidest || i + step >= beams.size()) continue;
     const Beam& beam = beams[i];
     const auto rangeBeside = [&](std::size_t other) {
       const float apart = (rays[i].origin - rays[other].origin).norm();

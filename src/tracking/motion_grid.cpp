@@ -30,6 +30,7 @@ double probabilityOf(float log_odds) { return 1.0 / (1.0 + std::exp(-log_odds));
 template <int D>
 MotionGrid<D>::MotionGrid(const MotionGridConfig& config)
     : config_(config),
+      per_meter_(static_cast<float>(1.0 / config.resolution_m)),
       low_(logOdds(config.low)),
       medium_(logOdds(config.medium)),
       high_(logOdds(config.high)),
@@ -46,49 +47,53 @@ const typename MotionGrid<D>::Result& MotionGrid<D>::insert(const std::vector<Gr
   if (scan_ == 0) scale_ = 1.0F;
   result_.full = false;
   result_.moving.clear();
-  result_.motion.assign(rays.size(), CellMotion::kNone);
-  result_.was_free.assign(rays.size(), false);
-  result_.has_come.assign(rays.size(), false);
   // All returns are classified by the grids of the last scan before the first cell changes.
-  ends_.clear();
-  ends_.reserve(rays.size());
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const RayEnd& end = ends_.emplace_back(endOf(rays[i]));
-    if (!rays[i].hit || !end.is_usable) continue;
-    result_.motion[i] = classify(rays[i], end.cell);
-    if (end.cell == nullptr) continue;
-    const bool was_free = stateOf(*end.cell) == CellState::kFree;
-    if (was_free) result_.was_free[i] = true;
-    const bool comes = was_free && isPassedAt(*end.cell, rays[i].end);
-    if (comes || (end.cell->has_come && hasStopped(*end.cell))) result_.has_come[i] = true;
-  }
+  findEnds(rays);
+  classify(rays);
   ++scan_;
   time_ += std::max(seconds, 0.0);
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (result_.motion[i] != CellMotion::kNone) updateHit(i);
-  }
+  updateHits();
   protectSurface(rays);
   clearAlong(rays);
   return result_;
 }
 
 template <int D>
-bool MotionGrid<D>::isUsable(const GridRay<D>& ray) const {
+void MotionGrid<D>::findEnds(const std::vector<GridRay<D>>& rays) {
   const float limit = kMaxCoordinate * static_cast<float>(config_.resolution_m);
-  return ray.origin.cwiseAbs().maxCoeff() < limit && ray.end.cwiseAbs().maxCoeff() < limit;
+  ends_.clear();
+  ends_.reserve(rays.size());
+  for (const GridRay<D>& ray : rays) {
+    RayEnd& end = ends_.emplace_back();
+    end.is_usable =
+        (ray.origin.array().abs() < limit).all() && (ray.end.array().abs() < limit).all();
+    if (!end.is_usable) continue;
+    end.index = indexOf(ray.end);
+    if (ray.hit) end.cell = cells_.find(end.index);
+  }
 }
 
 template <int D>
-typename MotionGrid<D>::RayEnd MotionGrid<D>::endOf(const GridRay<D>& ray) {
-  if (!isUsable(ray)) return {};
-  const Index index = indexOf(ray.end);
-  return {index, ray.hit ? cells_.find(index) : nullptr, true};
+void MotionGrid<D>::classify(const std::vector<GridRay<D>>& rays) {
+  result_.motion.assign(rays.size(), CellMotion::kNone);
+  result_.was_free.assign(rays.size(), false);
+  result_.has_come.assign(rays.size(), false);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const RayEnd& end = ends_[i];
+    if (!rays[i].hit || !end.is_usable) continue;
+    result_.motion[i] = motionOf(rays[i], end.cell);
+    if (end.cell == nullptr) continue;
+    const bool was_free = stateOf(*end.cell) == CellState::kFree;
+    if (was_free) result_.was_free[i] = true;
+    const bool comes = was_free && isPassedAt(*end.cell, rays[i].end);
+    if (comes || (end.cell->has_come && hasStopped(*end.cell))) result_.has_come[i] = true;
+  }
 }
 
 /// The rows of table 1 and 2 with an occupied measurement. A return near something static belongs
 /// to it, because of the noise of laser and pose.
 template <int D>
-CellMotion MotionGrid<D>::classify(const GridRay<D>& ray, const CellData* own) const {
+CellMotion MotionGrid<D>::motionOf(const GridRay<D>& ray, const CellData* own) const {
   if (isStatic(own)) return CellMotion::kStatic;  // as most returns, which are from walls
   const CellState state = own != nullptr ? stateOf(*own) : CellState::kUnobserved;
   const double range = static_cast<double>((ray.end - ray.origin).norm());
@@ -104,28 +109,35 @@ CellMotion MotionGrid<D>::classify(const GridRay<D>& ray, const CellData* own) c
 }
 
 template <int D>
-void MotionGrid<D>::updateHit(std::size_t number) {
-  const CellMotion motion = result_.motion[number];
-  const auto& [index, known, is_usable] = ends_[number];
-  const bool is_moving = motion == CellMotion::kMoving;
-  CellData* cell = is_moving ? addMoving(index) : known != nullptr ? known : cells_.obtain(index);
-  if (cell == nullptr) {
-    result_.full = true;
-    return;
+void MotionGrid<D>::updateHits() {
+  for (std::size_t i = 0; i < ends_.size(); ++i) {
+    const CellMotion motion = result_.motion[i];
+    if (motion == CellMotion::kNone) continue;
+    const RayEnd& end = ends_[i];
+    CellData* cell = end.cell != nullptr ? end.cell : cells_.obtain(end.index);
+    if (cell == nullptr) {
+      result_.full = true;
+      continue;
+    }
+    if (motion == CellMotion::kMoving) addMoving(end.index);
+    if (cell->scan != scan_) updateHit(*cell, motion, result_.has_come[i]);
   }
-  if (is_moving) result_.moving[cell->slot].rays.push_back(number);
-  if (cell->scan == scan_) return;
-  cell->scan = scan_;
+}
+
+template <int D>
+void MotionGrid<D>::updateHit(CellData& cell, CellMotion motion, bool has_come) {
+  cell.scan = scan_;
   const auto now = static_cast<float>(time_);
-  if (cell->last_hit < 0.0F || now - cell->last_hit > kEpisodeGap) cell->first_hit = now;
-  cell->last_hit = now;
-  cell->has_come = result_.has_come[number];
+  if (cell.last_hit < 0.0F || now - cell.last_hit > kEpisodeGap) cell.first_hit = now;
+  cell.last_hit = now;
+  cell.has_come = has_come;
   if constexpr (D == 3) {
-    if (!cell->has_come) cell->lowest_pass = std::numeric_limits<float>::infinity();
+    if (!has_come) cell.lowest_pass = std::numeric_limits<float>::infinity();
   }
-  cell->was_moving = is_moving || (cell->was_moving && motion == CellMotion::kStopped);
+  const bool is_moving = motion == CellMotion::kMoving;
+  cell.was_moving = is_moving || (cell.was_moving && motion == CellMotion::kStopped);
   const bool by_medium = is_moving || motion == CellMotion::kStopped;
-  add(*cell, by_medium ? medium_ : high_, is_moving ? high_ : low_);
+  add(cell, by_medium ? medium_ : high_, is_moving ? high_ : low_);
 }
 
 template <int D>
@@ -133,8 +145,7 @@ typename MotionGrid<D>::CellData* MotionGrid<D>::addMoving(const Index& index) {
   CellData* cell = cells_.obtain(index);
   if (cell == nullptr || cell->moved_in == scan_) return cell;
   cell->moved_in = scan_;
-  cell->slot = static_cast<std::uint32_t>(result_.moving.size());
-  result_.moving.push_back({index, {}});
+  result_.moving.push_back(index);
   return cell;
 }
 
@@ -174,8 +185,8 @@ void MotionGrid<D>::impose(const std::function<Vector(const Vector&)>& displacem
     if (offset.template cast<double>().norm() <= limit) offsets.push_back(offset);
     return false;
   });
-  for (const MovingCell& moving : result_.moving) {
-    const Vector center = centerOf(moving.index);
+  for (const Index& moving : result_.moving) {
+    const Vector center = centerOf(moving);
     const Vector displaced = center + displacement(center);
     if (!displaced.allFinite()) continue;
     const Index moved = indexOf(displaced);
@@ -280,9 +291,8 @@ bool MotionGrid<D>::isImposed(const Index& index) const {
 
 template <int D>
 GridIndex<D> MotionGrid<D>::indexOf(const Vector& point) const {
-  const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
   Index index;
-  for (int i = 0; i < D; ++i) index(i) = floorToInt(point(i) * inverse);
+  for (int i = 0; i < D; ++i) index(i) = floorToInt(point(i) * per_meter_);
   return index;
 }
 

@@ -92,7 +92,6 @@ typename MotionGrid<D>::Surroundings MotionGrid<D>::surroundingsOf(const Vector&
 /// beam passes. These cells are not measured as free by this scan.
 template <int D>
 void MotionGrid<D>::protectSurface(const std::vector<GridRay<D>>& rays) {
-  const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
   Index last = Index::Constant(std::numeric_limits<int>::max());
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (result_.motion[i] == CellMotion::kNone) continue;
@@ -104,10 +103,11 @@ void MotionGrid<D>::protectSurface(const std::vector<GridRay<D>>& rays) {
     // Between cells side by side there is nothing.
     if (!has_neighbor || (index - ends_[i - 1].index).cwiseAbs().sum() <= 1) continue;
     if ((rays[i].end - rays[i - 1].end).norm() > kMaxSpacing) continue;
-    traverse<D>(rays[i - 1].end * inverse, rays[i].end * inverse, [this](const Index& between) {
-      protectCell(between);
-      return true;
-    });
+    traverse<D>(rays[i - 1].end * per_meter_, rays[i].end * per_meter_,
+                [this](const Index& between) {
+                  protectCell(between);
+                  return true;
+                });
   }
 }
 
@@ -141,27 +141,27 @@ void MotionGrid<D>::clearAlong(const std::vector<GridRay<D>>& rays) {
   if constexpr (D == 2) shared = sharedWays(rays, static_cast<float>(config_.resolution_m));
   shared.resize(rays.size(), 0.0F);
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (ends_[i].is_usable && !(shared[i] >= 1.0F)) updateMiss(rays[i], shared[i]);
+    if (!ends_[i].is_usable || shared[i] >= 1.0F) continue;
+    const Vector& origin = rays[i].origin;
+    const Vector from =
+        shared[i] > 0.0F ? (origin + shared[i] * (rays[i].end - origin)).eval() : origin;
+    if constexpr (D == 2) {
+      // Of most beams, only the end is not shared, and the cell before a return is protected.
+      const int steps = (ends_[i].index - indexOf(from)).cwiseAbs().sum();
+      if (steps <= (rays[i].hit ? 1 : 0)) continue;
+    }
+    passAlong(rays[i], from);
   }
 }
 
-/// The rows of table 1 and 2 with a free measurement, for the cells of a ray after `shared` of its
-/// way.
-template <int D>
-void MotionGrid<D>::updateMiss(const GridRay<D>& ray, float shared) {
-  passAlong(ray,
-            shared > 0.0F ? (ray.origin + shared * (ray.end - ray.origin)).eval() : ray.origin);
-}
-
-/// In the plane, a tile is looked up once for all cells that the beam passes in it.
+/// The rows of table 1 and 2 with a free measurement, for the cells of a ray from `first` on. In
+/// the plane, a tile is looked up once for all cells that the beam passes in it.
 template <int D>
 void MotionGrid<D>::passAlong(const GridRay<D>& ray, const Vector& first) {
-  const auto inverse = static_cast<float>(1.0 / config_.resolution_m);
-  const Vector from = first * inverse, to = ray.end * inverse;
+  const Vector from = first * per_meter_, to = ray.end * per_meter_;
   const std::uint32_t scan = scan_;
   if constexpr (D == 2) {
     CellWalk<2> walk(from, to);
-    if (ray.hit && walk.remaining == 1) return;  // the cell before a return is protected
     int left[2] = {std::abs(walk.last[0] - walk.index[0]), std::abs(walk.last[1] - walk.index[1])};
     while (left[0] + left[1] > 0) {
       const Index index(walk.index[0], walk.index[1]);

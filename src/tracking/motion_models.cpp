@@ -9,21 +9,16 @@ namespace {
 // Below this angle (rad) of one step, the turn is replaced by its series.
 constexpr double kSmallTurn = 1e-4;
 
-/// Q of an acceleration that is constant during the step.
+/// Adds Q of an acceleration that is constant during the step.
 template <int N, int D>
-void addAccelerationNoise(double sigma, double seconds, Eigen::Matrix<double, N, N>& noise) {
+void addAccelerationNoise(double sigma, double seconds, Eigen::Matrix<double, N, N>& covariance) {
   const double variance = sigma * sigma, t2 = seconds * seconds;
   for (int i = 0; i < D; ++i) {
-    noise(i, i) += variance * t2 * t2 / 4.0;
-    noise(i, D + i) += variance * t2 * seconds / 2.0;
-    noise(D + i, i) += variance * t2 * seconds / 2.0;
-    noise(D + i, D + i) += variance * t2;
+    covariance(i, i) += variance * t2 * t2 / 4.0;
+    covariance(i, D + i) += variance * t2 * seconds / 2.0;
+    covariance(D + i, i) += variance * t2 * seconds / 2.0;
+    covariance(D + i, D + i) += variance * t2;
   }
-}
-
-template <int N, int D>
-void setTurnNoise(double sigma, Eigen::Matrix<double, N, N>& noise) {
-  if constexpr (N > 2 * D) noise(N - 1, N - 1) = sigma * sigma;
 }
 
 /// sin(a) / w, (1 - cos(a)) / w for a = w t, and their derivatives by w.
@@ -44,58 +39,64 @@ TurnTerms turnTerms(double rate, double t) {
 
 template <int N, int D>
 MotionModel<N> standing(double position_sigma, double velocity_sigma) {
-  return [=](const Eigen::Matrix<double, N, 1>& state, double seconds) {
-    Transition<N> result;
-    result.mean.setZero();
-    result.mean.template head<D>() = state.template head<D>();
-    result.jacobian.setZero();
-    result.jacobian.template topLeftCorner<D, D>().setIdentity();
-    result.noise.setZero();
-    const double moved = position_sigma * position_sigma * seconds;
-    result.noise.diagonal().template head<D>().setConstant(moved);
-    const double variance = velocity_sigma * velocity_sigma;
-    result.noise.diagonal().template segment<D>(D).setConstant(variance);
-    return result;
+  return [=](double seconds, Eigen::Matrix<double, N, 1>& mean,
+             Eigen::Matrix<double, N, N>& covariance) {
+    mean.template tail<N - D>().setZero();
+    covariance.template rightCols<N - D>().setZero();
+    covariance.template bottomLeftCorner<N - D, D>().setZero();
+    auto variances = covariance.diagonal();
+    variances.template head<D>().array() += position_sigma * position_sigma * seconds;
+    variances.template segment<D>(D).setConstant(velocity_sigma * velocity_sigma);
   };
 }
 
 template <int N, int D>
 MotionModel<N> constantVelocity(double acceleration_sigma, double turn_sigma) {
-  return [=](const Eigen::Matrix<double, N, 1>& state, double seconds) {
-    Transition<N> result;
-    result.jacobian.setZero();
-    result.jacobian.template topLeftCorner<2 * D, 2 * D>().setIdentity();
-    result.jacobian.template block<D, D>(0, D).diagonal().setConstant(seconds);
-    result.mean = result.jacobian * state;
-    result.noise.setZero();
-    addAccelerationNoise<N, D>(acceleration_sigma, seconds, result.noise);
-    setTurnNoise<N, D>(turn_sigma, result.noise);
-    return result;
+  return [=](double seconds, Eigen::Matrix<double, N, 1>& mean,
+             Eigen::Matrix<double, N, N>& covariance) {
+    mean.template head<D>() += seconds * mean.template segment<D>(D);
+    covariance.template topRows<D>() += seconds * covariance.template middleRows<D>(D);
+    covariance.template leftCols<D>() += seconds * covariance.template middleCols<D>(D);
+    if constexpr (N > 2 * D) {
+      mean(N - 1) = 0.0;
+      covariance.row(N - 1).setZero();
+      covariance.col(N - 1).setZero();
+      covariance(N - 1, N - 1) = turn_sigma * turn_sigma;
+    }
+    addAccelerationNoise<N, D>(acceleration_sigma, seconds, covariance);
   };
 }
 
 template <int D>
 MotionModel<2 * D + 1> constantTurn(double acceleration_sigma, double turn_acceleration_sigma) {
   constexpr int N = 2 * D + 1;
-  return [=](const Eigen::Matrix<double, N, 1>& state, double t) {
-    const double rate = state(N - 1), vx = state(D), vy = state(D + 1);
+  return [=](double t, Eigen::Matrix<double, N, 1>& mean, Eigen::Matrix<double, N, N>& covariance) {
+    const double rate = mean(N - 1), vx = mean(D), vy = mean(D + 1);
     const double sine = std::sin(rate * t), cosine = std::cos(rate * t);
     const TurnTerms terms = turnTerms(rate, t);
-    Transition<N> result;
-    result.jacobian.setIdentity();
-    result.jacobian.template block<D, D>(0, D).diagonal().setConstant(t);
-    result.jacobian.template block<2, 2>(0, D) << terms.s, -terms.c, terms.c, terms.s;
-    result.jacobian.template block<2, 2>(D, D) << cosine, -sine, sine, cosine;
-    result.mean = result.jacobian * state;
-    // The model is linear but for the turn rate: its column is added after the mean is known.
-    result.jacobian.template block<2, 1>(0, N - 1) << terms.ds * vx - terms.dc * vy,
+    // What velocity and turn rate add to the position, and the velocity that they become.
+    Eigen::Matrix<double, D, D + 1> way, turned;
+    way.setZero();
+    way.diagonal().setConstant(t);
+    way.template topLeftCorner<2, 2>() << terms.s, -terms.c, terms.c, terms.s;
+    turned.setIdentity();
+    turned.template topLeftCorner<2, 2>() << cosine, -sine, sine, cosine;
+    const Eigen::Matrix<double, D, 1> velocity = mean.template segment<D>(D);
+    mean.template head<D>() += way.template leftCols<D>() * velocity;
+    mean.template segment<D>(D) = turned.template leftCols<D>() * velocity;
+    // The model is linear but for the turn rate.
+    way.template topRightCorner<2, 1>() << terms.ds * vx - terms.dc * vy,
         terms.dc * vx + terms.ds * vy;
-    result.jacobian.template block<2, 1>(D, N - 1) << t * (-sine * vx - cosine * vy),
+    turned.template topRightCorner<2, 1>() << t * (-sine * vx - cosine * vy),
         t * (cosine * vx - sine * vy);
-    result.noise.setZero();
-    addAccelerationNoise<N, D>(acceleration_sigma, t, result.noise);
-    setTurnNoise<N, D>(turn_acceleration_sigma * t, result.noise);
-    return result;
+    const Eigen::Matrix<double, D + 1, N> rows = covariance.template bottomRows<D + 1>();
+    covariance.template topRows<D>() += way.lazyProduct(rows);
+    covariance.template middleRows<D>(D) = turned.lazyProduct(rows);
+    const Eigen::Matrix<double, N, D + 1> columns = covariance.template rightCols<D + 1>();
+    covariance.template leftCols<D>() += columns.lazyProduct(way.transpose());
+    covariance.template middleCols<D>(D) = columns.lazyProduct(turned.transpose());
+    covariance(N - 1, N - 1) += turn_acceleration_sigma * t * turn_acceleration_sigma * t;
+    addAccelerationNoise<N, D>(acceleration_sigma, t, covariance);
   };
 }
 

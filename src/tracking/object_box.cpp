@@ -141,7 +141,9 @@ OrientedBox fitBox(const std::vector<Eigen::Vector2d>& points) {
   };
   for (int step = 0; step < kTurn; step += kCoarse) tryStep(step);
   const int middle = best_step;
-  for (int step = middle - kCoarse + 1; step < middle + kCoarse; ++step) tryStep(step);
+  for (int step = middle - kCoarse + 1; step < middle + kCoarse; ++step) {
+    if (step != middle) tryStep(step);
+  }
   return boxAlong(points, best_step * kDegree);
 }
 

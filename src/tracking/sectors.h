@@ -22,14 +22,16 @@ class Sectors {
 
   /// The sector of a direction. `guess`: that of the beam before, which is the same or near.
   int of(const Eigen::Vector2f& along, int guess) const {
-    constexpr int kNear = 4;
-    for (int i = 0; i < kNear; ++i) {
-      if (isLeftOf(guess + 1, along)) {
+    constexpr int kNear = 3;  // sectors from the guess
+    if (isLeftOf(guess + 1, along)) {
+      for (int i = 0; i < kNear; ++i) {
         if (++guess == count_) guess = 0;
-      } else if (!isLeftOf(guess, along)) {
+        if (!isLeftOf(guess + 1, along)) return guess;
+      }
+    } else {
+      for (int i = 0; i <= kNear; ++i) {
+        if (isLeftOf(guess, along)) return guess;
         if (--guess < 0) guess = count_ - 1;
-      } else {
-        return guess;
       }
     }
     const auto bearing = static_cast<double>(std::atan2(along.y(), along.x()));

@@ -9,8 +9,6 @@
 namespace kestrel {
 namespace {
 
-/// Points farther than this from the box of a track belong to something else, m.
-constexpr double kMargin = 0.25;
 constexpr double kNotFinite = std::numeric_limits<double>::quiet_NaN();
 /// What stood at a place for longer than this is not the object that came there later, s.
 constexpr double kEarlier = 1.0;
@@ -148,10 +146,6 @@ bool TrackList::stoodBefore(const Entry& entry, const Eigen::Vector2d& point,
   return !grid.cameAfter(grid.indexOf(point.cast<float>()), since);
 }
 
-double TrackList::radiusOf(const Entry& entry) {
-  return 0.5 * std::max(entry.length, kPersonWidth) + kMargin;
-}
-
 void TrackList::miss(Entry& entry, const PhdFilter<5, 2>& filter, const Visibility& visibility) {
   Track& track = entry.track;
   track.unseen_s += seconds_;
@@ -187,9 +181,10 @@ std::vector<Track> TrackList::tracks() const {
 
 bool TrackList::showsAt(const Eigen::Vector2d& point, double seconds) const {
   return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    if (!entry.track.isShown()) return false;
     const Eigen::Vector2d center = entry.track.position + seconds * entry.track.velocity;
     const double radius = radiusOf(entry);
-    return entry.track.isShown() && (center - point).squaredNorm() < radius * radius;
+    return (center - point).squaredNorm() < radius * radius;
   });
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <deque>
 #include <optional>
 #include <vector>
@@ -14,6 +15,7 @@
 namespace kestrel {
 
 constexpr double kPersonWidth = 0.4;  ///< m
+constexpr double kMargin = 0.25;      ///< m; points farther from an object belong to something else
 /// After a longer gap without observations (s), the path starts anew: what is seen then may be
 /// something else that stands.
 constexpr double kPathGap = 0.5;
@@ -90,7 +92,9 @@ class TrackList {
 
   const Entry* at(const Eigen::Vector2d& point) const;
   /// What is farther from the middle than this belongs to something else, m.
-  static double radiusOf(const Entry& entry);
+  static double radiusOf(const Entry& entry) {
+    return 0.5 * std::max(entry.length, kPersonWidth) + kMargin;
+  }
   bool stoodBefore(const Entry& entry, const Eigen::Vector2d& point,
                    const MotionGrid<2>& grid) const;
   static void findAgain(Entry& entry, const ObjectCluster& object);

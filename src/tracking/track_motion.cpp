@@ -24,6 +24,7 @@ constexpr double kInFree = 0.8;  ///< the other returns are at the borders of th
 
 std::vector<GridIndex<2>> cellsOf(const ObjectCluster& object, const MotionGrid<2>& grid) {
   std::vector<GridIndex<2>> cells;
+  cells.reserve(object.points.size());
   for (const Eigen::Vector2d& point : object.points) {
     const GridIndex<2> cell = grid.indexOf(point.cast<float>());
     if (std::find(cells.rbegin(), cells.rend(), cell) == cells.rend()) cells.push_back(cell);

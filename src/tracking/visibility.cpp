@@ -48,7 +48,7 @@ int Visibility::binOf(double bearing) {
 }
 
 Visibility::Visibility(const std::vector<GridRay<2>>& rays)
-    : reach_(kBins, -1.0F), returns_(kBins, -1.0F), measured_before_(kBins + 1, 0) {
+    : reach_(kBins, -1.0F), returns_(kBins, -1.0F) {
   if (!rays.empty()) sensor_ = rays[rays.size() / 2].origin.cast<double>();
   static const Sectors sectors(kBins);
   std::vector<float> turns;
@@ -65,9 +65,6 @@ Visibility::Visibility(const std::vector<GridRay<2>>& rays)
     const auto bin = static_cast<std::size_t>(sector);
     reach_[bin] = std::max(reach_[bin], length);
     if (ray.hit) returns_[bin] = std::max(returns_[bin], length);
-  }
-  for (std::size_t bin = 0; bin < reach_.size(); ++bin) {
-    measured_before_[bin + 1] = measured_before_[bin] + static_cast<int>(reach_[bin] >= 0.0F);
   }
   beam_step_ = static_cast<double>(std::atan(medianOf(std::move(turns))));
 }
@@ -118,10 +115,10 @@ Visibility::Beams Visibility::countIn(int first, int count, double range) const 
   Beams beams;
   while (count > 0) {
     const int last = std::min(first + count, kBins);
-    beams.measured += measured_before_[static_cast<std::size_t>(last)] -
-                      measured_before_[static_cast<std::size_t>(first)];
     for (int bin = first; bin < last; ++bin) {
-      beams.visible += static_cast<int>(reach_[static_cast<std::size_t>(bin)] >= needed);
+      const float reach = reach_[static_cast<std::size_t>(bin)];
+      beams.measured += static_cast<int>(reach >= 0.0F);
+      beams.visible += static_cast<int>(reach >= needed);
     }
     count -= last - first;
     first = 0;

@@ -54,9 +54,8 @@ class Visibility {
   Beams countIn(int first, int count, double range) const;
 
   Eigen::Vector2d sensor_ = Eigen::Vector2d::Zero();
-  std::vector<float> reach_;          ///< farthest beam of each bin, m; negative: no beam
-  std::vector<float> returns_;        ///< the same of the beams with a return
-  std::vector<int> measured_before_;  ///< for each bin, number of the bins before it with a beam
+  std::vector<float> reach_;    ///< farthest beam of each bin, m; negative: no beam
+  std::vector<float> returns_;  ///< the same of the beams with a return
   double beam_step_ = 0.0;
 };
 

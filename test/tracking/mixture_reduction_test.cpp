@@ -24,11 +24,8 @@ PhdComponent<5> standingAt(double x, double y, double weight) {
   PhdComponent<5> start;
   start.mean << x, y, 1.0, 0.0, 0.3;
   start.covariance = 0.04 * Matrix5::Identity();
-  const Transition<5> motion = standing<5, 2>(0.1, 0.5)(start.mean, 0.1);
   start.weight = weight;
-  start.mean = motion.mean;
-  start.covariance =
-      motion.jacobian * start.covariance * motion.jacobian.transpose() + motion.noise;
+  standing<5, 2>(0.1, 0.5)(0.1, start.mean, start.covariance);
   return start;
 }
 

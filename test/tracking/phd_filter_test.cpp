@@ -36,10 +36,17 @@ struct Kalman {
   Vector4 mean;
   Matrix4 covariance;
 
-  void step(const Transition<4>& motion, const Eigen::MatrixXd& H, const Eigen::VectorXd& error,
-            const Eigen::MatrixXd& R) {
-    mean = motion.mean;
-    covariance = motion.jacobian * covariance * motion.jacobian.transpose() + motion.noise;
+  /// Constant velocity with an acceleration of 1 m/s².
+  void predict(double seconds) {
+    Matrix4 F = Matrix4::Identity();
+    F.topRightCorner<2, 2>() = seconds * Eigen::Matrix2d::Identity();
+    Eigen::Matrix<double, 4, 2> G;
+    G << 0.5 * seconds * seconds * Eigen::Matrix2d::Identity(),
+        seconds * Eigen::Matrix2d::Identity();
+    mean = (F * mean).eval();
+    covariance = (F * covariance * F.transpose() + G * G.transpose()).eval();
+  }
+  void update(const Eigen::MatrixXd& H, const Eigen::VectorXd& error, const Eigen::MatrixXd& R) {
     const Eigen::MatrixXd S = H * covariance * H.transpose() + R;
     const Eigen::MatrixXd K = covariance * H.transpose() * S.inverse();
     mean += K * error;
@@ -49,7 +56,6 @@ struct Kalman {
 
 TEST(PhdFilter, OneTargetWithoutClutterIsAKalmanFilter) {
   PhdFilter<4, 2> filter(modelWith(1.0, 1.0, 0.0));
-  const MotionModel<4> motion = constantVelocity<4, 2>(1.0);
   PhdComponent<4> start = componentAt(0.0, 0.0, 1.0, 0.5);
   Kalman kalman{start.mean, start.covariance};
   Random random(1);
@@ -61,8 +67,8 @@ TEST(PhdFilter, OneTargetWithoutClutterIsAKalmanFilter) {
         observationAt(0.1 * i + 0.1 * random.gaussian(), 0.05 * i + 0.1 * random.gaussian());
     if (i > 1) filter.predict(0.1, {});
     filter.update({z});
-    Transition<4> step = motion(kalman.mean, i > 1 ? 0.1 : 0.0);
-    kalman.step(step, H, z.value - step.mean.head<2>(), z.noise);
+    kalman.predict(i > 1 ? 0.1 : 0.0);
+    kalman.update(H, z.value - kalman.mean.head<2>(), z.noise);
     ASSERT_EQ(filter.components().size(), 1U);
     const PhdComponent<4>& component = filter.components().front();
     ASSERT_NEAR(component.weight, 1.0, 1e-9);
@@ -75,8 +81,8 @@ ExpectedObservation<4, 2> rangeAndBearing(const Vector4& state) {
   ExpectedObservation<4, 2> expected;
   const double x = state(0), y = state(1), r = std::hypot(x, y);
   expected.value << r, std::atan2(y, x);
-  expected.jacobian.setZero();
-  expected.jacobian.leftCols<2>() << x / r, y / r, -y / (r * r), x / (r * r);
+  expected.jacobian.emplace().setZero();
+  expected.jacobian->leftCols<2>() << x / r, y / r, -y / (r * r), x / (r * r);
   return expected;
 }
 
@@ -99,14 +105,36 @@ TEST(PhdFilter, RangeAndBearingIsAnExtendedKalmanFilter) {
                     normalizeAngle(std::atan2(y, -5.0) + 0.02 * random.gaussian()));
     if (i > 0) filter.predict(seconds, {});
     filter.update({{z, R}});
-    const Transition<4> step = constantVelocity<4, 2>(1.0)(kalman.mean, seconds);
-    const ExpectedObservation<4, 2> expected = rangeAndBearing(step.mean);
+    kalman.predict(seconds);
+    const ExpectedObservation<4, 2> expected = rangeAndBearing(kalman.mean);
     const Vector2 error(z.x() - expected.value.x(), normalizeAngle(z.y() - expected.value.y()));
-    kalman.step(step, expected.jacobian, error, R);
+    kalman.update(*expected.jacobian, error, R);
     ASSERT_EQ(filter.components().size(), 1U);
     ASSERT_LT((filter.components().front().mean - kalman.mean).norm(), 1e-9);
   }
   EXPECT_LT((kalman.mean.head<2>() - Vector2(-5.0, -0.95)).norm(), 0.1);
+}
+
+TEST(PhdFilter, PositionNeedsNoJacobian) {
+  PhdModel<4, 2> with_jacobian = modelWith(0.9, 0.99, 0.1);
+  with_jacobian.expect = [](const Vector4& state) {
+    return ExpectedObservation<4, 2>{state.head<2>(), Eigen::Matrix<double, 2, 4>::Identity()};
+  };
+  PhdFilter<4, 2> expected(with_jacobian), filter(modelWith(0.9, 0.99, 0.1));
+  for (int i = 0; i < 20; ++i) {
+    const double x = 0.1 * i;
+    for (PhdFilter<4, 2>* f : {&expected, &filter}) {
+      f->predict(0.1, {componentAt(x, 0.0, 1.0, 0.5, 0.2), componentAt(5.0, x, 0.0, 0.0, 0.2)});
+      f->update({observationAt(x, 0.05), observationAt(5.1, x)});
+    }
+    ASSERT_EQ(filter.components().size(), expected.components().size());
+    for (std::size_t k = 0; k < filter.components().size(); ++k) {
+      const PhdComponent<4>&a = filter.components()[k], &b = expected.components()[k];
+      EXPECT_NEAR(a.weight, b.weight, 1e-12);
+      EXPECT_LT((a.mean - b.mean).norm(), 1e-12);
+      EXPECT_LT((a.covariance - b.covariance).norm(), 1e-12);
+    }
+  }
 }
 
 TEST(PhdFilter, WeightsFollowTheUpdateEquation) {

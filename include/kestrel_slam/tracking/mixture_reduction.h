@@ -43,35 +43,35 @@ PhdComponent<N> mergedOf(const std::vector<const PhdComponent<N>*>& parts) {
 template <int N>
 class GaussianDistance {
  public:
+  using Vector = Eigen::Matrix<double, N, 1>;
+
   explicit GaussianDistance(const Eigen::Matrix<double, N, N>& covariance) {
+    Eigen::Matrix<double, N, N> rest = covariance;
     for (int k = 0; k < N; ++k) {
-      double rest = covariance(k, k);
-      for (int j = 0; j < k; ++j) rest -= lower_(k, j) * lower_(k, j) * diagonal_(j);
-      diagonal_(k) = rest > kRounding * covariance(k, k) ? rest : 0.0;
-      for (int i = k + 1; i < N; ++i) {
-        double entry = covariance(i, k);
-        for (int j = 0; j < k; ++j) entry -= lower_(i, j) * lower_(k, j) * diagonal_(j);
-        lower_(i, k) = diagonal_(k) > 0.0 ? entry / diagonal_(k) : 0.0;
+      diagonal_(k) = rest(k, k) > kRounding * covariance(k, k) ? rest(k, k) : 0.0;
+      if (diagonal_(k) > 0.0) {
+        lower_.col(k) = rest.col(k) / diagonal_(k);
+      } else {
+        lower_.col(k).setZero();
       }
+      for (int j = k + 1; j < N; ++j) rest.col(j) -= lower_.col(k) * lower_(j, k) * diagonal_(k);
     }
   }
 
   /// Between the places `a` and `b`.
-  double squared(const Eigen::Matrix<double, N, 1>& a, const Eigen::Matrix<double, N, 1>& b) const {
-    Eigen::Matrix<double, N, 1> solved;
+  double squared(const Vector& a, const Vector& b) const {
+    Vector rest = a - b, solved;
     double sum = 0.0;
     for (int k = 0; k < N; ++k) {
-      solved(k) = a(k) - b(k);
-      double terms = std::abs(a(k)) + std::abs(b(k));
-      for (int j = 0; j < k; ++j) {
-        solved(k) -= lower_(k, j) * solved(j);
-        terms += std::abs(lower_(k, j) * solved(j));
-      }
+      solved(k) = rest(k);
       if (diagonal_(k) > 0.0) {
         sum += solved(k) * solved(k) / diagonal_(k);
-      } else if (std::abs(solved(k)) > kRounding * terms) {
-        return std::numeric_limits<double>::infinity();
+      } else {
+        double terms = std::abs(a(k)) + std::abs(b(k));
+        for (int j = 0; j < k; ++j) terms += std::abs(lower_(k, j) * solved(j));
+        if (std::abs(solved(k)) > kRounding * terms) return std::numeric_limits<double>::infinity();
       }
+      rest -= lower_.col(k) * solved(k);
     }
     return sum;
   }
@@ -79,8 +79,9 @@ class GaussianDistance {
  private:
   /// Of what a difference of nearly equal numbers loses: a rest that is smaller is zero.
   static constexpr double kRounding = 1e-10;
-  Eigen::Matrix<double, N, N> lower_ = Eigen::Matrix<double, N, N>::Zero();  ///< without diagonal
-  Eigen::Matrix<double, N, 1> diagonal_;
+  /// Only what is below the diagonal counts: whole columns are faster than their parts.
+  Eigen::Matrix<double, N, N> lower_;
+  Vector diagonal_;
 };
 
 /// A lower bound of the squared Mahalanobis distance to a Gaussian: the one of its first two

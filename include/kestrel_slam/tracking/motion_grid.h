@@ -78,11 +78,6 @@ class MotionGrid {
 
   explicit MotionGrid(const MotionGridConfig& config = MotionGridConfig());
 
-  /// A cell that holds something that moves, with the rays that end there.
-  struct MovingCell {
-    Index index;
-    std::vector<std::size_t> rays;
-  };
   struct Result {
     std::vector<CellMotion> motion;  ///< of each ray
     std::vector<bool> was_free;      ///< of each ray: the return is in a cell that was free
@@ -91,8 +86,8 @@ class MotionGrid {
     /// beam must have passed at this height or below: what comes into view below the beams, as the
     /// roof of a parked car, has not come.
     std::vector<bool> has_come;
-    std::vector<MovingCell> moving;  ///< occupied cells of the new dynamic map
-    bool full = false;               ///< cells are missing because of the memory limit
+    std::vector<Index> moving;  ///< occupied cells of the new dynamic map
+    bool full = false;          ///< cells are missing because of the memory limit
   };
 
   /// Classifies the returns by the static grid before this scan and by the imposed dynamic map, and
@@ -148,7 +143,6 @@ class MotionGrid {
     std::uint32_t scan = 0;
     std::uint32_t imposed = 0;    ///< number of the scan for which it is in the imposed map
     std::uint32_t moved_in = 0;   ///< last scan with something moving in it
-    std::uint32_t slot = 0;       ///< in Result::moving of that scan
     float first_hit = -1.0F;      ///< time of the first of the returns without long gaps, s
     float last_hit = -1.0F;       ///< negative: none yet
     float last_pass = -1.0F;      ///< time of the last beam that passed, s
@@ -169,19 +163,19 @@ class MotionGrid {
     bool is_usable = false;
   };
 
-  bool isUsable(const GridRay<D>& ray) const;
-  RayEnd endOf(const GridRay<D>& ray);
+  void findEnds(const std::vector<GridRay<D>>& rays);
+  void classify(const std::vector<GridRay<D>>& rays);
   Surroundings surroundingsOf(const Vector& point, double distance) const;
   CellState stateOf(const CellData& cell) const;
   bool isStatic(const CellData* cell) const;
-  CellMotion classify(const GridRay<D>& ray, const CellData* own) const;
+  CellMotion motionOf(const GridRay<D>& ray, const CellData* own) const;
   CellData* addMoving(const Index& index);
-  void updateHit(std::size_t number);
+  void updateHits();
+  void updateHit(CellData& cell, CellMotion motion, bool has_come);
   void protectSurface(const std::vector<GridRay<D>>& rays);
   void protectAround(const Index& index);
   void protectCell(const Index& index);
   void clearAlong(const std::vector<GridRay<D>>& rays);
-  void updateMiss(const GridRay<D>& ray, float shared);
   void passAlong(const GridRay<D>& ray, const Vector& from);
   void passCell(CellData& cell, bool presumed) const;
   static bool isPassedAt(const CellData& cell, const Vector& point);
@@ -190,6 +184,7 @@ class MotionGrid {
   void add(CellData& cell, float static_change, float dynamic_change) const;
 
   MotionGridConfig config_;
+  float per_meter_;                    ///< cells
   float low_, medium_, high_;          ///< log odds at 10 Hz
   float min_, max_, free_, occupied_;  ///< log odds
   float scale_ = 1.0F;                 ///< of the log odds, for the current scan

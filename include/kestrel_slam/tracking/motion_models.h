@@ -6,19 +6,12 @@
 
 namespace kestrel {
 
-/// Prediction of a state over some time, linearized at the state: mean, F and Q of [Siew 2018, eq.
-/// 19]. For a model that is not linear, F is the Jacobian (extended Kalman filter).
+/// A motion model: moves a Gaussian on by `seconds` [Siew 2018, eq. 19]. The covariance P becomes
+/// F P F' + Q. For a model that is not linear, F is the Jacobian at the mean (extended Kalman
+/// filter).
 template <int N>
-struct Transition {
-  Eigen::Matrix<double, N, 1> mean;
-  Eigen::Matrix<double, N, N> jacobian;
-  Eigen::Matrix<double, N, N> noise;
-};
-
-/// A motion model: the state after `seconds`.
-template <int N>
-using MotionModel =
-    std::function<Transition<N>(const Eigen::Matrix<double, N, 1>& state, double seconds)>;
+using MotionModel = std::function<void(double seconds, Eigen::Matrix<double, N, 1>& mean,
+                                       Eigen::Matrix<double, N, N>& covariance)>;
 
 /// The models below are for states that begin with a position and a velocity in D dimensions. A
 /// state with one more component has the turn rate (rad/s, about z) there: N is 2 D or 2 D + 1.

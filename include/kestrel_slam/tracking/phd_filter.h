@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include "kestrel_slam/tracking/motion_models.h"
@@ -37,7 +36,19 @@ struct Observation {
 template <int N, int M>
 struct ExpectedObservation {
   Eigen::Matrix<double, M, 1> value;
-  Eigen::Matrix<double, M, N> jacobian;
+  /// Empty: that of a value that is the first part of the state.
+  std::optional<Eigen::Matrix<double, M, N>> jacobian = std::nullopt;
+
+  /// P H' of a covariance P.
+  Eigen::Matrix<double, N, M> crossOf(const Eigen::Matrix<double, N, N>& covariance) const {
+    if (!jacobian) return covariance.template leftCols<M>();
+    return covariance * jacobian->transpose();
+  }
+  /// H P H', given P H'.
+  Eigen::Matrix<double, M, M> covarianceOf(const Eigen::Matrix<double, N, M>& cross) const {
+    if (!jacobian) return cross.template topRows<M>();
+    return *jacobian * cross;
+  }
 };
 
 /// Targets that leave a target [Siew 2018, eq. 23]: `weight` per step for each existing target.
@@ -151,10 +162,10 @@ class PhdFilter {
  private:
   /// Weight of one label in one observation (-1: not detected).
   struct Share {
-    TargetLabel label;
+    std::size_t label;  ///< in `labels_`
     int observation;
     double weight;
-    std::size_t first, end;  ///< its part of `order_`
+    std::size_t first, end;  ///< of the observation in `updated_`
   };
   struct LabelWeight {
     double detected = 0.0, missed = 0.0;
@@ -162,6 +173,8 @@ class PhdFilter {
   struct Prepared {
     ExpectedObservation<N, M> expected;
     double detection;
+    double detected_weight;                  ///< if it is where the sensor sees
+    Eigen::Matrix<double, N, M> cross;       ///< P H': covariance of the state and the value
     Eigen::Matrix<double, M, M> covariance;  ///< of the expected value
   };
   struct Candidate {
@@ -170,22 +183,31 @@ class PhdFilter {
     Eigen::Matrix<double, M, 1> innovation;
     Eigen::Matrix<double, M, M> inverse_covariance;
   };
+  /// Where a component after the update comes from.
+  struct Origin {
+    std::size_t label;  ///< in `labels_`
+    int observation;    ///< -1: not detected
+  };
 
   void addSurvivors(double seconds, std::vector<Component>& predicted) const;
   void addSpawned(std::vector<Component>& predicted);
+  Prepared prepare(const Component& prior) const;
+  void noteLabels();
   void addMissed(const std::vector<Prepared>& prepared);
   void addDetected(const std::vector<Prepared>& prepared, const Observation<M>& observation,
                    int index);
   bool mayCause(const Component& prior, int index) const;
-  bool likelihood(const Component& prior, const Prepared& prepared,
-                  const Observation<M>& observation, Candidate& candidate) const;
+  bool isNear(const Prepared& prepared, const Observation<M>& observation,
+              Candidate& candidate) const;
+  bool likelihood(const Prepared& prepared, const Observation<M>& observation,
+                  Candidate& candidate) const;
   Component corrected(const Prepared& prepared, const Observation<M>& observation,
                       const Candidate& candidate) const;
-  void append(const Component& component, int observation);
+  void append(const Component& component, std::size_t prior, int observation);
 
   void limitLabels();
   void findTargets();
-  std::vector<Share> sortedShares();
+  std::vector<Share> sortedShares() const;
   LabeledTarget<N> targetOf(const Share& share, double weight) const;
 
   void reduce();
@@ -196,14 +218,17 @@ class PhdFilter {
   PhdModel<N, M> model_;
   PhdLimits limits_;
   std::vector<Component> components_;
-  std::vector<Component> updated_;   ///< during update()
-  std::vector<int> observation_of_;  ///< of each of `updated_`
-  /// Observation, label and index of each of `updated_`, sorted.
-  std::vector<std::tuple<int, TargetLabel, std::size_t>> order_;
   std::vector<double> explained_;
   std::vector<LabeledTarget<N>> targets_;
   std::vector<TargetLabel> reported_;  ///< labels that were a target and still have a component
   TargetLabel next_label_ = 1;
+
+  // During update():
+  std::vector<TargetLabel> labels_;    ///< sorted
+  std::vector<std::size_t> label_of_;  ///< in `labels_`, of each of `components_`
+  std::vector<Candidate> candidates_;  ///< of one observation
+  std::vector<Component> updated_;     ///< by rising observation
+  std::vector<Origin> origins_;        ///< of each of `updated_`
 };
 
 }  // namespace kestrel

@@ -6,24 +6,23 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/tracking/mixture_reduction.h"
 #include "kestrel_slam/tracking/phd_filter.h"
+#include "kestrel_slam/tracking/phd_targets_impl.h"
 
 namespace kestrel {
 namespace phd {
 
-constexpr double kTargetWeight = 0.5;  ///< from here on, there is a target [Vo 2006, table III]
 constexpr double kFar2 = 50.0;  ///< sigmas²; a target so far away did not cause an observation
 
 }  // namespace phd
 
 template <int N, int M>
 ExpectedObservation<N, M> expectPosition(const Eigen::Matrix<double, N, 1>& state) {
-  return {state.template head<M>(), Eigen::Matrix<double, M, N>::Identity()};
+  return {state.template head<M>()};
 }
 
 template <int N, int M>
@@ -68,6 +67,7 @@ void PhdFilter<N, M>::addSpawned(std::vector<Component>& predicted) {
 template <int N, int M>
 void PhdFilter<N, M>::addSurvivors(double seconds, std::vector<Component>& predicted) const {
   const int modes = static_cast<int>(model_.motions.size());
+  predicted.reserve(predicted.size() + model_.motions.size() * components_.size());
   for (const Component& parent : components_) {
     const double weight = model_.survival(parent.mean) * parent.weight;
     for (int mode = 0; mode < modes; ++mode) {
@@ -75,14 +75,10 @@ void PhdFilter<N, M>::addSurvivors(double seconds, std::vector<Component>& predi
                                ? model_.mode_transition(parent.mode, mode)
                                : (mode == parent.mode ? 1.0 : 0.0);
       if (!(weight * share > limits_.prune_weight)) continue;
-      const Transition<N> motion =
-          model_.motions[static_cast<std::size_t>(mode)](parent.mean, seconds);
       Component& child = predicted.emplace_back(parent);
       child.weight = weight * share;
       child.mode = mode;
-      child.mean = motion.mean;
-      child.covariance =
-          motion.jacobian * parent.covariance * motion.jacobian.transpose() + motion.noise;
+      model_.motions[static_cast<std::size_t>(mode)](seconds, child.mean, child.covariance);
     }
   }
 }
@@ -91,13 +87,10 @@ template <int N, int M>
 void PhdFilter<N, M>::update(const std::vector<Observation<M>>& observations) {
   std::vector<Prepared> prepared;
   prepared.reserve(components_.size());
-  for (const Component& prior : components_) {
-    const ExpectedObservation<N, M> expected = model_.expect(prior.mean);
-    const auto& H = expected.jacobian;
-    prepared.push_back({expected, model_.detection(prior), H * prior.covariance * H.transpose()});
-  }
+  for (const Component& prior : components_) prepared.push_back(prepare(prior));
+  noteLabels();
   updated_.clear();
-  observation_of_.clear();
+  origins_.clear();
   explained_.assign(observations.size(), 0.0);
   addMissed(prepared);
   for (std::size_t i = 0; i < observations.size(); ++i) {
@@ -109,11 +102,22 @@ void PhdFilter<N, M>::update(const std::vector<Observation<M>>& observations) {
   reduce();
 }
 
+template <int N, int M>
+typename PhdFilter<N, M>::Prepared PhdFilter<N, M>::prepare(const Component& prior) const {
+  Prepared result;
+  result.expected = model_.expect(prior.mean);
+  result.detection = model_.detection(prior);
+  result.detected_weight = model_.detection_where_seen.value_or(result.detection) * prior.weight;
+  result.cross = result.expected.crossOf(prior.covariance);
+  result.covariance = result.expected.covarianceOf(result.cross);
+  return result;
+}
+
 /// The first term of [Siew 2018, eq. 25].
 template <int N, int M>
 void PhdFilter<N, M>::addMissed(const std::vector<Prepared>& prepared) {
   for (std::size_t j = 0; j < components_.size(); ++j) {
-    append(components_[j], -1);
+    append(components_[j], j, -1);
     const double p = prepared[j].detection;
     updated_.back().weight *= model_.missed ? model_.missed(p) : 1.0 - p;
   }
@@ -123,24 +127,24 @@ void PhdFilter<N, M>::addMissed(const std::vector<Prepared>& prepared) {
 template <int N, int M>
 void PhdFilter<N, M>::addDetected(const std::vector<Prepared>& prepared,
                                   const Observation<M>& observation, int index) {
-  std::vector<Candidate> candidates;
-  candidates.reserve(components_.size());
+  candidates_.clear();
   double sum = 0.0;
-  for (std::size_t j = 0; j < components_.size(); ++j) {
+  for (std::size_t j = 0; j < prepared.size(); ++j) {
     Candidate candidate;
-    candidate.prior = j;
-    if (!likelihood(components_[j], prepared[j], observation, candidate)) continue;
+    if (!isNear(prepared[j], observation, candidate)) continue;
+    if (!likelihood(prepared[j], observation, candidate)) continue;
     if (!mayCause(components_[j], index)) continue;
+    candidate.prior = j;
     sum += candidate.weight;
-    candidates.push_back(candidate);
+    candidates_.push_back(candidate);
   }
   if (!(sum > 0.0)) return;
   const double total = sum + model_.clutter(observation.value);
   explained_[static_cast<std::size_t>(index)] = sum / total;
-  for (Candidate& candidate : candidates) {
+  for (Candidate& candidate : candidates_) {
     candidate.weight /= total;
     if (candidate.weight <= limits_.prune_weight) continue;
-    append(corrected(prepared[candidate.prior], observation, candidate), index);
+    append(corrected(prepared[candidate.prior], observation, candidate), candidate.prior, index);
   }
 }
 
@@ -149,17 +153,24 @@ bool PhdFilter<N, M>::mayCause(const Component& prior, int index) const {
   return !model_.may_cause || model_.may_cause(prior, static_cast<std::size_t>(index));
 }
 
+/// False for most pairs, which need no more than their distance and the size of the covariance.
+template <int N, int M>
+bool PhdFilter<N, M>::isNear(const Prepared& prepared, const Observation<M>& observation,
+                             Candidate& candidate) const {
+  candidate.innovation = observation.value - prepared.expected.value;
+  if (model_.difference) {
+    candidate.innovation = model_.difference(observation.value, prepared.expected.value);
+  }
+  const double variances = (prepared.covariance.diagonal() + observation.noise.diagonal()).sum();
+  return candidate.innovation.squaredNorm() < phd::kFar2 * variances;
+}
+
 /// P_D w q of [Siew 2018, eq. 27, 28]; false if it is nothing.
 template <int N, int M>
-bool PhdFilter<N, M>::likelihood(const Component& prior, const Prepared& prepared,
-                                 const Observation<M>& observation, Candidate& candidate) const {
-  const double weight = model_.detection_where_seen.value_or(prepared.detection) * prior.weight;
-  if (!(weight > 0.0)) return false;
+bool PhdFilter<N, M>::likelihood(const Prepared& prepared, const Observation<M>& observation,
+                                 Candidate& candidate) const {
+  if (!(prepared.detected_weight > 0.0)) return false;
   const Eigen::Matrix<double, M, M> S = prepared.covariance + observation.noise;
-  candidate.innovation = model_.difference
-                             ? model_.difference(observation.value, prepared.expected.value)
-                             : (observation.value - prepared.expected.value).eval();
-  if (!(candidate.innovation.squaredNorm() < phd::kFar2 * S.trace())) return false;
   const double determinant = S.determinant();
   if (!(determinant > 0.0)) return false;
   candidate.inverse_covariance = S.inverse();
@@ -167,7 +178,7 @@ bool PhdFilter<N, M>::likelihood(const Component& prior, const Prepared& prepare
       candidate.innovation.dot(candidate.inverse_covariance * candidate.innovation);
   static const double kNorm = std::pow(2.0 * kPi, M / 2.0);
   const double scale = kNorm * std::sqrt(determinant);
-  candidate.weight = weight * std::exp(-0.5 * distance2) / scale;
+  candidate.weight = prepared.detected_weight * std::exp(-0.5 * distance2) / scale;
   return candidate.weight > 0.0;
 }
 
@@ -178,110 +189,19 @@ PhdComponent<N> PhdFilter<N, M>::corrected(const Prepared& prepared,
                                            const Observation<M>& observation,
                                            const Candidate& candidate) const {
   Component result = components_[candidate.prior];
-  const Eigen::Matrix<double, M, N>& H = prepared.expected.jacobian;
-  const Eigen::Matrix<double, N, M> PH = result.covariance * H.transpose();
-  const Eigen::Matrix<double, N, M> K = PH * candidate.inverse_covariance;
+  const Eigen::Matrix<double, N, M> K = prepared.cross * candidate.inverse_covariance;
   result.weight = candidate.weight;
   result.mean += K * candidate.innovation;
-  result.covariance -= K * PH.transpose();  // (I - K H) P
-  const Eigen::Matrix<double, N, M> rest = result.covariance * H.transpose();
+  result.covariance -= K * prepared.cross.transpose();  // (I - K H) P
+  const Eigen::Matrix<double, N, M> rest = prepared.expected.crossOf(result.covariance);
   result.covariance += (K * observation.noise - rest) * K.transpose();
   return result;
 }
 
 template <int N, int M>
-void PhdFilter<N, M>::append(const Component& component, int observation) {
+void PhdFilter<N, M>::append(const Component& component, std::size_t prior, int observation) {
   updated_.push_back(component);
-  observation_of_.push_back(observation);
-}
-
-/// A label is one target, which is either detected or missed: what it was detected with leaves no
-/// weight for its missed part, and all its weights together are at most 1. Otherwise the weight of
-/// a target that is seen again and again with a low P_D would grow in its missed part.
-template <int N, int M>
-void PhdFilter<N, M>::limitLabels() {
-  std::vector<TargetLabel> labels;
-  for (const Component& component : components_) labels.push_back(component.label);
-  std::sort(labels.begin(), labels.end());
-  std::vector<std::size_t> place(updated_.size());
-  std::vector<LabelWeight> weights(labels.size());
-  for (std::size_t i = 0; i < updated_.size(); ++i) {
-    const auto found = std::lower_bound(labels.begin(), labels.end(), updated_[i].label);
-    place[i] = static_cast<std::size_t>(found - labels.begin());
-    LabelWeight& label = weights[place[i]];
-    (observation_of_[i] < 0 ? label.missed : label.detected) += updated_[i].weight;
-  }
-  for (std::size_t i = 0; i < updated_.size(); ++i) {
-    const LabelWeight& label = weights[place[i]];
-    const double left = std::max(0.0, 1.0 - label.detected);
-    const double missed_scale = label.missed > left ? left / label.missed : 1.0;
-    updated_[i].weight *=
-        observation_of_[i] < 0 ? missed_scale : 1.0 / std::max(1.0, label.detected);
-  }
-}
-
-/// The heaviest pair of label and observation is a target, then the heaviest of the others, ... The
-/// label gets the whole weight of the observation: it is one target, though others may explain it.
-template <int N, int M>
-void PhdFilter<N, M>::findTargets() {
-  targets_.clear();
-  std::vector<bool> used(explained_.size(), false);
-  std::vector<TargetLabel> found;
-  for (const Share& share : sortedShares()) {
-    if (std::find(found.begin(), found.end(), share.label) != found.end()) continue;
-    double weight = share.weight;
-    if (share.observation >= 0) {
-      const auto observation = static_cast<std::size_t>(share.observation);
-      if (used[observation]) continue;
-      weight = explained_[observation];
-      if (weight >= phd::kTargetWeight) used[observation] = true;
-    }
-    if (weight < phd::kTargetWeight) continue;
-    found.push_back(share.label);
-    targets_.push_back(targetOf(share, weight));
-  }
-}
-
-template <int N, int M>
-std::vector<typename PhdFilter<N, M>::Share> PhdFilter<N, M>::sortedShares() {
-  order_.clear();
-  for (std::size_t i = 0; i < updated_.size(); ++i) {
-    order_.push_back({observation_of_[i], updated_[i].label, i});
-  }
-  std::sort(order_.begin(), order_.end());
-  std::vector<Share> shares;
-  for (std::size_t k = 0; k < order_.size(); ++k) {
-    const auto [observation, label, i] = order_[k];
-    if (shares.empty() || shares.back().label != label ||
-        shares.back().observation != observation) {
-      shares.push_back({label, observation, 0.0, k, k});
-    }
-    shares.back().weight += updated_[i].weight;
-    ++shares.back().end;
-  }
-  std::stable_sort(shares.begin(), shares.end(),
-                   [](const Share& a, const Share& b) { return a.weight > b.weight; });
-  return shares;
-}
-
-template <int N, int M>
-LabeledTarget<N> PhdFilter<N, M>::targetOf(const Share& share, double weight) const {
-  std::vector<const Component*> parts;
-  for (std::size_t k = share.first; k < share.end; ++k) {
-    parts.push_back(&updated_[std::get<2>(order_[k])]);
-  }
-  LabeledTarget<N> target;
-  target.label = share.label;
-  target.weight = weight;
-  target.observation = share.observation;
-  const Component merged = mergedOf(parts);
-  target.mean = merged.mean;
-  target.covariance = merged.covariance;
-  target.modes.assign(model_.motions.size(), 0.0);
-  for (const Component* part : parts) {
-    target.modes[static_cast<std::size_t>(part->mode)] += part->weight / share.weight;
-  }
-  return target;
+  origins_.push_back({label_of_[prior], observation});
 }
 
 template <int N, int M>
@@ -295,23 +215,6 @@ template <int N, int M>
 bool PhdFilter<N, M>::mayMerge(const Component& heavy, const Component& other) const {
   if (!limits_.keep_identities || heavy.label == other.label) return true;
   return !(wasReported(heavy.label) && wasReported(other.label));
-}
-
-template <int N, int M>
-bool PhdFilter<N, M>::wasReported(TargetLabel label) const {
-  return std::binary_search(reported_.begin(), reported_.end(), label);
-}
-
-template <int N, int M>
-void PhdFilter<N, M>::noteReported() {
-  std::vector<TargetLabel> alive;
-  for (const Component& component : components_) {
-    if (wasReported(component.label)) alive.push_back(component.label);
-  }
-  for (const LabeledTarget<N>& target : targets_) alive.push_back(target.label);
-  std::sort(alive.begin(), alive.end());
-  alive.erase(std::unique(alive.begin(), alive.end()), alive.end());
-  reported_ = std::move(alive);
 }
 
 template <int N, int M>
