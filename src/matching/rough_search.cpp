@@ -2,6 +2,7 @@
 #include "rough_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <tuple>
@@ -155,14 +156,28 @@ class Search {
 
   void rank(const RoughPart& part, int k) {
     grid_.sum(part, sums_);
-    // Most parts have no pose that can be among the best.
-    std::uint16_t most = 0;
-    for (int i = 0; i < part.rows * kPart; ++i)
-      most = std::max(most, sums_[static_cast<std::size_t>(i)]);
-    if (most <= leastSum()) return;
+    // Most parts, and most squares of the others, have no pose that can be among the best.
+    const MostOfColumns of_part = mostOfColumns(0, part.rows);
+    if (*std::max_element(of_part.begin(), of_part.end()) <= leastSum()) return;
     for (int y = 0; y < part.rows; y += bin_) {
-      for (int x = 0; x < part.columns; x += bin_) rankBin(part, k, x, y);
+      const MostOfColumns most = mostOfColumns(y, std::min(y + bin_, part.rows));
+      for (int x = 0; x < part.columns; x += bin_) {
+        const auto first = most.begin() + x;
+        const auto last = most.begin() + std::min(x + bin_, part.columns);
+        if (*std::max_element(first, last) > leastSum()) rankBin(part, k, x, y);
+      }
     }
+  }
+
+  /// The largest sum of each column in the rows [first, last).
+  using MostOfColumns = std::array<std::int16_t, kPart>;
+  MostOfColumns mostOfColumns(int first, int last) const {
+    MostOfColumns most{};
+    const std::int16_t* sum = sums_.data() + first * kPart;
+    for (int row = first; row < last; ++row, sum += kPart) {
+      for (std::size_t i = 0; i < kPart; ++i) most[i] = std::max(most[i], sum[i]);
+    }
+    return most;
   }
 
   /// A pose with this sum, or a lower one, is not among the best.
@@ -177,7 +192,6 @@ class Search {
         if (sum > best) best = sum, best_x = part.dx + column, best_y = part.dy + row;
       }
     }
-    if (best <= leastSum()) return;
     const double penalty =
         window_.preferences.linear_preference * grid_.pixel() * std::hypot(best_x, best_y) +
         window_.preferences.angular_preference * std::abs(k) * grid_.angularStep();

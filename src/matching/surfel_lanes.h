@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <type_traits>
 
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/map/surfel_field.h"
@@ -20,18 +19,14 @@ using Lanes = Eigen::Array<float, 4, 1>;
 constexpr std::size_t kLanes = 4;
 
 /// The largest integers not above four values, as floorToInt.
-inline std::array<std::int32_t, kLanes> floorToInt(const Lanes& values) {
+inline FourInts floorToInt(const Lanes& values) {
   // Vector types of GCC and Clang: Eigen has no vector instructions for this without SSE 4.
   using Floats = float __attribute__((vector_size(16)));
-  using Integers = std::int32_t __attribute__((vector_size(16)));
   Floats floats;
   std::memcpy(&floats, values.data(), sizeof(floats));
-  const Integers truncated = __builtin_convertvector(floats, Integers);
+  const FourInts truncated = __builtin_convertvector(floats, FourInts);
   // A comparison is -1 where it is true.
-  const Integers floors = truncated + (floats < __builtin_convertvector(truncated, Floats));
-  std::array<std::int32_t, kLanes> result;
-  std::memcpy(result.data(), &floors, sizeof(floors));
-  return result;
+  return truncated + (floats < __builtin_convertvector(truncated, Floats));
 }
 
 /// Four points of a scan with their nearest surfels, for sums over a scan. A point without a surfel
@@ -80,37 +75,29 @@ inline void forEachLanes(const SurfelField& surface, const Points& points, const
   const auto x = static_cast<float>(map_T_base.x), y = static_cast<float>(map_T_base.y);
   const float cells_per_m = surface.cellsPerMeter();
   SurfelLanes lanes;
-  const auto gather = [&](std::size_t first, auto count) {
-    // Lanes past the end repeat the last point, but they have no surfel.
-    const auto x_of = [&](std::size_t i) {
-      return points[first + std::min<std::size_t>(i, count - 1)].x();
-    };
-    const auto y_of = [&](std::size_t i) {
-      return points[first + std::min<std::size_t>(i, count - 1)].y();
-    };
-    const Lanes sx(x_of(0), x_of(1), x_of(2), x_of(3)), sy(y_of(0), y_of(1), y_of(2), y_of(3));
+  std::array<Eigen::Vector2f, kLanes> last;
+  for (std::size_t first = 0; first < points.size(); first += kLanes) {
+    const std::size_t count = std::min(kLanes, points.size() - first);
+    const Eigen::Vector2f* four = points.data() + first;
+    if (count < kLanes) {
+      last.fill(four[count - 1]);
+      std::copy_n(four, count, last.begin());
+      four = last.data();
+    }
+    const Lanes sx(four[0].x(), four[1].x(), four[2].x(), four[3].x());
+    const Lanes sy(four[0].y(), four[1].y(), four[2].y(), four[3].y());
     lanes.rx = c * sx - s * sy;
     lanes.ry = s * sx + c * sy;
     lanes.px = x + lanes.rx;
     lanes.py = y + lanes.ry;
-    const auto columns = floorToInt(Lanes(lanes.px * cells_per_m));
-    const auto rows = floorToInt(Lanes(lanes.py * cells_per_m));
-    const auto nearest = [&](std::size_t i) {
-      return i < count ? surface.nearestOr(&kNoSurfel, Cell{columns[i], rows[i]}) : &kNoSurfel;
-    };
-    lanes.surfels = {nearest(0), nearest(1), nearest(2), nearest(3)};
+    lanes.surfels = surface.nearestOr(&kNoSurfel, floorToInt(Lanes(lanes.px * cells_per_m)),
+                                      floorToInt(Lanes(lanes.py * cells_per_m)));
+    // Lanes past the end repeat the last point, but they have no surfel.
+    for (std::size_t i = count; i < kLanes; ++i) lanes.surfels[i] = &kNoSurfel;
     Lanes wall_x, wall_y;
     readSurfels(lanes.surfels, wall_x, wall_y, lanes.a11, lanes.a12, lanes.a22);
     lanes.ex = lanes.px - wall_x;
     lanes.ey = lanes.py - wall_y;
-  };
-  for (std::size_t first = 0; first < points.size(); first += kLanes) {
-    const std::size_t count = std::min(kLanes, points.size() - first);
-    if (count == kLanes) {
-      gather(first, std::integral_constant<std::size_t, kLanes>());
-    } else {
-      gather(first, count);
-    }
     visit(lanes, count);
   }
 }

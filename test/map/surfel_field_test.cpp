@@ -94,6 +94,29 @@ TEST(SurfelField, NearestAgreesWithBruteForceAfterInsertionsAndRemovals) {
   }
 }
 
+TEST(SurfelField, FourCellsHaveTheSurfelsOfEach) {
+  std::mt19937_64 random(10);
+  Submap map{OccupancyGridConfig()};
+  insertRandomly(map, random, 10);
+  const SurfelField& field = map.surface();
+  const Surfel none{};
+  std::uniform_int_distribution<int> coordinate(-110, 110), far(-5000, 5000);
+  int without = 0, with = 0;
+  for (int i = 0; i < 5000; ++i) {
+    FourInts x, y;
+    for (int k = 0; k < 4; ++k) x[k] = coordinate(random), y[k] = coordinate(random);
+    if (i % 5 == 0) x[i % 4] = far(random);
+    const auto four = field.nearestOr(&none, x, y);
+    for (int k = 0; k < 4; ++k) {
+      const Surfel* one = field.nearestOr(&none, Cell{x[k], y[k]});
+      ASSERT_EQ(four[static_cast<std::size_t>(k)], one) << x[k] << " " << y[k];
+      ++(one == &none ? without : with);
+    }
+  }
+  EXPECT_GT(without, 1000);
+  EXPECT_GT(with, 1000);
+}
+
 TEST(SurfelField, MeanAndShapeAreThoseOfTheWall) {
   // A wall in the direction 0.3 rad, seen from 3 m with a beam every 2 cm.
   Submap map{OccupancyGridConfig()};

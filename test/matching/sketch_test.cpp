@@ -83,8 +83,8 @@ TEST(SurfelLanes, FourValuesAreRoundedDownLikeOne) {
                             -16777217.0F, 1e9F, -1e9F, most, -most}) {
     const Lanes values(value, -value, 1.5F, -1.5F);
     const auto rounded = floorToInt(values);
-    for (std::size_t i = 0; i < kLanes; ++i)
-      EXPECT_EQ(rounded[i], floorToInt(values[static_cast<Eigen::Index>(i)])) << value;
+    for (int i = 0; i < static_cast<int>(kLanes); ++i)
+      EXPECT_EQ(rounded[i], floorToInt(values[i])) << value;
   }
 }
 

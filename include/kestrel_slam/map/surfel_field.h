@@ -95,6 +95,25 @@ class SurfelField {
     return id == kNone ? none : &surfels_[id];
   }
 
+  /// The same for four cells: most of the work is done once for all of them.
+  std::array<const Surfel*, 4> nearestOr(const Surfel* none, const FourInts& x,
+                                         const FourInts& y) const {
+    FourInts slots;
+    if (!tiles_.findSlots(x, y, slots)) {
+      const auto nearest = [&](int i) { return nearestOr(none, Cell{x[i], y[i]}); };
+      return {nearest(0), nearest(1), nearest(2), nearest(3)};
+    }
+    const auto slot = arrayOf(slots), offset = arrayOf(offsetsInTile(x, y));
+    const Surfel* surfels = surfels_.data();
+    const auto nearest = [&](std::size_t i) {
+      const Tile* tile = tiles_.inSlot(static_cast<std::uint32_t>(slot[i]));
+      if (tile == nullptr) return none;
+      const std::uint32_t id = tile->nearest[static_cast<std::uint32_t>(offset[i])];
+      return id == kNone ? none : surfels + id;
+    };
+    return {nearest(0), nearest(1), nearest(2), nearest(3)};
+  }
+
   /// All surfels with their mean in `area` (map frame, m), in the order of the tiles.
   std::vector<Surfel> surfelsIn(const Eigen::AlignedBox2f& area) const;
 
@@ -169,6 +188,7 @@ class SurfelField {
   std::uint32_t create(const OccupancyGrid::Changes::Hit& hit);
   bool addMean(std::uint32_t id);
   void spread(std::uint32_t id);
+  void spreadIn(const Cell& corner, std::uint32_t id);
   void remove(const Cell& cell);
   void detach(std::uint32_t id);
   void attachToNearest(const Cell& cell);
