@@ -27,10 +27,19 @@ struct RayRun {
 
 /// Marks the first `count` cells of a run.
 inline void mark(const RayRun& run, int count, std::array<std::uint32_t, kTileSide>& rows) {
-  auto x = static_cast<std::uint64_t>(run.x), y = static_cast<std::uint64_t>(run.y);
-  for (int k = 0; k < count; ++k) {
-    rows[y >> 32 & (kTileSide - 1U)] |= 1U << (x >> 32 & (kTileSide - 1U));
-    x += static_cast<std::uint64_t>(run.step_x), y += static_cast<std::uint64_t>(run.step_y);
+  // The cell within the tile in the highest bits: what goes beyond the tile falls out.
+  constexpr int kUp = 32 - kTileShift, kDown = 64 - kTileShift;
+  auto x = static_cast<std::uint64_t>(run.x) << kUp, y = static_cast<std::uint64_t>(run.y) << kUp;
+  const auto step_x = static_cast<std::uint64_t>(run.step_x) << kUp;
+  const auto step_y = static_cast<std::uint64_t>(run.step_y) << kUp;
+  const auto mark_next = [&] {
+    rows[y >> kDown] |= 1U << (x >> kDown);
+    x += step_x, y += step_y;
+  };
+  if (count % 2 != 0) mark_next();
+  for (int k = count / 2; k > 0; --k) {
+    mark_next();
+    mark_next();
   }
 }
 

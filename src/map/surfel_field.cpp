@@ -43,6 +43,9 @@ Eigen::Vector2f normalOf(const Surfel& surfel) {
 
 }  // namespace
 
+const Surfel SurfelField::kZeros{
+    Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(), 0.0F, 0.0F, 0.0F, {}};
+
 SurfelField::SurfelField(float resolution_m, const SharedBudget& budget)
     : resolution_(resolution_m),
       inverse_resolution_(1.0F / resolution_m),
@@ -183,6 +186,7 @@ bool SurfelField::hasRoom() {
   const std::size_t capacity = std::max(kFirst, surfels_.capacity() + surfels_.capacity() / 2);
   if (!budget_->take((capacity - surfels_.capacity()) * sizeof(Surfel))) return false;
   surfels_.reserve(capacity);
+  if (surfels_.empty()) surfels_.push_back(zeros());
   return true;
 }
 
@@ -213,7 +217,7 @@ void SurfelField::spread(std::uint32_t id) {
 }
 
 /// Attaches to a surfel the cells of its disk that lie in the tile at `corner`.
-void SurfelField::spreadIn(const Cell& corner, std::uint32_t id) {
+void SurfelField::spreadIn(Cell corner, std::uint32_t id) {
   const Cell cell = surfels_[id].cell;
   const Eigen::Vector2f mean = meanInCell(surfels_[id]).array() - 0.5F;
   Tile* tile = nullptr;
@@ -228,7 +232,7 @@ void SurfelField::spreadIn(const Cell& corner, std::uint32_t id) {
       full_ = true;
       return;
     }
-    const std::size_t offset = offsetInTile({begin, y});
+    const int offset = (y - corner.y) * kTileSide + begin - corner.x;
     attachRow(id, static_cast<float>(begin - cell.x) - mean.x(),
               static_cast<float>(y - cell.y) - mean.y(), kDistanceSteps,
               {tile->distance2.data() + offset, tile->nearest.data() + offset, end - begin});

@@ -68,8 +68,6 @@ inline void readSurfels(const std::array<const Surfel*, kLanes>& surfels, Lanes&
 template <typename Points, typename Visit>
 inline void forEachLanes(const SurfelField& surface, const Points& points, const Pose2& map_T_base,
                          Visit visit) {
-  static const Surfel kNoSurfel{
-      Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(), 0.0F, 0.0F, 0.0F, {}};
   const auto c = static_cast<float>(std::cos(map_T_base.yaw));
   const auto s = static_cast<float>(std::sin(map_T_base.yaw));
   const auto x = static_cast<float>(map_T_base.x), y = static_cast<float>(map_T_base.y);
@@ -90,10 +88,10 @@ inline void forEachLanes(const SurfelField& surface, const Points& points, const
     lanes.ry = s * sx + c * sy;
     lanes.px = x + lanes.rx;
     lanes.py = y + lanes.ry;
-    lanes.surfels = surface.nearestOr(&kNoSurfel, floorToInt(Lanes(lanes.px * cells_per_m)),
-                                      floorToInt(Lanes(lanes.py * cells_per_m)));
+    lanes.surfels = surface.nearestOrZeros(floorToInt(Lanes(lanes.px * cells_per_m)),
+                                           floorToInt(Lanes(lanes.py * cells_per_m)));
     // Lanes past the end repeat the last point, but they have no surfel.
-    for (std::size_t i = count; i < kLanes; ++i) lanes.surfels[i] = &kNoSurfel;
+    for (std::size_t i = count; i < kLanes; ++i) lanes.surfels[i] = &SurfelField::zeros();
     Lanes wall_x, wall_y;
     readSurfels(lanes.surfels, wall_x, wall_y, lanes.a11, lanes.a12, lanes.a22);
     lanes.ex = lanes.px - wall_x;
