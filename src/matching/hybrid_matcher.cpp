@@ -11,6 +11,7 @@
 #include "kestrel_slam/matching/weak_motion.h"
 #include "rough_search.h"
 #include "sketch.h"
+#include "surfel_lanes.h"
 
 namespace kestrel {
 namespace {
@@ -269,9 +270,11 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
     const Points& points = last ? request.points : few;
     const Eigen::Vector3f pull =
         Eigen::Vector3f::Constant(kPriorWeight * static_cast<float>(points.size()));
-    result.descent = descend(
-        pose, last ? config_.gauss_newton : coarse, pull,
-        [&](const Pose2& at) { return linearizeDistance(map.surface(), points, at, scale); });
+    LastSurfels surfels(points.size());
+    result.descent =
+        descend(pose, last ? config_.gauss_newton : coarse, pull, [&](const Pose2& at) {
+          return linearizeDistance(map.surface(), points, at, scale, surfels);
+        });
     pose = result.descent.pose;
     iterations += result.descent.iterations;
     result.stages[stage] = pose;

@@ -8,9 +8,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <vector>
 
 #include "kestrel_slam/geometry/pose2.h"
 #include "kestrel_slam/map/surfel_field.h"
+#include "kestrel_slam/matching/gauss_newton.h"
 
 namespace kestrel {
 
@@ -63,11 +65,38 @@ inline void readSurfels(const std::array<const Surfel*, kLanes>& surfels, Lanes&
   a22 = Lanes(surfels[0]->a22, surfels[1]->a22, surfels[2]->a22, surfels[3]->a22);
 }
 
+/// The surfels of the points at the last pose of a descent. The last steps of a descent are so
+/// short that most points stay in their cells.
+class LastSurfels {
+ public:
+  explicit LastSurfels(std::size_t points) : fours_((points + kLanes - 1) / kLanes) {}
+
+  /// The surfels nearest to the cells of the four points from `first` on.
+  const std::array<const Surfel*, kLanes>& nearest(const SurfelField& surface, std::size_t first,
+                                                   const FourInts& x, const FourInts& y) {
+    Four& four = fours_[first / kLanes];
+    const FourInts moved = (four.x ^ x) | (four.y ^ y);
+    std::array<std::uint64_t, 2> halves;
+    std::memcpy(halves.data(), &moved, sizeof(moved));
+    if (four.surfels[0] == nullptr || (halves[0] | halves[1]) != 0U)
+      four = {x, y, surface.nearestOrZeros(x, y)};
+    return four.surfels;
+  }
+
+ private:
+  struct Four {
+    FourInts x{}, y{};
+    std::array<const Surfel*, kLanes> surfels{};
+  };
+  std::vector<Four> fours_;
+};
+
 /// Calls `visit(lanes, count)` for every four points of a scan at `map_T_base`. In the last call
-/// only the first `count` lanes are points.
-template <typename Points, typename Visit>
+/// only the first `count` lanes are points. `nearest(first, columns, rows)`: the surfels nearest to
+/// the cells of the points from `first` on.
+template <typename Points, typename Nearest, typename Visit>
 inline void forEachLanes(const SurfelField& surface, const Points& points, const Pose2& map_T_base,
-                         Visit visit) {
+                         Nearest nearest, Visit visit) {
   const auto c = static_cast<float>(std::cos(map_T_base.yaw));
   const auto s = static_cast<float>(std::sin(map_T_base.yaw));
   const auto x = static_cast<float>(map_T_base.x), y = static_cast<float>(map_T_base.y);
@@ -88,8 +117,9 @@ inline void forEachLanes(const SurfelField& surface, const Points& points, const
     lanes.ry = s * sx + c * sy;
     lanes.px = x + lanes.rx;
     lanes.py = y + lanes.ry;
-    lanes.surfels = surface.nearestOrZeros(floorToInt(Lanes(lanes.px * cells_per_m)),
-                                           floorToInt(Lanes(lanes.py * cells_per_m)));
+    const FourInts columns = floorToInt(Lanes(lanes.px * cells_per_m));
+    const FourInts rows = floorToInt(Lanes(lanes.py * cells_per_m));
+    lanes.surfels = nearest(first, columns, rows);
     // Lanes past the end repeat the last point, but they have no surfel.
     for (std::size_t i = count; i < kLanes; ++i) lanes.surfels[i] = &SurfelField::zeros();
     Lanes wall_x, wall_y;
@@ -99,5 +129,20 @@ inline void forEachLanes(const SurfelField& surface, const Points& points, const
     visit(lanes, count);
   }
 }
+
+/// The same with the surfels of `surface`.
+template <typename Points, typename Visit>
+inline void forEachLanes(const SurfelField& surface, const Points& points, const Pose2& map_T_base,
+                         Visit visit) {
+  const auto nearest = [&](std::size_t /*first*/, const FourInts& columns, const FourInts& rows) {
+    return surface.nearestOrZeros(columns, rows);
+  };
+  forEachLanes(surface, points, map_T_base, nearest, visit);
+}
+
+/// See gauss_newton.h. With the surfels of the last pose of the descent.
+NormalEquations linearizeDistance(const SurfelField& surface, const Points& points,
+                                  const Pose2& map_T_base, float scale_m,
+                                  LastSurfels& last_surfels);
 
 }  // namespace kestrel

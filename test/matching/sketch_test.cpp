@@ -88,5 +88,22 @@ TEST(SurfelLanes, FourValuesAreRoundedDownLikeOne) {
   }
 }
 
+TEST(LastSurfels, ChangeNoSum) {
+  const Submap map = room::map();
+  Points points = hitsOf(room::scanFrom(Pose2(0.3, -0.2, 0.4)));
+  while (points.size() % kLanes != 1) points.pop_back();
+  LastSurfels surfels(points.size());
+  // Long steps, steps within a cell, one out of the map, and back.
+  for (const Pose2& pose :
+       {Pose2(), Pose2(0.3, -0.2, 0.4), Pose2(0.301, -0.2, 0.4), Pose2(0.301, -0.203, 0.4001),
+        Pose2(500.0, 0.0, 0.0), Pose2(0.3, -0.2, 0.4), Pose2(0.3, -0.2, 0.4)}) {
+    const NormalEquations plain = linearizeDistance(map.surface(), points, pose, 0.05F);
+    const NormalEquations same = linearizeDistance(map.surface(), points, pose, 0.05F, surfels);
+    EXPECT_EQ(plain.cost, same.cost);
+    EXPECT_EQ(plain.hessian, same.hessian);
+    EXPECT_EQ(plain.gradient, same.gradient);
+  }
+}
+
 }  // namespace
 }  // namespace kestrel
