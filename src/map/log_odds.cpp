@@ -69,7 +69,9 @@ const std::int8_t* percentTable() {
 void addMisses(std::uint32_t bits, std::int16_t miss, std::int16_t min, std::int16_t* values) {
   const std::array<Lanes, 256>& masks = laneMasks();
   for (; bits != 0U; bits >>= 8U, values += 8) {
-    const Lanes mask = masks[bits & 0xFFU];
+    const std::uint32_t byte = bits & 0xFFU;
+    if (byte == 0U) continue;
+    const Lanes mask = masks[byte];
     Lanes sums;
     for (std::size_t lane = 0; lane < 8; ++lane) {
       const auto value = static_cast<std::int16_t>(values[lane] + (mask[lane] & miss));

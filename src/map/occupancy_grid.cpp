@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "log_odds.h"
+#include "ray_run.h"
 
 namespace kestrel {
 namespace {
@@ -18,27 +19,11 @@ constexpr double kBytesPerMegabyte = 1e6;
 /// instead of 2, a tilting laser maps new objects too slowly.
 constexpr std::int16_t kEstablishedFree = -1500;
 constexpr int kPasserByShare = 2;
-/// Cells beyond this are the result of wrong poses: 26 000 km at 5 cm.
-constexpr float kMaxCellCoordinate = 5e8F;
-
 /// The bit of a cell in its row, and the row of a cell in its tile.
 std::uint32_t bitOf(const Cell& cell) {
   return 1U << (static_cast<unsigned>(cell.x) & (kTileSide - 1U));
 }
 std::size_t rowOf(const Cell& cell) { return static_cast<unsigned>(cell.y) & (kTileSide - 1U); }
-
-/// Number of points x, x + step, … in the tile of the first one. 32.32 fixed point, in cells.
-std::int64_t stepsInTile(std::int64_t x, std::int64_t step) {
-  constexpr std::int64_t kSide = std::int64_t{kTileSide} << 32;
-  const std::int64_t inside = x & (kSide - 1);
-  if (step > 0) return (kSide - 1 - inside) / step + 1;
-  if (step < 0) return inside / -step + 1;
-  return std::numeric_limits<int>::max();
-}
-int stepsInTile(std::int64_t x, std::int64_t y, std::int64_t step_x, std::int64_t step_y) {
-  return static_cast<int>(std::min<std::int64_t>(
-      std::min(stepsInTile(x, step_x), stepsInTile(y, step_y)), std::numeric_limits<int>::max()));
-}
 
 }  // namespace
 
@@ -65,11 +50,21 @@ void OccupancyGrid::clear() {
 
 const OccupancyGrid::Changes& OccupancyGrid::insert(const PlanarScan& scan, const Pose2& map_T_base,
                                                     bool new_view) {
+  return insert(scan, map_T_base, freeCells(scan, map_T_base), new_view);
+}
+
+FreeCells OccupancyGrid::freeCells(const PlanarScan& scan, const Pose2& map_T_base) const {
+  return FreeCells(scan, map_T_base, inverse_resolution_, tiles_.limitBytes());
+}
+
+const OccupancyGrid::Changes& OccupancyGrid::insert(const PlanarScan& scan, const Pose2& map_T_base,
+                                                    const FreeCells& free, bool new_view) {
   changes_.hits.clear();
   changes_.became_free.clear();
   changes_.full = false;
   markHits(scan, map_T_base);
-  markMisses(scan, map_T_base);
+  markMisses(free);
+  markMissesUpToWalls(scan, map_T_base);
   removeMissesOfKnownHits(scan, map_T_base);
   const auto hit_in_free = static_cast<std::int16_t>(new_view ? hit_ : hit_ / kPasserByShare);
   for (Tile* tile : touched_) apply(*tile, hit_in_free);
@@ -108,18 +103,27 @@ void OccupancyGrid::markHits(const PlanarScan& scan, const Pose2& map_T_base) {
   }
 }
 
-void OccupancyGrid::markMisses(const PlanarScan& scan, const Pose2& map_T_base) {
-  const float c = static_cast<float>(std::cos(map_T_base.yaw));
-  const float s = static_cast<float>(std::sin(map_T_base.yaw));
-  const Eigen::Vector2f t = map_T_base.translation().cast<float>();
-  const auto toMap = [&](const Eigen::Vector2f& p) {
-    return Eigen::Vector2f(t.x() + c * p.x() - s * p.y(), t.y() + s * p.x() + c * p.y());
-  };
+void OccupancyGrid::markMisses(const FreeCells& free) {
+  changes_.full |= free.isFull();
+  for (const FreeCells::Tile* cells : free.tiles()) {
+    Tile* tile = touch(cells->corner);
+    if (tile == nullptr) continue;
+    for (std::size_t row = 0; row < kTileSide; ++row) tile->missed[row] |= cells->rows[row];
+  }
+}
+
+/// Marks the cells that beams without a return pass, as missed or as presumably free.
+void OccupancyGrid::markMissesUpToWalls(const PlanarScan& scan, const Pose2& map_T_base) {
+  const BeamsInCells in_cells(map_T_base, inverse_resolution_);
   for (const PlanarRay& ray : scan.rays) {
-    const Passing passing = ray.presumed    ? Passing::kPresumedUpToWall
-                            : ray.no_return ? Passing::kFreeUpToWall
-                                            : Passing::kFree;
-    traceRay(toMap(ray.origin), toMap(ray.end), passing);
+    if (!ray.no_return && !ray.presumed) continue;
+    forEachRun(in_cells(ray.origin), in_cells(ray.end), [&](const RayRun& run) {
+      Tile* tile = touch(run.cell());
+      if (tile == nullptr) return true;
+      const int free = stepsToWall(*tile, run);
+      mark(run, free, ray.presumed ? tile->presumed : tile->missed);
+      return free == run.count;
+    });
   }
 }
 
@@ -132,58 +136,16 @@ void OccupancyGrid::removeMissesOfKnownHits(const PlanarScan& scan, const Pose2&
   }
 }
 
-/// Marks the cells between the points as missed or as presumably free.
-void OccupancyGrid::traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2f& end,
-                             Passing passing) {
-  const Eigen::Vector2f from = origin * inverse_resolution_, to = end * inverse_resolution_;
-  if (!(from.cwiseAbs().maxCoeff() < kMaxCellCoordinate) ||
-      !(to.cwiseAbs().maxCoeff() < kMaxCellCoordinate)) {
-    return;
-  }
-  // One cell per step along the longer axis, in 32.32 fixed point. The last cell is not cleared.
-  constexpr double kOne = 4294967296.0;
-  const Eigen::Vector2d difference = (to - from).cast<double>();
-  const int steps = static_cast<int>(difference.cwiseAbs().maxCoeff());
-  if (steps == 0) return;
-  const double scale = kOne / difference.cwiseAbs().maxCoeff();
-  const auto step_x = static_cast<std::int64_t>(difference.x() * scale);
-  const auto step_y = static_cast<std::int64_t>(difference.y() * scale);
-  auto x = static_cast<std::int64_t>(static_cast<double>(from.x()) * kOne);
-  auto y = static_cast<std::int64_t>(static_cast<double>(from.y()) * kOne);
-  for (int i = 0; i < steps;) {
-    const Cell cell{static_cast<int>(x >> 32), static_cast<int>(y >> 32)};
-    const int run = std::min(steps - i, stepsInTile(x, y, step_x, step_y));
-    if (Tile* tile = touch(cell)) {
-      const int free =
-          passing == Passing::kFree ? run : stepsToWall(*tile, x, y, step_x, step_y, run);
-      mark(passing == Passing::kPresumedUpToWall ? tile->presumed : tile->missed, x, y, step_x,
-           step_y, free);
-      if (free < run) return;
-    }
-    x += run * step_x, y += run * step_y;
-    i += run;
-  }
-}
-
-/// Marks `count` cells from (x, y) on, all in one tile.
-void OccupancyGrid::mark(std::array<Row, kTileSide>& rows, std::int64_t x, std::int64_t y,
-                         std::int64_t step_x, std::int64_t step_y, int count) {
-  for (int k = 0; k < count; ++k, x += step_x, y += step_y) {
-    rows[static_cast<std::uint64_t>(y) >> 32 & (kTileSide - 1U)] |=
-        1U << (static_cast<std::uint64_t>(x) >> 32 & (kTileSide - 1U));
-  }
-}
-
-/// Number of steps, at most `count`, before the first cell that is occupied or hit by this scan, or
-/// that lies between two such cells, which touch at a corner. All steps are in the tile.
-int OccupancyGrid::stepsToWall(const Tile& tile, std::int64_t x, std::int64_t y,
-                               std::int64_t step_x, std::int64_t step_y, int count) {
+/// Number of steps of a run before the first cell that is occupied or hit by this scan, or that
+/// lies between two such cells, which touch at a corner.
+int OccupancyGrid::stepsToWall(const Tile& tile, const RayRun& run) {
   const auto walls = [&tile](std::size_t row) { return tile.occupied[row] | tile.hit[row]; };
   // Most tiles on the way of a ray without a return have no wall.
   Row any = 0;
   for (std::size_t row = 0; row < kTileSide; ++row) any |= walls(row);
-  if (any == 0U) return count;
-  for (int k = 0; k < count; ++k, x += step_x, y += step_y) {
+  if (any == 0U) return run.count;
+  std::int64_t x = run.x, y = run.y;
+  for (int k = 0; k < run.count; ++k, x += run.step_x, y += run.step_y) {
     const std::size_t row = static_cast<std::uint64_t>(y) >> 32 & (kTileSide - 1U);
     const Row bit = 1U << (static_cast<std::uint64_t>(x) >> 32 & (kTileSide - 1U));
     const Row here = walls(row);
@@ -192,7 +154,7 @@ int OccupancyGrid::stepsToWall(const Tile& tile, std::int64_t x, std::int64_t y,
     const bool is_between = (here & (bit << 1U | bit >> 1U)) != 0U && ((above | below) & bit) != 0U;
     if ((here & bit) != 0U || is_between) return k;
   }
-  return count;
+  return run.count;
 }
 
 void OccupancyGrid::apply(Tile& tile, std::int16_t hit_in_free) {

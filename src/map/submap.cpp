@@ -31,6 +31,17 @@ bool Submap::insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_vi
   const OccupancyGrid::Changes& changes =
       options_.stitching ? grid_.insert(stitched(scan, map_T_base), map_T_base, new_view)
                          : grid_.insert(scan, map_T_base, new_view);
+  return update(changes, scan, map_T_base, number);
+}
+
+bool Submap::insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view,
+                    std::uint32_t number, const FreeCells& free) {
+  return update(grid_.insert(scan, map_T_base, free, new_view), scan, map_T_base, number);
+}
+
+/// After an insertion into the grid.
+bool Submap::update(const OccupancyGrid::Changes& changes, const PlanarScan& scan,
+                    const Pose2& map_T_base, std::uint32_t number) {
   const bool surface_complete = surface_.update(grid_, changes, number);
   keep(scan, map_T_base);
   ++scans_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nearest_row.h"
 #include "wall_tangent.h"
 
 namespace kestrel {
@@ -22,18 +23,10 @@ constexpr int kMinShapeCells = 3;
 /// would flatten round objects.
 constexpr float kAlignReach = 1.0F;
 constexpr float kMinElongation = 2.0F;
-/// Half the width of row `dy` of the disk with radius kReachCells, in cells.
+constexpr auto kDiskHalfWidths = halfWidthsOfDisk<SurfelField::kReachCells>();
+
 int diskHalfWidth(int dy) {
-  static const std::array<int, 2 * SurfelField::kReachCells + 1> widths = [] {
-    std::array<int, 2 * SurfelField::kReachCells + 1> table{};
-    constexpr int kReach = SurfelField::kReachCells;
-    for (int row = -kReach; row <= kReach; ++row) {
-      table[static_cast<std::size_t>(row + kReach)] =
-          static_cast<int>(std::sqrt(static_cast<double>(kReach * kReach - row * row)));
-    }
-    return table;
-  }();
-  return widths[static_cast<std::size_t>(dy + SurfelField::kReachCells)];
+  return kDiskHalfWidths[static_cast<std::size_t>(dy + SurfelField::kReachCells)];
 }
 
 void setLine(Surfel& surfel, const Eigen::Vector2f& t2) {
@@ -49,6 +42,9 @@ Eigen::Vector2f normalOf(const Surfel& surfel) {
 }
 
 }  // namespace
+
+const Surfel SurfelField::kZeros{
+    Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(), 0.0F, 0.0F, 0.0F, {}};
 
 SurfelField::SurfelField(float resolution_m, const SharedBudget& budget)
     : resolution_(resolution_m),
@@ -190,6 +186,7 @@ bool SurfelField::hasRoom() {
   const std::size_t capacity = std::max(kFirst, surfels_.capacity() + surfels_.capacity() / 2);
   if (!budget_->take((capacity - surfels_.capacity()) * sizeof(Surfel))) return false;
   surfels_.reserve(capacity);
+  if (surfels_.empty()) surfels_.push_back(zeros());
   return true;
 }
 
@@ -211,31 +208,34 @@ bool SurfelField::addMean(std::uint32_t id) {
 }
 
 void SurfelField::spread(std::uint32_t id) {
+  const Cell& cell = surfels_[id].cell;
+  constexpr int kCorner = ~(kTileSide - 1);
+  for (int y = (cell.y - kReachCells) & kCorner; y <= cell.y + kReachCells; y += kTileSide) {
+    for (int x = (cell.x - kReachCells) & kCorner; x <= cell.x + kReachCells; x += kTileSide)
+      spreadIn({x, y}, id);
+  }
+}
+
+/// Attaches to a surfel the cells of its disk that lie in the tile at `corner`.
+void SurfelField::spreadIn(Cell corner, std::uint32_t id) {
   const Cell cell = surfels_[id].cell;
   const Eigen::Vector2f mean = meanInCell(surfels_[id]).array() - 0.5F;
-  for (int dy = -kReachCells; dy <= kReachCells; ++dy) {
-    const int y = cell.y + dy, half = diskHalfWidth(dy);
-    const float ey = static_cast<float>(dy) - mean.y();
-    for (int x = cell.x - half; x <= cell.x + half;) {
-      // End of the part in this tile.
-      const int end = std::min(cell.x + half, x | (kTileSide - 1)) + 1;
-      Tile* tile = tiles_.obtain({x, y});
-      if (tile == nullptr) {
-        full_ = true;
-      } else {
-        const std::size_t offset = offsetInTile({x, y});
-        std::uint16_t* distance2 = tile->distance2.data() + offset;
-        std::uint32_t* nearest = tile->nearest.data() + offset;
-        float ex = static_cast<float>(x - cell.x) - mean.x();
-        for (int i = 0; i < end - x; ++i, ex += 1.0F) {
-          const int d2 = static_cast<int>((ex * ex + ey * ey) * kDistanceSteps) + 1;
-          if (d2 >= distance2[i]) continue;
-          distance2[i] = static_cast<std::uint16_t>(d2);
-          nearest[i] = id;
-        }
-      }
-      x = end;
+  Tile* tile = nullptr;
+  const int last = std::min(cell.y + kReachCells, corner.y + kTileSide - 1);
+  for (int y = std::max(cell.y - kReachCells, corner.y); y <= last; ++y) {
+    const int half = diskHalfWidth(y - cell.y);
+    const int begin = std::max(cell.x - half, corner.x);
+    const int end = std::min(cell.x + half + 1, corner.x + kTileSide);
+    if (begin >= end) continue;
+    if (tile == nullptr) tile = tiles_.obtain(corner);
+    if (tile == nullptr) {
+      full_ = true;
+      return;
     }
+    const int offset = (y - corner.y) * kTileSide + begin - corner.x;
+    attachRow(id, static_cast<float>(begin - cell.x) - mean.x(),
+              static_cast<float>(y - cell.y) - mean.y(), kDistanceSteps,
+              {tile->distance2.data() + offset, tile->nearest.data() + offset, end - begin});
   }
 }
 

@@ -24,8 +24,15 @@ void LocalMap::insert(const PlanarScan& scan, const Pose2& local_T_base, bool ne
   if (window_.enabled && !next_ && length_ >= window_.submap_scans - window_.overlap_scans)
     next_ = std::make_unique<Submap>(grid_, options_);
   const auto number = static_cast<std::uint32_t>(scans_++);
-  current_->insert(scan, local_T_base, new_view, number);
-  if (next_) next_->insert(scan, local_T_base, new_view, number);
+  if (next_ && !options_.stitching) {
+    // Both submaps have the local frame: the beams are traced once.
+    const FreeCells free = current_->grid().freeCells(scan, local_T_base);
+    current_->insert(scan, local_T_base, new_view, number, free);
+    next_->insert(scan, local_T_base, new_view, number, free);
+  } else {
+    current_->insert(scan, local_T_base, new_view, number);
+    if (next_) next_->insert(scan, local_T_base, new_view, number);
+  }
   length_ += weightOf(scan, local_T_base, degenerate);
   last_ = local_T_base;
   sources_.insert(scan.source);

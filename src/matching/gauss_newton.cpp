@@ -57,16 +57,15 @@ class LogSum {
   unsigned count_ = 0;
 };
 
-}  // namespace
-
-NormalEquations linearizeDistance(const SurfelField& surface, const Points& points,
-                                  const Pose2& map_T_base, float scale_m) {
+template <typename Nearest>
+NormalEquations linearized(const SurfelField& surface, const Points& points,
+                           const Pose2& map_T_base, float scale_m, Nearest nearest) {
   const float inverse_scale2 = 1.0F / (scale_m * scale_m);
   const float reach = SurfelField::kReachCells * surface.resolution();
   Sums sums;
   LogSum log_sum;
   Lanes near = Lanes::Zero();
-  forEachLanes(surface, points, map_T_base, [&](const SurfelLanes& p, std::size_t /*count*/) {
+  const auto add = [&](const SurfelLanes& p, std::size_t /*count*/) {
     const Lanes ux = p.a11 * p.ex + p.a12 * p.ey;
     const Lanes uy = p.a12 * p.ex + p.a22 * p.ey;
     // Cauchy: cost scale²/2 log(1 + d²/scale²).
@@ -74,10 +73,30 @@ NormalEquations linearizeDistance(const SurfelField& surface, const Points& poin
     log_sum.add(ratio);
     sums.add(p, ratio.inverse(), ux, uy);
     near += p.hasSurfel();
-  });
+  };
+  forEachLanes(surface, points, map_T_base, nearest, add);
   const float far = static_cast<float>(points.size()) - near.sum();
   const float far_cost = std::log(1.0F + reach * reach * inverse_scale2);
   return sums.equations(0.5F * scale_m * scale_m * (log_sum.sum() + far * far_cost));
+}
+
+}  // namespace
+
+NormalEquations linearizeDistance(const SurfelField& surface, const Points& points,
+                                  const Pose2& map_T_base, float scale_m) {
+  return linearized(surface, points, map_T_base, scale_m,
+                    [&](std::size_t /*first*/, const FourInts& columns, const FourInts& rows) {
+                      return surface.nearestOrZeros(columns, rows);
+                    });
+}
+
+NormalEquations linearizeDistance(const SurfelField& surface, const Points& points,
+                                  const Pose2& map_T_base, float scale_m,
+                                  LastSurfels& last_surfels) {
+  return linearized(surface, points, map_T_base, scale_m,
+                    [&](std::size_t first, const FourInts& columns, const FourInts& rows) {
+                      return last_surfels.nearest(surface, first, columns, rows);
+                    });
 }
 
 NormalEquations linearizeOccupancy(const OccupancyGrid& grid, int level, const Points& points,

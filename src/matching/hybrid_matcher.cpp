@@ -11,6 +11,7 @@
 #include "kestrel_slam/matching/weak_motion.h"
 #include "rough_search.h"
 #include "sketch.h"
+#include "surfel_lanes.h"
 
 namespace kestrel {
 namespace {
@@ -99,19 +100,47 @@ Eigen::Matrix3d covarianceOf(const Submap& map, const Points& points, const Opti
 
 }  // namespace
 
+/// The local optima for a request. Guesses are often the same pose: those of a vehicle that does
+/// not move, and the hypotheses of two windows.
+class HybridMatcher::Optima {
+ public:
+  Optima(const HybridMatcher& matcher, const Submap& map, const MatchRequest& request)
+      : matcher_(matcher), map_(map), request_(request) {}
+
+  /// See refine.
+  Candidate from(const Pose2& guess, std::size_t first_stage = 0) {
+    for (const Entry& entry : known_) {
+      if (entry.first_stage == first_stage && isSamePose(entry.guess, guess)) return entry.optimum;
+    }
+    known_.push_back({guess, first_stage, matcher_.refine(map_, request_, guess, first_stage)});
+    return known_.back().optimum;
+  }
+
+ private:
+  struct Entry {
+    Pose2 guess;
+    std::size_t first_stage;
+    Candidate optimum;
+  };
+  const HybridMatcher& matcher_;
+  const Submap& map_;
+  const MatchRequest& request_;
+  std::vector<Entry> known_;
+};
+
 MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request) const {
   MatchResult result;
+  Optima optima(*this, map, request);
   // If the initial guess is accurate, the coarse stages are skipped. They could only move the pose
   // to a place where objects that are not in the map seem to fit.
-  Candidate best =
-      refine(map, request, request.initial_guesses.front(), request.trusted ? kLastStage : 0);
+  Candidate best = optima.from(request.initial_guesses.front(), request.trusted ? kLastStage : 0);
   result.iterations = best.descent.iterations;
   const std::size_t first = request.trusted ? 0 : 1;
   const auto is_doubtful = [&] { return best.jumped && !request.trusted; };
   for (std::size_t i = first;
        i < request.initial_guesses.size() && (is_doubtful() || best.fit.score < config_.good_score);
        ++i) {
-    Candidate other = refine(map, request, request.initial_guesses[i]);
+    Candidate other = optima.from(request.initial_guesses[i]);
     ++result.fallbacks;
     result.iterations += other.descent.iterations;
     const double margin = request.trusted ? jumpMargin(config_, request, other.descent.pose) : 0.0;
@@ -120,25 +149,25 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
   const Pose2& first_guess = request.initial_guesses.front();
   if (is_doubtful()) {
     // The yaw is found more reliably than the position, and the position changes less in a turn.
-    const Candidate other =
-        refine(map, request, Pose2(first_guess.x, first_guess.y, best.descent.pose.yaw));
+    const Candidate other = optima.from(Pose2(first_guess.x, first_guess.y, best.descent.pose.yaw));
     result.iterations += other.descent.iterations;
     if (other.penalized_score > best.penalized_score) best = other;
   }
   const bool jumps = isJump(request, best.descent.pose);
   if ((best.fit.score < config_.search_score || jumps) && !request.trusted) {
     // An object that covers part of the view may mislead the coarse stages.
-    const Candidate near = refine(map, request, first_guess, kLastStage);
+    const Candidate near = optima.from(first_guess, kLastStage);
     result.iterations += near.descent.iterations;
     const double margin = jumps ? jumpMargin(config_, request, best.descent.pose) : 0.0;
     if (near.penalized_score + margin > best.penalized_score) best = near;
   }
   const bool fits =
       best.fit.score >= config_.search_score || (!request.lost && isWellConstrained(best.fit));
-  if (!fits || is_doubtful() || request.prior || request.wide) search(map, request, result, best);
+  if (!fits || is_doubtful() || request.prior || request.wide)
+    search(map, request, optima, result, best);
   if (request.lost) {
     // The last descent began far away and may have ended before it converged.
-    const Candidate closer = refine(map, request, best.descent.pose, kLastStage);
+    const Candidate closer = optima.from(best.descent.pose, kLastStage);
     result.iterations += closer.descent.iterations;
     if (closer.penalized_score > best.penalized_score) best = closer;
   }
@@ -167,8 +196,8 @@ MatchResult HybridMatcher::refined(const Submap& map, const Points& points,
   return result;
 }
 
-void HybridMatcher::search(const Submap& map, const MatchRequest& request, MatchResult& result,
-                           Candidate& best) const {
+void HybridMatcher::search(const Submap& map, const MatchRequest& request, Optima& optima,
+                           MatchResult& result, Candidate& best) const {
   result.searched = true;
   WorkBudget budget(kSearchWork);
   std::vector<SearchWindow> windows = searchWindows(config_, request);
@@ -193,7 +222,7 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Match
     result.incomplete = !hypotheses.complete;
     std::optional<Candidate> found;
     for (const Pose2& pose : mostLikely(map, request, hypotheses.poses, budget)) {
-      const Candidate other = refine(map, request, pose);
+      const Candidate other = optima.from(pose);
       result.iterations += other.descent.iterations;
       if (!found || allPointsScore(other.fit, other.penalized_score) >
                         allPointsScore(found->fit, found->penalized_score))
@@ -247,9 +276,11 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
     const Points& points = last ? request.points : few;
     const Eigen::Vector3f pull =
         Eigen::Vector3f::Constant(kPriorWeight * static_cast<float>(points.size()));
-    result.descent = descend(
-        pose, last ? config_.gauss_newton : coarse, pull,
-        [&](const Pose2& at) { return linearizeDistance(map.surface(), points, at, scale); });
+    LastSurfels surfels(points.size());
+    result.descent =
+        descend(pose, last ? config_.gauss_newton : coarse, pull, [&](const Pose2& at) {
+          return linearizeDistance(map.surface(), points, at, scale, surfels);
+        });
     pose = result.descent.pose;
     iterations += result.descent.iterations;
     result.stages[stage] = pose;

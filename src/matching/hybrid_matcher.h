@@ -33,7 +33,8 @@ class HybridMatcher : public Matcher {
                    std::size_t first_stage = 0) const;
   void fill(const Submap& map, const MatchRequest& request, const Candidate& best,
             MatchResult& result) const;
-  void search(const Submap& map, const MatchRequest& request, MatchResult& result,
+  class Optima;
+  void search(const Submap& map, const MatchRequest& request, Optima& optima, MatchResult& result,
               Candidate& best) const;
   std::vector<Pose2> mostLikely(const Submap& map, const MatchRequest& request,
                                 const std::vector<Pose2>& hypotheses, WorkBudget& budget) const;

@@ -20,9 +20,28 @@ constexpr double kLeastStep = 0.025, kMostStep = 0.07, kPixelM = 0.2;
 /// Number of points that are summed in bytes.
 constexpr std::size_t kRoughTogether = 4;
 static_assert(kRoughTogether * WallImage::kWall <= 0xFF, "the sum of four fits into a byte");
-static_assert(kRoughPoints * WallImage::kWall <= 0xFFFF, "the sum of all points fits");
+static_assert(kRoughPoints * WallImage::kWall <= 0x7FFF, "the sum of all points fits");
 /// Work of one rotated point, and of a row of windows for four points.
 constexpr std::int64_t kWorkPerRotation = 20, kWorkPerRoughRow = 16, kWorkPerPart = 1000;
+
+/// A row of pixels, for all poses of a row of a part. The rows are local variables: the compiler
+/// knows that they overlap with nothing, and uses vector instructions.
+constexpr int kSide = RoughPart::kSide;
+using PixelRow = std::array<std::uint8_t, kSide>;
+
+/// The sum of the rows of four points.
+inline PixelRow sumOfFour(const std::uint8_t* const* points, std::ptrdiff_t offset) {
+  const std::uint8_t *a = points[0] + offset, *b = points[1] + offset, *c = points[2] + offset,
+                     *d = points[3] + offset;
+  PixelRow result;
+  for (std::size_t i = 0; i < kSide; ++i)
+    result[i] = static_cast<std::uint8_t>(a[i] + b[i] + c[i] + d[i]);
+  return result;
+}
+
+inline void addRow(const PixelRow& a, const PixelRow& b, std::int16_t* sum) {
+  for (std::size_t i = 0; i < kSide; ++i) sum[i] = static_cast<std::int16_t>(sum[i] + a[i] + b[i]);
+}
 
 /// `kRoughPoints` points of the scan, evenly distributed over the beams.
 Points sampleOf(const Points& points) {
@@ -86,10 +105,13 @@ RoughGrid::RoughGrid(const SurfelField& surface, const Points& points, const Rou
     extendByArc(p, window.center.yaw, angular_steps_ * angular_step_, reached);
     const int layer = layerFor(0.5 * angular_step_ * r / pixel_m_);
     layers_ = std::max(layers_, layer + 1);
-    points_.push_back({p / static_cast<float>(pixel_m_), layer});
+    const Eigen::Vector2f place = p / static_cast<float>(pixel_m_);
+    x_.push_back(place.x());
+    y_.push_back(place.y());
+    layer_of_.push_back(layer);
   }
-  pixels_.resize(points_.size());
-  score_of_one_ = 1.0 / (WallImage::kWall * static_cast<double>(points_.size()));
+  pixels_.resize(layer_of_.size());
+  score_of_one_ = 1.0 / (WallImage::kWall * static_cast<double>(layer_of_.size()));
   // One more block of columns may be read beside the window.
   const double reach = (linear_steps_ + RoughPart::kSide + 2) * pixel_m_;
   const auto cell = [&](double x) { return static_cast<int>(std::floor(x / cell_m)); };
@@ -111,37 +133,36 @@ void RoughGrid::rotate(const WallImage& image, int k) {
   // Relative to the image, because floats are not accurate enough far from the origin.
   const auto x = static_cast<float>((window_.center.x - image.corner().x * cell_m) / pixel_m_);
   const auto y = static_cast<float>((window_.center.y - image.corner().y * cell_m) / pixel_m_);
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Eigen::Vector2f& p = points_[i].place;
-    const auto column = static_cast<int>(x + c * p.x() - s * p.y());
-    const auto row = static_cast<int>(y + s * p.x() + c * p.y());
+  // A loop of its own for the arithmetic, so that the compiler uses vector instructions.
+  std::array<std::int32_t, kRoughPoints> columns, rows;
+  for (std::size_t i = 0; i < layer_of_.size(); ++i) {
+    columns[i] = static_cast<std::int32_t>(x + c * x_[i] - s * y_[i]);
+    rows[i] = static_cast<std::int32_t>(y + s * x_[i] + c * y_[i]);
+  }
+  for (std::size_t i = 0; i < layer_of_.size(); ++i) {
     pixels_[i] =
-        image.layer(points_[i].layer) + static_cast<std::ptrdiff_t>(row) * stride_ + column;
+        image.layer(layer_of_[i]) + static_cast<std::ptrdiff_t>(rows[i]) * stride_ + columns[i];
   }
 }
 
 void RoughGrid::sum(const RoughPart& part, Sums& sums) const {
-  constexpr int kSide = RoughPart::kSide;
-  std::fill_n(sums.begin(), part.rows * kSide, std::uint16_t{0});
+  std::fill_n(sums.begin(), part.rows * kSide, std::int16_t{0});
   const std::ptrdiff_t offset = static_cast<std::ptrdiff_t>(part.dy) * stride_ + part.dx;
   std::size_t n = 0;
-  for (; n + kRoughTogether <= pixels_.size(); n += kRoughTogether) {
-    const std::uint8_t *a = pixels_[n] + offset, *b = pixels_[n + 1] + offset,
-                       *c = pixels_[n + 2] + offset, *d = pixels_[n + 3] + offset;
-    std::uint16_t* sum = sums.data();
-    for (int row = 0; row < part.rows; ++row, sum += kSide) {
-      for (int i = 0; i < kSide; ++i) {
-        const auto four = static_cast<std::uint8_t>(a[i] + b[i] + c[i] + d[i]);
-        sum[i] = static_cast<std::uint16_t>(sum[i] + four);
-      }
-      a += stride_, b += stride_, c += stride_, d += stride_;
-    }
+  // Each row of sums is read and written once for eight points.
+  for (; n + 2 * kRoughTogether <= pixels_.size(); n += 2 * kRoughTogether) {
+    std::ptrdiff_t at = offset;
+    std::int16_t* sum = sums.data();
+    for (int row = 0; row < part.rows; ++row, at += stride_, sum += kSide)
+      addRow(sumOfFour(&pixels_[n], at), sumOfFour(&pixels_[n + kRoughTogether], at), sum);
   }
   for (; n < pixels_.size(); ++n) {
     const std::uint8_t* a = pixels_[n] + offset;
-    std::uint16_t* sum = sums.data();
+    std::int16_t* sum = sums.data();
     for (int row = 0; row < part.rows; ++row, a += stride_, sum += kSide) {
-      for (int i = 0; i < kSide; ++i) sum[i] = static_cast<std::uint16_t>(sum[i] + a[i]);
+      PixelRow pixels;
+      std::copy_n(a, kSide, pixels.begin());
+      addRow(pixels, PixelRow{}, sum);
     }
   }
 }
@@ -157,12 +178,12 @@ bool RoughGrid::isIn(const WallImage* image) const {
 }
 
 std::int64_t RoughGrid::rotationWork() const {
-  return kWorkPerRotation * static_cast<std::int64_t>(points_.size());
+  return kWorkPerRotation * static_cast<std::int64_t>(layer_of_.size());
 }
 
 std::int64_t RoughGrid::sumWork(const RoughPart& part) const {
   const auto additions =
-      static_cast<std::int64_t>(points_.size() / kRoughTogether + kRoughTogether);
+      static_cast<std::int64_t>(layer_of_.size() / kRoughTogether + kRoughTogether);
   return kWorkPerPart + kWorkPerRoughRow * additions * part.rows;
 }
 

@@ -22,8 +22,8 @@ struct RoughPart {
 /// there.
 class RoughGrid {
  public:
-  using Sums = std::array<std::uint16_t, static_cast<std::size_t>(RoughPart::kSide) *
-                                             static_cast<std::size_t>(RoughPart::kSide)>;
+  using Sums = std::array<std::int16_t, static_cast<std::size_t>(RoughPart::kSide) *
+                                            static_cast<std::size_t>(RoughPart::kSide)>;
 
   /// Pixels of 2^shift cells.
   RoughGrid(const SurfelField& surface, const Points& points, const RoughWindow& window, int shift);
@@ -50,18 +50,14 @@ class RoughGrid {
   std::int64_t sumWork(const RoughPart& part) const;
 
  private:
-  struct Point {
-    Eigen::Vector2f place;  ///< in the base frame, pixels
-    int layer;
-  };
-
   RoughWindow window_;
   int shift_;
   double pixel_m_;
   double angular_step_ = 1.0;
   int linear_steps_, angular_steps_ = 0;
-  std::vector<Point> points_;
-  CellBox box_{};  ///< the cells that the points can reach
+  std::vector<float> x_, y_;   ///< the points in the base frame, pixels
+  std::vector<int> layer_of_;  ///< for each point
+  CellBox box_{};              ///< the cells that the points can reach
   int layers_ = 1;
   double score_of_one_ = 0.0;
   std::vector<const std::uint8_t*> pixels_;  ///< of the rotated points

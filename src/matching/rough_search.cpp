@@ -2,6 +2,7 @@
 #include "rough_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <tuple>
@@ -44,15 +45,17 @@ class Ranking {
   }
   const std::vector<Candidate>& sorted() {
     cut();
+    std::sort(all_.begin(), all_.end(), isBetter);
     return all_;
   }
 
  private:
   void cut() {
-    std::sort(all_.begin(), all_.end(), isBetter);
     if (all_.size() < most_) return;
+    const auto last = all_.begin() + static_cast<std::ptrdiff_t>(most_ - 1);
+    std::nth_element(all_.begin(), last, all_.end(), isBetter);
+    threshold_ = last->score;
     all_.resize(most_);
-    threshold_ = all_.back().score;
   }
 
   std::size_t most_;
@@ -155,29 +158,43 @@ class Search {
 
   void rank(const RoughPart& part, int k) {
     grid_.sum(part, sums_);
-    // Most parts have no pose that can be among the best.
-    std::uint16_t most = 0;
-    for (int i = 0; i < part.rows * kPart; ++i)
-      most = std::max(most, sums_[static_cast<std::size_t>(i)]);
-    if (most <= leastSum()) return;
+    // Most parts, and most squares of the others, have no pose that can be among the best.
+    const MostOfColumns of_part = mostOfColumns(0, part.rows);
+    if (*std::max_element(of_part.begin(), of_part.end()) <= leastSum()) return;
     for (int y = 0; y < part.rows; y += bin_) {
-      for (int x = 0; x < part.columns; x += bin_) rankBin(part, k, x, y);
+      const MostOfColumns most = mostOfColumns(y, std::min(y + bin_, part.rows));
+      for (int x = 0; x < part.columns; x += bin_) {
+        const auto first = most.begin() + x;
+        const auto last = most.begin() + std::min(x + bin_, part.columns);
+        const int best = *std::max_element(first, last);
+        if (best > leastSum()) add(part, k, x, y, best);
+      }
     }
+  }
+
+  /// The largest sum of each column in the rows [first, last).
+  using MostOfColumns = std::array<std::int16_t, kPart>;
+  MostOfColumns mostOfColumns(int first, int last) const {
+    MostOfColumns most{};
+    const std::int16_t* sum = sums_.data() + first * kPart;
+    for (int row = first; row < last; ++row, sum += kPart) {
+      for (std::size_t i = 0; i < kPart; ++i) most[i] = std::max(most[i], sum[i]);
+    }
+    return most;
   }
 
   /// A pose with this sum, or a lower one, is not among the best.
   int leastSum() const { return static_cast<int>(ranking_.threshold() / grid_.score(1)); }
 
-  /// Adds the best pose of a square of poses to the ranking.
-  void rankBin(const RoughPart& part, int k, int x, int y) {
-    int best = -1, best_x = 0, best_y = 0;
-    for (int row = y; row < std::min(y + bin_, part.rows); ++row) {
-      for (int column = x; column < std::min(x + bin_, part.columns); ++column) {
-        const int sum = sums_[static_cast<std::size_t>(row * kPart + column)];
-        if (sum > best) best = sum, best_x = part.dx + column, best_y = part.dy + row;
-      }
+  /// Adds the best pose of the square of poses that begins at (x, y) to the ranking: the first one
+  /// with the sum `best`.
+  void add(const RoughPart& part, int k, int x, int y, int best) {
+    int column = x, row = y;
+    const int end = std::min(x + bin_, part.columns);
+    while (sums_[static_cast<std::size_t>(row * kPart + column)] != best) {
+      if (++column == end) column = x, ++row;
     }
-    if (best <= leastSum()) return;
+    const int best_x = part.dx + column, best_y = part.dy + row;
     const double penalty =
         window_.preferences.linear_preference * grid_.pixel() * std::hypot(best_x, best_y) +
         window_.preferences.angular_preference * std::abs(k) * grid_.angularStep();
@@ -193,7 +210,9 @@ class Search {
     for (const Candidate& candidate : ranking_.sorted()) {
       const Pose2 pose = grid_.pose(candidate.k, candidate.dx, candidate.dy);
       const auto isSame = [&](const Pose2& other) {
-        return (pose.translation() - other.translation()).norm() <= kApartM &&
+        // Most are too far apart in one direction.
+        return std::abs(pose.x - other.x) <= kApartM && std::abs(pose.y - other.y) <= kApartM &&
+               (pose.translation() - other.translation()).norm() <= kApartM &&
                std::abs(normalizeAngle(pose.yaw - other.yaw)) <= kApartSteps * grid_.angularStep();
       };
       if (std::any_of(poses.begin(), poses.end(), isSame)) continue;

@@ -4,14 +4,6 @@
 #include <algorithm>
 
 namespace kestrel {
-namespace {
-
-bool isSamePose(const Pose2& a, const Pose2& b) {
-  return a.x == b.x && a.y == b.y && a.yaw == b.yaw;
-}
-
-}  // namespace
-
 void SharedSearch::use(const SurfelField& surface) {
   if (surface_ == &surface) return;
   surface_ = &surface;

@@ -2,6 +2,7 @@
 #include "wall_image.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace kestrel {
@@ -13,26 +14,33 @@ constexpr int kMargin = 2 * kReach;
 /// Work per pixel of each layer, and per tile of the map.
 constexpr std::int64_t kWorkPerPixel = 2, kWorkPerWallTile = 100;
 
-/// Not zeroed: all bytes are written by takeMaximum.
-std::unique_ptr<std::uint8_t[]> newPixels(std::ptrdiff_t size) {
-  return std::unique_ptr<std::uint8_t[]>(new std::uint8_t[static_cast<std::size_t>(size)]);
+/// Pixels of a row that are computed at once.
+constexpr int kBlock = 16;
+
+/// Zeroed row by row: a row is short enough for plain vector stores.
+std::unique_ptr<std::uint8_t[]> newPixels(int width, int height) {
+  const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(width) * height;
+  std::unique_ptr<std::uint8_t[]> pixels(new std::uint8_t[static_cast<std::size_t>(size)]);
+  for (std::ptrdiff_t row = 0; row < size; row += width)
+    std::fill_n(pixels.get() + row, width, std::uint8_t{0});
+  return pixels;
 }
 
-/// The maximum of every byte and of those `step` bytes before and after it, which are divided by
-/// 2^shift; zero where there is no byte before or after. Plain pointers and a known shift, so that
-/// the compiler uses vector instructions.
+/// The maximum of every pixel and of those `step` before and after it, which are divided by
+/// 2^shift; for `count` pixels, rounded up to whole blocks. A block is a local variable: the
+/// compiler knows that it overlaps with nothing, and uses vector instructions.
 template <int shift>
-void takeMaximum(const std::uint8_t* in, std::ptrdiff_t size, std::ptrdiff_t step,
-                 std::uint8_t* out) {
-  const std::ptrdiff_t count = size - 2 * step;
-  const std::uint8_t *before = in, *middle = before + step, *after = middle + step;
-  std::uint8_t* result = out + step;
-  std::fill(out, result, std::uint8_t{0});
-  for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const std::uint8_t beside = std::max(before[i], after[i]);
-    result[i] = std::max(middle[i], static_cast<std::uint8_t>(beside >> shift));
+void takeMaximum(const std::uint8_t* in, int count, std::ptrdiff_t step, std::uint8_t* out) {
+  const std::uint8_t *before = in - step, *after = in + step;
+  std::array<std::uint8_t, kBlock> block;
+  for (std::ptrdiff_t i = 0; i < count; i += kBlock) {
+    for (std::size_t k = 0; k < kBlock; ++k) {
+      const std::uint8_t beside = std::max(before[k], after[k]);
+      block[k] = std::max(in[k], static_cast<std::uint8_t>(beside >> shift));
+    }
+    std::copy(block.begin(), block.end(), out + i);
+    before += kBlock, in += kBlock, after += kBlock;
   }
-  std::fill(result + count, out + size, std::uint8_t{0});
 }
 
 }  // namespace
@@ -43,14 +51,16 @@ WallImage::WallImage(const SurfelField& surface, const CellBox& box, int shift, 
       low_{(box.low.x >> shift) - kMargin, (box.low.y >> shift) - kMargin},
       width_((box.high.x >> shift) - low_.x + 1 + kMargin),
       height_((box.high.y >> shift) - low_.y + 1 + kMargin),
+      spans_(static_cast<std::size_t>(height_), Span{width_, 0}),
       layers_(static_cast<std::size_t>(layers)) {
-  for (auto& layer : layers_) layer = newPixels(size());
-  std::fill_n(layers_[0].get(), size(), std::uint8_t{0});
+  for (auto& layer : layers_) layer = newPixels(width_, height_);
   surface.forEachTile(box.low, box.high,
                       [this](const Cell& corner, const auto& rows) { mark(corner, rows); });
-  const auto buffer = newPixels(size());
-  soften(buffer.get());
-  for (int n = 1; n < layers; ++n) spread(n, n == 1 ? 1 : 1 << (n - 2), buffer.get());
+  const auto buffer = newPixels(width_, height_);
+  extend<1>(layers_[0].get(), 1, buffer.get(), layers_[0].get());
+  for (int n = 1; n < layers; ++n)
+    extend<0>(layer(n - 1), n == 1 ? 1 : 1 << (n - 2), buffer.get(),
+              layers_[static_cast<std::size_t>(n)].get());
 }
 
 bool WallImage::covers(const CellBox& box, int shift, int layers) const {
@@ -81,22 +91,36 @@ void WallImage::mark(const Cell& tile_corner, const SurfelField::OccupiedRows& r
       if (column < kMargin || column >= width_ - kMargin || line < kMargin ||
           line >= height_ - kMargin)
         continue;
-      layers_[0][static_cast<std::size_t>(line) * static_cast<std::size_t>(width_) +
-                 static_cast<std::size_t>(column)] = kWall;
+      layers_[0][static_cast<std::size_t>(placeOf(column, line))] = kWall;
+      Span& span = spans_[static_cast<std::size_t>(line)];
+      span = {std::min(span.first, column), std::max(span.last, column + 1)};
     }
   }
 }
 
-void WallImage::soften(std::uint8_t* buffer) {
-  takeMaximum<1>(layers_[0].get(), size(), 1, buffer);
-  takeMaximum<1>(buffer, size(), width_, layers_[0].get());
-}
-
-/// Makes a layer from the one before it, which is extended by `pixels` in all directions.
-void WallImage::spread(int layer, int pixels, std::uint8_t* buffer) {
-  const auto n = static_cast<std::size_t>(layer);
-  takeMaximum<0>(layers_[n - 1].get(), size(), pixels, buffer);
-  takeMaximum<0>(buffer, size(), static_cast<std::ptrdiff_t>(pixels) * width_, layers_[n].get());
+/// Extends the walls by `pixels` in all directions, divided by 2^shift. Only the spans are
+/// computed: outside of them everything is zero. `buffer` may have the result of an earlier call.
+template <int shift>
+void WallImage::extend(const std::uint8_t* in, int pixels, std::uint8_t* buffer,
+                       std::uint8_t* out) {
+  std::vector<Span> beside = spans_;
+  for (int row = 0; row < height_; ++row) {
+    Span& span = beside[static_cast<std::size_t>(row)];
+    if (span.first >= span.last) continue;
+    span = {span.first - pixels, span.last + pixels};
+    const std::ptrdiff_t at = placeOf(span.first, row);
+    takeMaximum<shift>(in + at, span.last - span.first, pixels, buffer + at);
+  }
+  for (int row = pixels; row < height_ - pixels; ++row) {
+    Span& span = spans_[static_cast<std::size_t>(row)];
+    for (const int other : {row - pixels, row, row + pixels}) {
+      const Span& part = beside[static_cast<std::size_t>(other)];
+      span = {std::min(span.first, part.first), std::max(span.last, part.last)};
+    }
+    if (span.first >= span.last) continue;
+    const std::ptrdiff_t at = placeOf(span.first, row);
+    takeMaximum<shift>(buffer + at, span.last - span.first, placeOf(0, pixels), out + at);
+  }
 }
 
 }  // namespace kestrel

@@ -36,14 +36,22 @@ class WallImage {
 
  private:
   void mark(const Cell& tile_corner, const SurfelField::OccupiedRows& rows);
-  void soften(std::uint8_t* buffer);
-  void spread(int layer, int pixels, std::uint8_t* buffer);
-  std::ptrdiff_t size() const { return static_cast<std::ptrdiff_t>(width_) * height_; }
+  template <int shift>
+  void extend(const std::uint8_t* in, int pixels, std::uint8_t* buffer, std::uint8_t* out);
+  std::ptrdiff_t placeOf(int column, int row) const {
+    return static_cast<std::ptrdiff_t>(row) * width_ + column;
+  }
+
+  /// The columns [first, last) of a row.
+  struct Span {
+    int first, last;
+  };
 
   CellBox box_;
   int shift_;
   Cell low_;  ///< in pixels
   int width_, height_;
+  std::vector<Span> spans_;  ///< of every row: all other columns are zero
   std::vector<std::unique_ptr<std::uint8_t[]>> layers_;
 };
 

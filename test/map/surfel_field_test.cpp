@@ -94,6 +94,34 @@ TEST(SurfelField, NearestAgreesWithBruteForceAfterInsertionsAndRemovals) {
   }
 }
 
+TEST(SurfelField, FourCellsHaveTheSurfelsOfEach) {
+  std::mt19937_64 random(10);
+  Submap map{OccupancyGridConfig()};
+  insertRandomly(map, random, 10);
+  const SurfelField& field = map.surface();
+  std::uniform_int_distribution<int> coordinate(-110, 110), far(-5000, 5000);
+  int without = 0, with = 0;
+  for (int i = 0; i < 5000; ++i) {
+    FourInts x, y;
+    for (int k = 0; k < 4; ++k) x[k] = coordinate(random), y[k] = coordinate(random);
+    if (i % 5 == 0) x[i % 4] = far(random);
+    const auto four = field.nearestOrZeros(x, y);
+    for (int k = 0; k < 4; ++k) {
+      const Surfel* one = field.nearestTo(Cell{x[k], y[k]});
+      const Surfel* of_four = four[static_cast<std::size_t>(k)];
+      ++(one == nullptr ? without : with);
+      if (one != nullptr) {
+        ASSERT_EQ(of_four, one) << x[k] << " " << y[k];
+      } else {
+        ASSERT_TRUE(of_four->a11 == 0.0F && of_four->a12 == 0.0F && of_four->a22 == 0.0F);
+        ASSERT_TRUE(of_four->on_wall.isZero()) << x[k] << " " << y[k];
+      }
+    }
+  }
+  EXPECT_GT(without, 1000);
+  EXPECT_GT(with, 1000);
+}
+
 TEST(SurfelField, MeanAndShapeAreThoseOfTheWall) {
   // A wall in the direction 0.3 rad, seen from 3 m with a beam every 2 cm.
   Submap map{OccupancyGridConfig()};

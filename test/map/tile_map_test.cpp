@@ -100,6 +100,35 @@ TEST(TileMap, AgreesWithAnOrderedMap) {
   EXPECT_EQ(expected, oracle.end());
 }
 
+TEST(TileMap, FindsTheTilesOfFourCellsLikeThoseOfEach) {
+  TileMap<Counter> tiles(kPlenty);
+  FourInts slots;
+  EXPECT_FALSE(tiles.findSlots(FourInts{}, FourInts{}, slots)) << "there is no index yet";
+  std::mt19937 random(4);
+  std::uniform_int_distribution<int> coordinate(-400, 400), nearby(-600, 600);
+  for (int i = 0; i < 50; ++i)
+    ASSERT_NE(tiles.obtain({coordinate(random), coordinate(random)}), nullptr);
+  int found = 0;
+  for (int i = 0; i < 3000; ++i) {
+    FourInts x, y;
+    for (int k = 0; k < 4; ++k) x[k] = nearby(random), y[k] = nearby(random);
+    if (i % 100 == 0) x[i / 100 % 4] = i % 200 == 0 ? kLowest : kHighest;
+    const bool is_inside = tiles.findSlots(x, y, slots);
+    for (int k = 0; k < 4; ++k) {
+      const Cell cell{x[k], y[k]};
+      EXPECT_EQ(offsetsInTile(x, y)[k], static_cast<int>(offsetInTile(cell)));
+      if (!is_inside) continue;
+      ASSERT_EQ(tiles.inSlot(static_cast<std::size_t>(slots[k])), tiles.find(cell));
+    }
+    found += is_inside ? 1 : 0;
+  }
+  EXPECT_GT(found, 500);
+  EXPECT_LT(found, 2900);
+  // Outside of the index on each side, one cell of the four.
+  for (const Cell& far : {Cell{-90000, 0}, {90000, 0}, {0, -90000}, {0, 90000}})
+    EXPECT_FALSE(tiles.findSlots(FourInts{0, 0, far.x, 0}, FourInts{0, 0, far.y, 0}, slots));
+}
+
 /// Obtains tiles around the origin at random and along x, where the index grows continuously.
 void expectLimitKept(std::size_t limit) {
   std::mt19937 random(3);

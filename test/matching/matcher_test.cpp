@@ -87,6 +87,20 @@ TEST(HybridMatcher, SearchesIfTheInitialGuessIsFarOff) {
   EXPECT_NEAR(normalizeAngle(far.pose.yaw - truth.yaw), 0.0, 0.005);
 }
 
+TEST(HybridMatcher, AGuessThatIsGivenTwiceChangesNothing) {
+  const Submap map = room::map();
+  const Points points = hitsOf(room::scanFrom(Pose2(0.2, 0.1, 0.3)));
+  const Pose2 far(0.9, -0.5, 0.8), farther(-1.2, 0.3, -0.4);
+  MatchRequest once{points, far, {far, farther}};
+  MatchRequest twice{points, far, {far, far, farther, far, farther}};
+  const auto matcher = makeMatcher(MatcherConfig());
+  const MatchResult a = matcher->match(map, once), b = matcher->match(map, twice);
+  EXPECT_EQ(a.pose.x, b.pose.x);
+  EXPECT_EQ(a.pose.y, b.pose.y);
+  EXPECT_EQ(a.pose.yaw, b.pose.yaw);
+  EXPECT_EQ(a.score, b.score);
+}
+
 TEST(HybridMatcher, FindsAReversedPoseIfAllYawsAreSearched) {
   // No two of the four walls are parallel, so the view is different at every yaw.
   const std::vector<room::Segment> walls = {

@@ -83,8 +83,25 @@ TEST(SurfelLanes, FourValuesAreRoundedDownLikeOne) {
                             -16777217.0F, 1e9F, -1e9F, most, -most}) {
     const Lanes values(value, -value, 1.5F, -1.5F);
     const auto rounded = floorToInt(values);
-    for (std::size_t i = 0; i < kLanes; ++i)
-      EXPECT_EQ(rounded[i], floorToInt(values[static_cast<Eigen::Index>(i)])) << value;
+    for (int i = 0; i < static_cast<int>(kLanes); ++i)
+      EXPECT_EQ(rounded[i], floorToInt(values[i])) << value;
+  }
+}
+
+TEST(LastSurfels, ChangeNoSum) {
+  const Submap map = room::map();
+  Points points = hitsOf(room::scanFrom(Pose2(0.3, -0.2, 0.4)));
+  while (points.size() % kLanes != 1) points.pop_back();
+  LastSurfels surfels(points.size());
+  // Long steps, steps within a cell, one out of the map, and back.
+  for (const Pose2& pose :
+       {Pose2(), Pose2(0.3, -0.2, 0.4), Pose2(0.301, -0.2, 0.4), Pose2(0.301, -0.203, 0.4001),
+        Pose2(500.0, 0.0, 0.0), Pose2(0.3, -0.2, 0.4), Pose2(0.3, -0.2, 0.4)}) {
+    const NormalEquations plain = linearizeDistance(map.surface(), points, pose, 0.05F);
+    const NormalEquations same = linearizeDistance(map.surface(), points, pose, 0.05F, surfels);
+    EXPECT_EQ(plain.cost, same.cost);
+    EXPECT_EQ(plain.hessian, same.hessian);
+    EXPECT_EQ(plain.gradient, same.gradient);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kestrel_slam/geometry/pose2.h"
+#include "kestrel_slam/map/free_cells.h"
 #include "kestrel_slam/map/map_replica.h"
 #include "kestrel_slam/map/map_snapshot.h"
 #include "kestrel_slam/map/occupancy_grid_config.h"
@@ -15,6 +16,8 @@
 #include "kestrel_slam/sensor/planar_scan.h"
 
 namespace kestrel {
+
+struct RayRun;
 
 /// Value and gradient (1/m) of the interpolated occupancy [Kohlbrecher 2011, eq. 4-6].
 struct InterpolatedValue {
@@ -54,6 +57,10 @@ class OccupancyGrid {
   /// of the slice or the room must have changed.
   /// The result is valid until the next call.
   const Changes& insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view = false);
+  /// The same with the freeCells of a grid with the same resolution.
+  const Changes& insert(const PlanarScan& scan, const Pose2& map_T_base, const FreeCells& free,
+                        bool new_view);
+  FreeCells freeCells(const PlanarScan& scan, const Pose2& map_T_base) const;
 
   void clear();
 
@@ -119,14 +126,10 @@ class OccupancyGrid {
 
   Tile* touch(const Cell& cell);
   void markHits(const PlanarScan& scan, const Pose2& map_T_base);
-  void markMisses(const PlanarScan& scan, const Pose2& map_T_base);
+  void markMisses(const FreeCells& free);
+  void markMissesUpToWalls(const PlanarScan& scan, const Pose2& map_T_base);
   void removeMissesOfKnownHits(const PlanarScan& scan, const Pose2& map_T_base);
-  enum class Passing { kFree, kFreeUpToWall, kPresumedUpToWall };
-  void traceRay(const Eigen::Vector2f& origin, const Eigen::Vector2f& end, Passing passing);
-  static int stepsToWall(const Tile& tile, std::int64_t x, std::int64_t y, std::int64_t step_x,
-                         std::int64_t step_y, int count);
-  static void mark(std::array<Row, kTileSide>& rows, std::int64_t x, std::int64_t y,
-                   std::int64_t step_x, std::int64_t step_y, int count);
+  static int stepsToWall(const Tile& tile, const RayRun& run);
   void apply(Tile& tile, std::int16_t hit_in_free);
   void applyMisses(Tile& tile);
   std::int16_t levelLogOdds(int level, const Cell& cell) const {

@@ -34,6 +34,9 @@ class Submap {
   /// Inserts a scan and updates the surface. `new_view`: see OccupancyGrid::insert. Returns false
   /// if the memory limit kept a part out. `number`: of the scan, see Surfel::birth.
   bool insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view, std::uint32_t number);
+  /// The same with the freeCells of a grid with the same resolution; not for `stitching`.
+  bool insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view, std::uint32_t number,
+              const FreeCells& free);
   /// The same, numbered from 0.
   bool insert(const PlanarScan& scan, const Pose2& map_T_base, bool new_view = false) {
     return insert(scan, map_T_base, new_view, static_cast<std::uint32_t>(scans_));
@@ -55,6 +58,8 @@ class Submap {
 
  private:
   PlanarScan stitched(const PlanarScan& scan, const Pose2& map_T_base) const;
+  bool update(const OccupancyGrid::Changes& changes, const PlanarScan& scan,
+              const Pose2& map_T_base, std::uint32_t number);
   void keep(const PlanarScan& scan, const Pose2& map_T_base);
 
   SubmapOptions options_;

@@ -84,15 +84,35 @@ class SurfelField {
 
   /// The surfel nearest to the cell of `point` (map frame, m), or nullptr if none is within reach.
   const Surfel* nearest(const Eigen::Vector2f& point) const {
-    return nearestOr(nullptr, Cell{floorToInt(point.x() * inverse_resolution_),
-                                   floorToInt(point.y() * inverse_resolution_)});
+    return nearestTo(Cell{floorToInt(point.x() * inverse_resolution_),
+                          floorToInt(point.y() * inverse_resolution_)});
   }
-  /// The surfel nearest to `cell`, or `none` if there is none within reach.
-  const Surfel* nearestOr(const Surfel* none, const Cell& cell) const {
+  /// The surfel nearest to `cell`, or nullptr.
+  const Surfel* nearestTo(const Cell& cell) const {
     const Tile* tile = tiles_.find(cell);
-    if (tile == nullptr) return none;
+    if (tile == nullptr) return nullptr;
     const std::uint32_t id = tile->nearest[offsetInTile(cell)];
-    return id == kNone ? none : &surfels_[id];
+    return id == kNone ? nullptr : &surfels_[id];
+  }
+  /// The surfels nearest to four cells, with most of the work done once for all of them. Where none
+  /// is within reach, a surfel of zeros.
+  std::array<const Surfel*, 4> nearestOrZeros(const FourInts& x, const FourInts& y) const {
+    FourInts slots;
+    if (!tiles_.findSlots(x, y, slots)) {
+      const auto one = [&](int i) {
+        const Surfel* surfel = nearestTo(Cell{x[i], y[i]});
+        return surfel != nullptr ? surfel : &zeros();
+      };
+      return {one(0), one(1), one(2), one(3)};
+    }
+    const auto slot = arrayOf(slots), offset = arrayOf(offsetsInTile(x, y));
+    const Surfel *surfels = surfels_.data(), *none = &zeros();
+    const auto one = [&](std::size_t i) {
+      const Tile* tile = tiles_.inSlot(static_cast<std::uint32_t>(slot[i]));
+      return tile == nullptr ? none
+                             : surfels + tile->nearest[static_cast<std::uint32_t>(offset[i])];
+    };
+    return {one(0), one(1), one(2), one(3)};
   }
 
   /// All surfels with their mean in `area` (map frame, m), in the order of the tiles.
@@ -137,13 +157,17 @@ class SurfelField {
   void clear();
   float resolution() const { return resolution_; }
   float cellsPerMeter() const { return inverse_resolution_; }
-  std::size_t size() const { return surfels_.size() - free_.size(); }
+  /// The surfel of zeros of nearestOrZeros.
+  static const Surfel& zeros() { return kZeros; }
+  std::size_t size() const { return surfels_.empty() ? 0 : surfels_.size() - free_.size() - 1; }
   std::size_t memoryBytes() const {
     return tiles_.memoryBytes() + surfels_.capacity() * sizeof(Surfel);
   }
 
  private:
-  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  static const Surfel kZeros;
+  /// The first surfel is one of zeros, so that a look-up need not ask whether there is one.
+  static constexpr std::uint32_t kNone = 0;
   static constexpr std::uint16_t kFar = 0xFFFFU;
   /// Resolution of squared distances: steps per cell².
   static constexpr float kDistanceSteps = 512.0F;
@@ -169,6 +193,7 @@ class SurfelField {
   std::uint32_t create(const OccupancyGrid::Changes::Hit& hit);
   bool addMean(std::uint32_t id);
   void spread(std::uint32_t id);
+  void spreadIn(Cell corner, std::uint32_t id);
   void remove(const Cell& cell);
   void detach(std::uint32_t id);
   void attachToNearest(const Cell& cell);

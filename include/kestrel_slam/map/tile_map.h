@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -37,6 +39,22 @@ inline std::size_t offsetInTile(const Cell& cell) {
          (static_cast<unsigned>(cell.x) & kMask);
 }
 
+/// Four integers in one vector register: a vector type of GCC and Clang.
+using FourInts = std::int32_t __attribute__((vector_size(16)));
+
+/// The same as an array.
+inline std::array<std::int32_t, 4> arrayOf(const FourInts& values) {
+  std::array<std::int32_t, 4> result;
+  std::memcpy(result.data(), &values, sizeof(values));
+  return result;
+}
+
+/// Offsets of four cells within their tiles.
+inline FourInts offsetsInTile(const FourInts& x, const FourInts& y) {
+  constexpr int kMask = kTileSide - 1;
+  return (y & kMask) << kTileShift | (x & kMask);
+}
+
 /// A plane of square tiles that are allocated when they are written.
 ///
 /// The index is a dense rectangle around the tiles in use, so a look-up takes two comparisons and
@@ -58,6 +76,22 @@ class TileMap {
     return index_[static_cast<std::size_t>(row) * width_ + column].get();
   }
   Tile* find(const Cell& cell) { return const_cast<Tile*>(std::as_const(*this).find(cell)); }
+
+  /// Finds the slots of the tiles of four cells. Returns false if one of them is outside of the
+  /// index, where no tile is.
+  bool findSlots(const FourInts& x, const FourInts& y, FourInts& slots) const {
+    const FourInts columns = (x >> kTileShift) - first_x_, rows = (y >> kTileShift) - first_y_;
+    const FourInts columns_left = static_cast<int>(width_) - 1 - columns;
+    const FourInts rows_left = static_cast<int>(height_) - 1 - rows;
+    slots = rows * static_cast<int>(width_) + columns;
+    // The sign bit is set where a cell is outside.
+    const FourInts outside = columns | rows | columns_left | rows_left;
+    std::array<std::uint64_t, 2> halves;
+    std::memcpy(halves.data(), &outside, sizeof(outside));
+    return ((halves[0] | halves[1]) & 0x8000000080000000U) == 0U;
+  }
+  /// The tile in a slot of findSlots, or nullptr if it does not exist.
+  const Tile* inSlot(std::size_t slot) const { return index_[slot].get(); }
 
   /// The tile of a cell, allocated if needed; nullptr if that would exceed the limit.
   Tile* obtain(const Cell& cell) {
@@ -83,6 +117,7 @@ class TileMap {
     tile_count_ = 0;
   }
 
+  std::size_t limitBytes() const { return budget_->limit(); }
   std::size_t tileCount() const { return tile_count_; }
   std::size_t memoryBytes() const {
     return tile_count_ * sizeof(Tile) + index_.size() * sizeof(std::unique_ptr<Tile>);

@@ -13,6 +13,11 @@ namespace kestrel {
 class SurfelField;
 class WallImage;
 
+/// Whether two poses are the same bits, so that what begins there ends at the same place.
+inline bool isSamePose(const Pose2& a, const Pose2& b) {
+  return a.x == b.x && a.y == b.y && a.yaw == b.yaw;
+}
+
 /// What the searches for one scan in one map share: the image of the walls, and the descents from
 /// the hypotheses. The windows of a scan have the same center and the same steps, so that they find
 /// many of the same hypotheses. The results of a search are the same with a memory and without.
