@@ -105,6 +105,20 @@ TEST(MotionModel, AStepOfMoreThanAMeterGoesOnWhereScansAreRare) {
   EXPECT_NEAR(flightWithRareScans().predictAt(rareTime(4)), 4 * kRareStep, 1e-3);
 }
 
+TEST(MotionModel, AnOdometryMeasuresALongStepWhichIsNotGuessed) {
+  MotionModel model{MapperConfig()};
+  const auto at = [](int i) { return Pose2(kRareStep * i, 0, 0); };
+  for (int i = 0; i < 4; ++i) {
+    model.move(at(i), at(i), false, scanAt(rareTime(i)));
+    model.remember(scanAt(rareTime(i)), at(i), std::nullopt);
+  }
+  const std::vector<Pose2> guesses =
+      model.request(Points(), scanAt(rareTime(4)), at(4)).initial_guesses;
+  ASSERT_GE(guesses.size(), 2U);
+  EXPECT_NEAR(guesses[0].x, at(4).x, 1e-3);
+  EXPECT_NEAR(guesses[1].x, at(3).x, 1e-3);
+}
+
 TEST(MotionModel, AJumpOfMoreThanAMeterDoesNotGoOnWhereScansAreFrequent) {
   Flight flight;
   for (int i = 0; i < 6; ++i) flight.match(i);
