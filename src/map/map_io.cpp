@@ -24,7 +24,7 @@ constexpr std::uint8_t kFreeGray = 254, kUnknownGray = 205, kOccupiedGray = 0;
 constexpr double kOccupiedThreshold = 0.65, kFreeThreshold = 0.196;
 constexpr double kLightest = 255.0, kRawOccupied = 100.0;
 constexpr const char* kSavingEnding = ".pgm.saving";
-constexpr int kMaxTries = 3;
+constexpr int kMaxTries = 10;  // a process that writes may be faster than one that reads
 constexpr double kMostRotatedCells = 4e8;            // a narrow image may need very many
 constexpr int kShortDigits = 15, kExactDigits = 17;  // significant digits of a double
 

@@ -19,6 +19,7 @@ constexpr double kBytesPerMegabyte = 1e6;
 /// instead of 2, a tilting laser maps new objects too slowly.
 constexpr std::int16_t kEstablishedFree = -1500;
 constexpr int kPasserByShare = 2;
+
 /// The bit of a cell in its row, and the row of a cell in its tile.
 std::uint32_t bitOf(const Cell& cell) {
   return 1U << (static_cast<unsigned>(cell.x) & (kTileSide - 1U));

@@ -27,7 +27,7 @@ class WallImage {
 
   bool covers(const CellBox& box, int shift, int layers) const;
   /// The lower left cell of the image.
-  Cell corner() const { return {low_.x << shift_, low_.y << shift_}; }
+  Cell corner() const { return {low_.x * cellsPerPixel(), low_.y * cellsPerPixel()}; }
   int cellsPerPixel() const { return 1 << shift_; }
   int stride() const { return width_; }
   const std::uint8_t* layer(int n) const { return layers_[static_cast<std::size_t>(n)].get(); }

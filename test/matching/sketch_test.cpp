@@ -78,9 +78,8 @@ TEST(Sketch, PointsThatAreNotFiniteChangeNothing) {
 }
 
 TEST(SurfelLanes, FourValuesAreRoundedDownLikeOne) {
-  const float most = std::numeric_limits<float>::max();
   for (const float value : {0.0F, -0.0F, 0.5F, -0.5F, 1.0F, -1.0F, 7.999F, -7.001F, 16777216.0F,
-                            -16777217.0F, 1e9F, -1e9F, most, -most}) {
+                            -16777217.0F, 1e9F, -1e9F}) {
     const Lanes values(value, -value, 1.5F, -1.5F);
     const auto rounded = floorToInt(values);
     for (int i = 0; i < static_cast<int>(kLanes); ++i)
