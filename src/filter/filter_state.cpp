@@ -25,11 +25,11 @@ struct Step {
 };
 
 /// Orientation in the middle of the step.
-Eigen::Quaterniond middle(const ImuInput& input, double dt, const FilterState& state) {
+Eigen::Quaterniond middle(const InertialInput& input, double dt, const FilterState& state) {
   return state.map_R_base * rotationBy(0.5 * dt * (input.rate - state.gyro_bias));
 }
 
-Step stepOf(const FilterState& state, const ImuInput& input, double dt) {
+Step stepOf(const FilterState& state, const InertialInput& input, double dt) {
   const Eigen::Matrix3d map_R_middle = middle(input, dt, state).toRotationMatrix();
   const Eigen::Vector3d force = map_R_middle * (input.force - state.accelerometer_bias);
   Step step;
@@ -51,7 +51,8 @@ void multiply(const Step& step, double dt, StateMatrix& matrix) {
   matrix.middleRows<3>(kOrientation) -= step.orientation_by_bias * matrix.middleRows<3>(kGyroBias);
 }
 
-void addNoise(const ImuInput& input, double dt, const PoseFilterConfig& config, StateMatrix& p) {
+void addNoise(const InertialInput& input, double dt, const PoseFilterConfig& config,
+              StateMatrix& p) {
   const ImuNoiseConfig& noise = config.noise;
   const double gyro = square(input.rate_saturated ? kSaturatedGyroNoise : noise.gyro_noise);
   const double accelerometer =
@@ -78,13 +79,13 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   return result;
 }
 
-StateMatrix transition(const FilterState& state, const ImuInput& input, double dt) {
+StateMatrix transition(const FilterState& state, const InertialInput& input, double dt) {
   StateMatrix result = StateMatrix::Identity();
   multiply(stepOf(state, input, dt), dt, result);
   return result;
 }
 
-void moveEstimate(const ImuInput& input, double dt, FilterState& state) {
+void moveEstimate(const InertialInput& input, double dt, FilterState& state) {
   const Eigen::Vector3d gravity(0.0, 0.0, kGravity);
   const Eigen::Vector3d acceleration =
       middle(input, dt, state) * (input.force - state.accelerometer_bias) - gravity;
@@ -95,7 +96,7 @@ void moveEstimate(const ImuInput& input, double dt, FilterState& state) {
   state.stamp += dt;
 }
 
-void propagate(const ImuInput& input, double dt, const PoseFilterConfig& config,
+void propagate(const InertialInput& input, double dt, const PoseFilterConfig& config,
                FilterState& state) {
   const Step step = stepOf(state, input, dt);
   multiply(step, dt, state.covariance);

@@ -19,7 +19,7 @@ using StateVector = Eigen::Matrix<double, kStateDim, 1>;
 using StateMatrix = Eigen::Matrix<double, kStateDim, kStateDim>;
 
 /// Mean IMU reading over a step, in the base frame.
-struct ImuInput {
+struct InertialInput {
   Eigen::Vector3d rate = Eigen::Vector3d::Zero();   ///< rad/s
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< specific force, m/s²
   bool rate_saturated = false;
@@ -52,14 +52,14 @@ struct FilterState {
 };
 
 /// Derivative of the next error state with respect to the current one, for a step of `dt` seconds.
-StateMatrix transition(const FilterState& state, const ImuInput& input, double dt);
+StateMatrix transition(const FilterState& state, const InertialInput& input, double dt);
 
 /// Propagates the estimate only [Kohlbrecher 2011, eq. 1-3, with biases; trapezoidal].
-void moveEstimate(const ImuInput& input, double dt, FilterState& state);
+void moveEstimate(const InertialInput& input, double dt, FilterState& state);
 
 /// Propagates estimate and covariance. Equal to a product with transition(), but skips its zeros
 /// and ones.
-void propagate(const ImuInput& input, double dt, const PoseFilterConfig& config,
+void propagate(const InertialInput& input, double dt, const PoseFilterConfig& config,
                FilterState& state);
 
 /// Adds the uncertainty of a gap of `dt` seconds without IMU.

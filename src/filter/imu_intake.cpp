@@ -37,7 +37,7 @@ ImuIntake::Result ImuIntake::add(const CheckedImu& reading) {
     return Result::kRejected;
   }
   lever_m_ = reading.base_T_imu.translation();
-  const ImuInput input = inBase(reading.sample, reading.base_T_imu);
+  const InertialInput input = inBase(reading.sample, reading.base_T_imu);
   if (order == StampCheck::Verdict::kNext) return accumulate(reading.sample.stamp, input);
   last_stamp_.reset();
   accumulate(reading.sample.stamp, input);
@@ -57,11 +57,12 @@ std::optional<ImuFault> ImuIntake::faultIn(const CheckedImu& reading) const {
   return std::nullopt;
 }
 
-ImuInput ImuIntake::inBase(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) const {
+InertialInput ImuIntake::inBase(const ImuSample& sample,
+                                const Eigen::Isometry3d& base_T_imu) const {
   const Eigen::Quaterniond rotation = Eigen::Quaterniond(base_T_imu.linear()).normalized();
   const double rate = sample.angular_velocity->cwiseAbs().maxCoeff();
   const double force = sample.linear_acceleration->cwiseAbs().maxCoeff();
-  ImuInput reading;
+  InertialInput reading;
   reading.rate = rotation * *sample.angular_velocity;
   reading.force =
       rotation * *sample.linear_acceleration -
@@ -71,10 +72,10 @@ ImuInput ImuIntake::inBase(const ImuSample& sample, const Eigen::Isometry3d& bas
   return reading;
 }
 
-ImuIntake::Result ImuIntake::accumulate(double stamp, const ImuInput& reading) {
+ImuIntake::Result ImuIntake::accumulate(double stamp, const InertialInput& reading) {
   if (!last_stamp_) {
     step_ = {stamp, 0.0, reading, reading};
-    sum_ = ImuInput();
+    sum_ = InertialInput();
     last_stamp_ = stamp;
     last_ = reading;
     return Result::kStep;
@@ -95,7 +96,7 @@ ImuIntake::Result ImuIntake::accumulate(double stamp, const ImuInput& reading) {
   step_ = {stamp, total, sum_, reading};
   step_.mean.rate /= total;
   step_.mean.force /= total;
-  sum_ = ImuInput();
+  sum_ = InertialInput();
   return Result::kStep;
 }
 

@@ -14,9 +14,9 @@ namespace kestrel {
 /// One IMU step: the mean (trapezoidal) of the readings since the previous step.
 struct ImuStep {
   double stamp = 0.0;
-  double dt = 0.0;   ///< s; 0 for the first reading
-  ImuInput mean;     ///< over the step, in the base frame
-  ImuInput reading;  ///< at the end of the step, in the base frame
+  double dt = 0.0;        ///< s; 0 for the first reading
+  InertialInput mean;     ///< over the step, in the base frame
+  InertialInput reading;  ///< at the end of the step, in the base frame
 };
 
 /// Validates IMU samples, converts them to the base frame, and averages them at high rates.
@@ -38,8 +38,8 @@ class ImuIntake {
 
  private:
   std::optional<ImuFault> faultIn(const CheckedImu& reading) const;
-  ImuInput inBase(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) const;
-  Result accumulate(double stamp, const ImuInput& reading);
+  InertialInput inBase(const ImuSample& sample, const Eigen::Isometry3d& base_T_imu) const;
+  Result accumulate(double stamp, const InertialInput& reading);
 
   PoseFilterConfig config_;
   ImuFault fault_;
@@ -47,8 +47,8 @@ class ImuIntake {
   ImuStep step_;
   Eigen::Vector3d lever_m_ = Eigen::Vector3d::Zero();  ///< position of the IMU in the base frame
   std::optional<double> last_stamp_;
-  ImuInput last_;
-  ImuInput sum_;           ///< integral of the readings since the last step
+  InertialInput last_;
+  InertialInput sum_;      ///< integral of the readings since the last step
   double period_s_ = 0.0;  ///< smoothed
 };
 

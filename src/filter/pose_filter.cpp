@@ -97,7 +97,7 @@ std::optional<FilterOutput> PoseFilter::at(double time) const {
   const Timeline::Node* node = s.timeline.lastNotAfter(time);
   if (node == nullptr) return std::nullopt;
   const Timeline::Node* next = s.timeline.after(*node);
-  const ImuInput input = next != nullptr ? next->input : s.reading;
+  const InertialInput input = next != nullptr ? next->input : s.reading;
   FilterState moved = node->state;
   moveEstimate(input, time - moved.stamp, moved);
   moved.stamp = time;

@@ -223,7 +223,8 @@ void PoseFilter::State::stop() {
 
 void PoseFilter::State::publish() { output = outputOf(timeline.newest().state, reading); }
 
-FilterOutput PoseFilter::State::outputOf(const FilterState& state, const ImuInput& input) const {
+FilterOutput PoseFilter::State::outputOf(const FilterState& state,
+                                         const InertialInput& input) const {
   FilterOutput out;
   out.stamp = state.stamp;
   out.map_T_base.linear() = state.map_R_base.toRotationMatrix();

@@ -29,7 +29,7 @@ struct PoseFilter::State {
   void reset(const std::string& reason, bool biases_uncertain);
   void stop();
   void publish();
-  FilterOutput outputOf(const FilterState& state, const ImuInput& reading) const;
+  FilterOutput outputOf(const FilterState& state, const InertialInput& reading) const;
   std::string problem(FilterHealth health) const;
   FilterHealth health(double now) const;
   SensorCounts& countsOf(FilterSensor s) { return status.sensors[static_cast<std::size_t>(s)]; }
@@ -41,7 +41,7 @@ struct PoseFilter::State {
   Timeline timeline;
   OdomFrame odom;
   Standstill standstill;
-  ImuInput reading;  ///< the newest one, in the base frame
+  InertialInput reading;  ///< the newest one, in the base frame
   double gravity_stamp = 0.0;
   std::deque<double> reinitializations;  ///< stamps of the latest reinitializations
   std::optional<FilterOutput> output;

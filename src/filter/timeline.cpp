@@ -45,7 +45,7 @@ void Timeline::begin(const FilterState& state, const Eigen::Isometry3d& odom_T_b
   }
 }
 
-void Timeline::step(double stamp, const ImuInput& input, bool gap) {
+void Timeline::step(double stamp, const InertialInput& input, bool gap) {
   Node node;
   node.input = input;
   node.is_gap = gap;

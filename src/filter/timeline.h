@@ -18,7 +18,7 @@ namespace kestrel {
 class Timeline {
  public:
   struct Node {
-    ImuInput input;       ///< mean over the step that ends here
+    InertialInput input;  ///< mean over the step that ends here
     bool is_gap = false;  ///< the IMU was silent during this step
     Eigen::Isometry3d odom_T_base = Eigen::Isometry3d::Identity();
     std::vector<Measurement> measurements;  ///< in this step, ascending stamps
@@ -35,7 +35,7 @@ class Timeline {
   bool empty() const { return nodes_.empty(); }
 
   /// Adds a step to `stamp` (s). `gap`: adds the uncertainty of a gap.
-  void step(double stamp, const ImuInput& input, bool gap);
+  void step(double stamp, const InertialInput& input, bool gap);
 
   /// Inserts a measurement at its time. Returns an empty text, or the reason why it is rejected.
   std::string insert(const Measurement& measurement);

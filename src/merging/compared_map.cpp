@@ -65,7 +65,7 @@ ComparedMap::ComparedMap(const JointMap& joint, const std::vector<PoseVertex>& p
   });
 }
 
-std::vector<Sightings> ComparedMap::sightings(const std::vector<WallPoint>& points) const {
+std::vector<Sightings> ComparedMap::sightings(const std::vector<ComparedPoint>& points) const {
   SightingCollector collector(points, kComparedCellM, kSameWallM);
   forEachScan([&](PlanarScan scan, const Pose2& pose) { collector.add(std::move(scan), pose); });
   return collector.sightings();

@@ -33,7 +33,7 @@ class ComparedMap {
     return passed_ && passed_->probability(cell) <= kSure.free;
   }
   /// What each scan shows at the points.
-  std::vector<Sightings> sightings(const std::vector<WallPoint>& points) const;
+  std::vector<Sightings> sightings(const std::vector<ComparedPoint>& points) const;
 
  private:
   template <typename Visit>

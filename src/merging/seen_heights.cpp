@@ -127,7 +127,7 @@ bool isExplained(const std::vector<AtHeight>& sorted, const BothSay& unknown,
 
 }  // namespace
 
-SightingCollector::SightingCollector(const std::vector<WallPoint>& points, double cell_m,
+SightingCollector::SightingCollector(const std::vector<ComparedPoint>& points, double cell_m,
                                      double same_wall_m)
     : points_(points),
       grid_(gridOfCells(cell_m)),
@@ -155,7 +155,7 @@ void SightingCollector::add(PlanarScan scan, const Pose2& pose) {
   }
 }
 
-bool SightingCollector::hasWallAt(const WallPoint& point) const {
+bool SightingCollector::hasWallAt(const ComparedPoint& point) const {
   const bool is_straight = !point.along.isZero();
   const Eigen::Vector2d along = is_straight ? point.along : Eigen::Vector2d::UnitX();
   const Eigen::Vector2d across(-along.y(), along.x());

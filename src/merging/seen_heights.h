@@ -16,7 +16,7 @@ struct Sighting {
 using Sightings = std::vector<Sighting>;
 
 /// A point on a wall.
-struct WallPoint {
+struct ComparedPoint {
   Eigen::Vector2d at;
   Eigen::Vector2d along = Eigen::Vector2d::Zero();  ///< unit vector; zero: unknown
 };
@@ -26,16 +26,16 @@ struct WallPoint {
 /// the wall, the next cells count, too.
 class SightingCollector {
  public:
-  SightingCollector(const std::vector<WallPoint>& points, double cell_m, double same_wall_m);
+  SightingCollector(const std::vector<ComparedPoint>& points, double cell_m, double same_wall_m);
 
   void add(PlanarScan scan, const Pose2& pose);
   /// In the order of the points.
   const std::vector<Sightings>& sightings() const { return sightings_; }
 
  private:
-  bool hasWallAt(const WallPoint& point) const;
+  bool hasWallAt(const ComparedPoint& point) const;
 
-  const std::vector<WallPoint>& points_;
+  const std::vector<ComparedPoint>& points_;
   OccupancyGrid grid_;  ///< of one scan
   double cell_m_, same_wall_m_;
   std::vector<Sightings> sightings_;

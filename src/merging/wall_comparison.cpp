@@ -204,7 +204,7 @@ std::vector<DifferingCell> differingCells(const ComparedMap& walls, const Compar
     for (const Eigen::Vector2d& point : points) cells.push_back({point});
     return cells;
   }
-  std::vector<WallPoint> wall_points;
+  std::vector<ComparedPoint> wall_points;
   for (const Eigen::Vector2d& point : points)
     wall_points.push_back({point, directionAt(walls.grid(), point)});
   const std::vector<Sightings> here = walls.sightings(wall_points);

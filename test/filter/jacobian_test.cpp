@@ -69,8 +69,8 @@ TEST(Jacobian, EveryMeasurementAgreesWithFiniteDifferences) {
   expectJacobian<1>(linearizeBarometer, m);
 }
 
-ImuInput someInput() {
-  ImuInput input;
+InertialInput someInput() {
+  InertialInput input;
   input.rate = {0.8, -0.5, 1.7};
   input.force = {1.0, -2.0, 10.5};
   return input;
@@ -78,7 +78,7 @@ ImuInput someInput() {
 
 TEST(Jacobian, TransitionAgreesWithFiniteDifferences) {
   const FilterState state = someState();
-  const ImuInput input = someInput();
+  const InertialInput input = someInput();
   for (const double dt : {0.0025, 0.01}) {
     FilterState moved = state;
     moveEstimate(input, dt, moved);

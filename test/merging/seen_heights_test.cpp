@@ -86,7 +86,7 @@ PlanarScan scanOf(const Eigen::Vector2f& end, bool hit) {
 }
 
 TEST(SeenHeights, AScanSaysWhatIsAtAPointAndAtWhichHeight) {
-  const std::vector<WallPoint> points = {{{2.05, 0.05}}, {{3.8, 0.05}}, {{2.05, 3.0}}};
+  const std::vector<ComparedPoint> points = {{{2.05, 0.05}}, {{3.8, 0.05}}, {{2.05, 3.0}}};
   SightingCollector collector(points, 0.1, 0.3);
   collector.add(scanOf({4.05F, 0.05F}, true), Pose2());
   ASSERT_EQ(collector.sightings()[0].size(), 1U);
@@ -109,7 +109,8 @@ TEST(SeenHeights, TheWallBesideAnOpeningIsNotInTheOpening) {
   PlanarScan scan = scanOf({4.0F, 0.05F}, true);
   for (const float y : {0.35F, 0.45F}) scan.rays.push_back({{0.0F, 0.0F}, {2.05F, y}, true});
   // Along y, the next wall is 0.3 m beside the point. Along x, it is across the wall.
-  const std::vector<WallPoint> points = {{{2.05, 0.05}, {0.0, 1.0}}, {{2.05, 0.05}, {1.0, 0.0}}};
+  const std::vector<ComparedPoint> points = {{{2.05, 0.05}, {0.0, 1.0}},
+                                             {{2.05, 0.05}, {1.0, 0.0}}};
   SightingCollector collector(points, 0.1, 0.3);
   collector.add(scan, Pose2());
   EXPECT_FALSE(collector.sightings()[0].at(0).wall);
