@@ -73,7 +73,7 @@ class MotionModel {
   std::optional<Pose2> motionPrediction(const MatchRequest& request, const PlanarScan& scan,
                                         const std::optional<Pose2>& odom_T_base) const;
 
-  /// Seconds since the last scan, at most the gap after which no motion is predicted.
+  /// Seconds since the last scan; where scans are missing, at most the gap of the configuration.
   double secondsSince(const PlanarScan& scan) const;
 
   /// Updates the pose and the velocity: to `found`, or to `predicted` if lost.
