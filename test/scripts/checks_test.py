@@ -117,6 +117,29 @@ class Includes(PlantedErrors):
         self.assert_finds("check_includes", "sensor is linked to map, which is not above it")
 
 
+class Names(PlantedErrors):
+    def plant_type(self, file, before, after=""):
+        self.plant(file, f"namespace kestrel {{\n{before}struct WallPoint {{\n}};\n{after}}}  "
+                         "// namespace kestrel\n")
+
+    def setUp(self):
+        super().setUp()
+        self.plant_type("include/kestrel_slam/map/wall.h", "struct Other;\n")
+
+    def test_two_folders(self):
+        self.plant_type("src/merging/planted.cpp", "")
+        self.assert_finds("check_names", "src/merging/planted.cpp:2: kestrel::WallPoint is also "
+                                         "defined in include/kestrel_slam/map/wall.h:3")
+
+    def test_nothing_to_find(self):
+        self.plant_type("src/merging/unnamed.cpp", "namespace {\n", "}  // namespace\n")
+        self.plant_type("src/merging/inner.cpp", "namespace other {\n", "}  // namespace other\n")
+        self.plant("src/merging/nested.cpp", "namespace kestrel {\nstruct Wall::WallPoint {\n};\n"
+                                             "struct Other;\n}  // namespace kestrel\n")
+        result = self.run_check("check_names")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
+
 class Format(PlantedErrors):
     def setUp(self):
         super().setUp()
