@@ -17,7 +17,7 @@ BATCH = str(ROOT / "scripts" / "map_batch")
 
 # Writes the files of a mapped recording; the first word of the recording is its error in mm.
 MAP_RECORDING = r"""#!/usr/bin/python3
-import json, os, signal, sys, time
+import base64, json, os, signal, sys, time
 if "--list-parameters" in sys.argv:
     sys.exit("map_recording: unknown parameter 'nonsense'" if "nonsense=1" in sys.argv else 0)
 output, file = sys.argv[sys.argv.index("--output") + 1], sys.argv[-1]
@@ -40,6 +40,8 @@ error = float(open(file).readline()) / 1000.0
 os.makedirs(output)
 for part in ("map.pgm", "report.html", "trajectory.tum", "scans.csv"):
     open(output + "/" + part, "w").write(str(error))
+open(output + "/thumbnail.png", "wb").write(base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGNgAAAAAgABSK+kcQAAAABJRU5ErkJggg=="))
 json.dump({"version": "1", "commit": "c0ffee", "parameters_hash": "p",
            "recording": {"hash": name}, "distance_m": 2.0, "duration_s": 3.0,
            "scans": {"processed": 10, "dropped": {"late": 1}}, "warnings": [],
@@ -50,6 +52,8 @@ json.dump({"version": "1", "commit": "c0ffee", "parameters_hash": "p",
 EVALUATE = r"""#!/usr/bin/python3
 import json, sys
 error = float(open(sys.argv[1]).read())
+if error > 0.9:
+    sys.exit("evaluate_trajectory: nothing to compare")
 statistics = {"translation_m": {"mean": error, "rmse": error}}
 answer = {}
 if "--relations" in sys.argv:
@@ -60,8 +64,11 @@ json.dump(answer, open(sys.argv[sys.argv.index("--json") + 1], "w"))
 """
 # Every file that begins with a number is a recording. Bags have their times in the second line.
 RECORDING_INFO = r"""#!/usr/bin/python3
-import json, sys
-for path in sys.argv[3:]:
+import json, os, sys
+open(os.environ["ASKED"], "a").write("asked\n")
+for path in sys.argv[sys.argv.index("--") + 1:]:
+    if "kills_info" in path:
+        os.kill(os.getpid(), 11)
     lines = open(path, errors="replace").read().split("\n")
     number = lines[0].replace(".", "").isdigit()
     bag = path.endswith(".bag") and number
@@ -85,7 +92,9 @@ class Batch(unittest.TestCase):
             (tools / name).write_text(text)
             (tools / name).chmod(0o755)
         self.calls = self.folder / "calls"
-        self.environment = {**os.environ, "KESTREL_TOOLS": str(tools), "CALLS": str(self.calls)}
+        self.asked = self.folder / "asked"
+        self.environment = {**os.environ, "KESTREL_TOOLS": str(tools), "CALLS": str(self.calls),
+                            "ASKED": str(self.asked)}
 
     def tearDown(self):
         self._folder.cleanup()
@@ -215,6 +224,20 @@ class Limits(Batch):
         self.batch("--resume", "--max-lost", "0.5")
         self.batch("--resume", "--max-lost", "0.4", code=3)
 
+    def test_an_error_that_is_not_known_misses_the_limit(self):
+        self.log("a.clf", 10)
+        self.log("b.clf", 999)
+        self.log("none.clf", relations=False)
+        self.batch()
+        text = self.batch("--resume", "--max-relations", "0.031", code=3)
+        self.assertIn("b: relations_m is not known", text)
+        self.assertNotIn("none: relations_m", text)
+
+    def test_limits_are_numbers(self):
+        for option, value in (("--max-ate", "nan"), ("--memory", "inf"), ("--timeout", "inf"),
+                              ("--max-failed", "-1"), ("--max-lost", "nan"), ("-j", "0")):
+            self.assertIn(option, self.batch(option, value, code=2))
+
 
 class Comparison(Batch):
     def test_worse_results_come_first(self):
@@ -236,11 +259,21 @@ class Comparison(Batch):
         page = (self.out / "index.html").read_text()
         self.assertLess(page.index("0.0100 → 0.0200"), page.index("<h2>Recordings"))
 
+    def test_an_error_that_is_gone_is_worse(self):
+        self.log("a.clf")
+        self.log("same.clf")
+        self.batch()
+        self.out.rename(self.folder / "old")
+        self.log("a.clf", 999)
+        text = self.batch("--compare", str(self.folder / "old"))
+        self.assertIn("1 worse, 0 better", text)
+        self.assertIn("a: no relations any more", text)
+
 
 class Finding(Batch):
     def test_split_bags_are_one_recording(self):
         self.log("run_0.bag", text="100 160")
-        self.log("run_1.bag", text="160.1 200")
+        self.log("run_1.bag", text="159.999 200")  # its first message waited for a thread
         self.log("run_2.bag", text="900 960")  # another flight: there is a pause
         self.log("r_2020-01-01-10-00-00_0.bag", text="100 160")
         self.log("r_2020-01-01-10-01-00_1.bag", text="160.1 200")
@@ -273,6 +306,22 @@ class Finding(Batch):
         self.logs.write_text("logs/missing.bag\n")
         self.out = self.folder / "other"
         self.assertIn(f"list:1: {folder}/missing.bag does not exist", self.batch(code=1))
+
+    def test_a_file_that_ends_recording_info_hides_no_other(self):
+        for name in ("a.clf", "kills_info.log", "z.clf"):
+            self.log(name)
+        self.batch()
+        self.assertEqual(self.names(), ["a", "z"])
+
+    def test_topics_of_a_list_are_asked_for_at_once(self):
+        for name in "abcdefgh":
+            self.log(f"topic_{name}.bag", text="1 2", relations=False)
+        listing = self.folder / "list"
+        listing.write_text("\n".join(map(str, sorted(self.logs.glob("*.bag")))))
+        self.logs = listing
+        self.batch()
+        self.assertEqual({row["ate_m"] for row in self.summary()["recordings"]}, {0.01})
+        self.assertLess(len(self.asked.read_text().splitlines()), 8)
 
     def test_ground_truth_by_rule(self):
         self.log("a.clf", relations=False)
