@@ -156,7 +156,7 @@ class SlurmBatch(Batch):
         self.batch("--slurm", "--memory", "500", "-j", "2")
         seconds = time.monotonic() - begin
         print(f"ten empty tasks: {seconds:.1f} s", file=sys.stderr)
-        self.assertLess(seconds / 10, 1.0 + 0.5, "with starting and ending the batch")
+        self.assertLess(seconds / 10, 1.0, "with starting and ending the batch")
 
 
 if __name__ == "__main__":
