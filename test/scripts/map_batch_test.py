@@ -6,6 +6,7 @@ recording. test/commands/map_batch_test.cpp maps real recordings."""
 import json
 import os
 import pathlib
+import pty
 import signal
 import subprocess
 import sys
@@ -99,6 +100,26 @@ class OneRecordingCannotEndTheBatch(Batch):
         text = self.batch("--set", "nonsense=1", code=1)
         self.assertIn("unknown parameter 'nonsense'", text)
         self.assertFalse(self.out.exists())
+
+
+class Terminal(Batch):
+    def test_one_progress_bar_for_all(self):
+        self.log("a.clf")
+        self.log("b.clf")
+        ours, theirs = pty.openpty()
+        with subprocess.Popen([BATCH, str(self.logs), "--output", str(self.out), "-j", "1"],
+                              env={**self.environment, "SLOW": "1"}, stderr=theirs,
+                              stdout=subprocess.DEVNULL) as process:
+            os.close(theirs)
+            shown = b""
+            try:
+                while part := os.read(ours, 4096):
+                    shown += part
+            except OSError:  # a terminal that nobody has any more
+                pass
+        os.close(ours)
+        self.assertEqual(process.returncode, 0)
+        self.assertIn(b"[" + 12 * b"#" + 12 * b" " + b"] 1/2, 0:0", shown)
 
 
 class Resume(Batch):
