@@ -82,7 +82,8 @@ class Finder:
 
     def __init__(self, tools, rules):
         self._tools = tools
-        self._rules = [parse_rule(rule) for rule in rules]
+        self._rules = [parse_rule(rule) for rule in rules or DEFAULT_RULES]
+        self._asked_for_truth = bool(rules)
         self._infos = {}
 
     def find(self, arguments):
@@ -103,7 +104,17 @@ class Finder:
             self._load([recording.files[0] for recording in recordings])
         for recording in recordings:
             self._add_truth(recording)
+        if self._asked_for_truth and not any(recording.relations or recording.reference
+                                             for recording in recordings):
+            raise BatchError(f"--truth: no recording has a ground truth by {self._places(recordings)}")
         return without_references(recordings)
+
+    def _places(self, recordings):
+        """Where the ground truth of the first recording would be."""
+        first = pathlib.Path(recordings[0].files[0])
+        return " or ".join(f"a topic {pattern}" if kind == "topic" else
+                           f"a file such as {first.parent / pattern.format(name=stem(first))}"
+                           for kind, pattern in self._rules)
 
     def _load(self, paths):
         """Many files at once: each start of a program takes as long as to look at several bags."""
@@ -229,7 +240,7 @@ def name_all(recordings, roots):
     paths = []
     for recording, root in zip(recordings, roots):
         first = pathlib.Path(recording.files[0])
-        below = first.relative_to(root) if first.is_relative_to(root) else pathlib.Path(first.name)
+        below = first.relative_to(root) if root in first.parents else pathlib.Path(first.name)
         paths.append(below)
         short = part_of(first)[0][1] if len(recording.files) > 1 else stem(first)
         recording.name = clean("__".join([*below.parts[:-1], short or stem(first)]))

@@ -13,6 +13,7 @@ import shutil
 import signal
 import socket
 import subprocess
+import sys
 import time
 
 from .tools import read_json, write_json
@@ -145,20 +146,31 @@ class Process:
     def _limit(self, what, value):
         """From here, because one more program in between would cost a millisecond each."""
         try:
+            hard = resource.prlimit(self._process.pid, what)[1]
+            value = min(value, sys.maxsize if hard == resource.RLIM_INFINITY else hard)
             resource.prlimit(self._process.pid, what, (value, value))
         except ProcessLookupError:
             pass  # it has already ended
 
     def wait(self):
         """{"status": ..., "message": ...}"""
+        if not hasattr(os, "pidfd_open"):  # Python 3.8 of ROS Noetic: notices the end a little later
+            return self._watch(self._has_ended)
         file = os.pidfd_open(self._process.pid)
         try:
-            return self._watch(file)
+            return self._watch(lambda: select.select([file], [], [], POLL)[0])
         finally:
             os.close(file)
 
-    def _watch(self, file):
-        while not select.select([file], [], [], POLL)[0]:
+    def _has_ended(self):
+        try:
+            self._process.wait(POLL)
+            return True
+        except subprocess.TimeoutExpired:
+            return False
+
+    def _watch(self, has_ended):
+        while not has_ended():
             if self._stop():
                 self._kill()
                 raise Stopped()

@@ -89,6 +89,17 @@ class OneRecordingCannotEndTheBatch(Batch):
         self.assertIn('href="maps/crash/log.txt"', page)
         self.assertEqual([path.name for path in (self.out / "maps").glob(".*")], [])
 
+    def test_without_pidfd_as_in_the_python_of_noetic(self):
+        for name in ("hang", "good"):
+            self.log(name + ".clf")
+        run = "import os, runpy, sys; del os.pidfd_open; del sys.argv[0]; " \
+              "runpy.run_path(sys.argv[0], run_name='__main__')"
+        batch = subprocess.run([sys.executable, "-c", run, BATCH, str(self.logs), "--output",
+                                str(self.out), "--timeout", "1", "--memory", "1e300"],
+                               capture_output=True, text=True, check=False, env=self.environment)
+        self.assertEqual(batch.returncode, 1, batch.stderr)
+        self.assertEqual([self.row(name)["status"] for name in ("good", "hang")], ["ok", "timeout"])
+
     def test_allowed_failures(self):
         self.log("broken.clf")
         self.log("good.clf")
@@ -300,6 +311,8 @@ class Finding(Batch):
         self.batch("--resume", "--truth", "reference:../truth/{name}.txt")
         self.assertEqual((self.row("a")["ate_m"], self.row("topic")["ate_m"]), (0.01, None))
         self.assertIn("a rule is relations:PATTERN", self.batch("--resume", "--truth", "x", code=1))
+        text = self.batch("--resume", "--truth", "reference:{name}.txt", "--truth", "topic:/x", code=1)
+        self.assertIn(f"by a file such as {self.logs}/a.txt or a topic /x", text)
 
 
 class WaitingForSlurm(unittest.TestCase):
