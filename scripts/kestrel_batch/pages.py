@@ -2,6 +2,7 @@
 """Man page and completion for bash of map_batch, made from its options."""
 
 import argparse
+import re
 
 
 def roff(text):
@@ -16,7 +17,7 @@ def options_of(parser):
 
 def man_page(parser):
     lines = [f".TH {parser.prog.upper()} 1 \"\" \"kestrel_slam\"", ".SH NAME",
-             f"{parser.prog} \\- {roff(parser.description.split('.')[0])}", ".SH SYNOPSIS",
+             f"{parser.prog} \\- {roff(re.split(r'[.]( |$)', parser.description)[0])}", ".SH SYNOPSIS",
              f".B {parser.prog}", "[options] FOLDER|LIST|RECORDING... \\-\\-output DIR",
              ".SH DESCRIPTION", roff(parser.description), ".SH OPTIONS"]
     for action in options_of(parser):
@@ -30,9 +31,17 @@ def bash_completion(parser):
     names = " ".join(name for action in options_of(parser) for name in action.option_strings
                      if name.startswith("--"))
     function = f"_kestrel_slam_{parser.prog}"
+    values = "".join(f"    {action.option_strings[-1]}) words=\"{action.metavar.replace('|', ' ')}\" ;;\n"
+                     for action in options_of(parser)
+                     if action.option_strings and action.metavar and "|" in action.metavar)
     return (f"# Completion of {parser.prog} for bash: source this file.\n{function}() {{\n"
-            "  local current=${COMP_WORDS[COMP_CWORD]}\n"
-            f"  [[ $current == -* ]] && COMPREPLY=($(compgen -W \"{names}\" -- \"$current\"))\n"
+            "  local current=${COMP_WORDS[COMP_CWORD]} words=\"\"\n"
+            "  case ${COMP_WORDS[COMP_CWORD - 1]} in\n" + values +
+            "    --set) words=$(\"$1\" --list-parameters 2>/dev/null |\n"
+            "      sed -n 's/^\\([a-z0-9_]*\\): .*/\\1=/p') ;;\n"
+            f"    *) [[ $current == -* ]] && words=\"{names}\" ;;\n  esac\n"
+            "  COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n"
+            "  [[ ${COMPREPLY[0]} == *= ]] && compopt -o nospace\n"
             f"}}\ncomplete -o default -F {function} {parser.prog}\n")
 
 

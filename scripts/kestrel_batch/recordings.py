@@ -2,9 +2,11 @@
 """Finds the recordings of a batch, the bags that belong together, and the ground truth."""
 
 import collections
+import concurrent.futures
 import dataclasses
 import fnmatch
 import json
+import os
 import pathlib
 import re
 import subprocess
@@ -16,9 +18,11 @@ ENDINGS = (".bag", ".clf", ".log", ".csv", ".dat", ".txt")
 # A file with one of these names was meant as a recording, even if it is damaged or of ROS 2.
 # map_recording says what is wrong with it.
 MEANT = (".bag", ".bag.active", ".clf", ".db3", ".mcap")
-FILES_PER_CALL = 200
-# A bag that begins at most so long after the end of the bag before it is its next part, s.
+FILES_PER_CALL = 100
+# A bag that begins at most so long after the end of the bag before it is its next part, s. The first
+# message of a part may be older than the last one before it: they come from several threads.
 LONGEST_GAP = 2.0
+LONGEST_OVERLAP = 0.1
 
 DEFAULT_RULES = ("relations:{name}.relations", "reference:{name}.reference.tum",
                  "reference:{name}.truth.tum", "reference:{name}_truth.tum",
@@ -56,14 +60,21 @@ def is_meant(path):
 
 def info_of(tools, paths):
     """What recording_info says about each file."""
-    infos = {}
-    for first in range(0, len(paths), FILES_PER_CALL):
-        part = [str(path) for path in paths[first:first + FILES_PER_CALL]]
-        run = subprocess.run([str(tools / "recording_info"), "--json", "--", *part],
+    cores = len(os.sched_getaffinity(0))
+    size = max(1, min(FILES_PER_CALL, -(-len(paths) // cores)))
+    parts = [[str(path) for path in paths[first:first + size]]
+             for first in range(0, len(paths), size)]
+
+    def ask(part):
+        run = subprocess.run([str(tools / "recording_info"), "--json", "--quick", "--", *part],
                              capture_output=True, text=True, check=False)
-        for path, line in zip(part, run.stdout.splitlines()):
-            infos[path] = json.loads(line)
-    return infos
+        lines = run.stdout.splitlines()
+        if run.returncode != 0 and len(part) > 1:  # one of them ended it
+            return [pair for path in part for pair in ask([path])]
+        return list(zip(part, map(json.loads, lines)))
+
+    with concurrent.futures.ThreadPoolExecutor(cores) as pool:
+        return dict(pair for pairs in pool.map(ask, parts) for pair in pairs)
 
 
 class Finder:
@@ -71,7 +82,8 @@ class Finder:
 
     def __init__(self, tools, rules):
         self._tools = tools
-        self._rules = [parse_rule(rule) for rule in rules]
+        self._rules = [parse_rule(rule) for rule in rules or DEFAULT_RULES]
+        self._asked_for_truth = bool(rules)
         self._infos = {}
 
     def find(self, arguments):
@@ -88,13 +100,29 @@ class Finder:
                 groups += [(path.parent, files) for files in self._in_list(path)]
         recordings = [Recording("", [str(file) for file in files]) for _, files in groups]
         name_all(recordings, [root for root, _ in groups])
+        if any(kind == "topic" for kind, _ in self._rules):
+            self._load([recording.files[0] for recording in recordings])
         for recording in recordings:
             self._add_truth(recording)
+        if self._asked_for_truth and not any(recording.relations or recording.reference
+                                             for recording in recordings):
+            raise BatchError(f"--truth: no recording has a ground truth by {self._places(recordings)}")
         return without_references(recordings)
 
+    def _places(self, recordings):
+        """Where the ground truth of the first recording would be."""
+        first = pathlib.Path(recordings[0].files[0])
+        return " or ".join(f"a topic {pattern}" if kind == "topic" else
+                           f"a file such as {first.parent / pattern.format(name=stem(first))}"
+                           for kind, pattern in self._rules)
+
+    def _load(self, paths):
+        """Many files at once: each start of a program takes as long as to look at several bags."""
+        self._infos.update(info_of(self._tools,
+                                   [path for path in paths if str(path) not in self._infos]))
+
     def _info(self, path):
-        if str(path) not in self._infos:
-            self._infos.update(info_of(self._tools, [path]))
+        self._load([path])
         return self._infos.get(str(path), {"format": "", "topics": {}})
 
     def _in_folder(self, folder):
@@ -103,7 +131,7 @@ class Finder:
         files = sorted(path for path in folder.rglob("*") if path.is_file()
                        and not results.intersection(path.parents)
                        and not any(part.startswith(".") for part in path.relative_to(folder).parts))
-        self._infos.update(info_of(self._tools, files))
+        self._load(files)
         chosen = [path for path in files if self._info(path)["format"] or is_meant(path)]
         if not chosen:
             raise BatchError(f"{folder}: there is no recording in this folder")
@@ -146,7 +174,7 @@ class Finder:
             info, key, number = self._info(path), *part_of(path)
             before = open_parts.get(key)
             if (before and number == before[0] + 1
-                    and 0.0 <= info.get("begin_s", 0.0) - before[1] <= LONGEST_GAP):
+                    and -LONGEST_OVERLAP <= info.get("begin_s", 0.0) - before[1] <= LONGEST_GAP):
                 group = before[2]
                 group.append(path)
             else:
@@ -212,7 +240,7 @@ def name_all(recordings, roots):
     paths = []
     for recording, root in zip(recordings, roots):
         first = pathlib.Path(recording.files[0])
-        below = first.relative_to(root) if first.is_relative_to(root) else pathlib.Path(first.name)
+        below = first.relative_to(root) if root in first.parents else pathlib.Path(first.name)
         paths.append(below)
         short = part_of(first)[0][1] if len(recording.files) > 1 else stem(first)
         recording.name = clean("__".join([*below.parts[:-1], short or stem(first)]))

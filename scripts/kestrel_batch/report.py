@@ -61,6 +61,10 @@ def sentence_of(change):
              f"{cell(change[name][1], unit, decimals)} {unit}".rstrip()
              for name, title, unit, decimals in CHANGED
              if change[name][0] != change[name][1] and None not in change[name]]
+    parts += [f"no {title} any more" for name, title, _, _ in CHANGED
+              if name in summary.TRUTH and None not in change["status"]
+              and change[name][0] is not None and change[name][1] is None
+              and change["status"][1] == "ok"]
     if change["status"][0] != change["status"][1]:
         parts.insert(0, " -> ".join(change["status"]))
     return f"{change['name']}: {', '.join(parts)}"

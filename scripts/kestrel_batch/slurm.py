@@ -93,9 +93,12 @@ def wait_for(job, plan, quiet):
 
 
 def is_queued(job):
+    """A controller that does not answer is asked again: its tasks may still run."""
     run = subprocess.run(["squeue", "--noheader", "--jobs", job], capture_output=True, text=True,
                          check=False)
-    return run.returncode == 0 and bool(run.stdout.strip())
+    if run.returncode != 0:
+        return "Invalid job id" not in run.stderr
+    return bool(run.stdout.strip())
 
 
 def run_task(folder, listing):

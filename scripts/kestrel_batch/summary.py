@@ -65,7 +65,7 @@ def summarize(plan):
     """Everything that summary.json holds."""
     rows = [row_of(plan, recording) for recording in plan["recordings"]]
     summary = {"options": plan["options"], "limits": plan["limits"],
-               "totals": totals_of(rows), "missed": missed_limits(plan["limits"], rows),
+               "totals": totals_of(rows), "missed": missed_limits(plan, rows),
                "recordings": rows}
     if plan["compare"]:
         summary["comparison"] = compare(plan["compare"], rows)
@@ -86,14 +86,23 @@ def totals_of(rows):
     return totals
 
 
-def missed_limits(limits, rows):
+# The error that a ground truth of this kind gives.
+TRUTH = {"relations_m": "relations", "ate_m": "reference"}
+
+
+def missed_limits(plan, rows):
     """One sentence for each limit and recording that misses it."""
     missed = []
-    for name, limit in limits.items():
+    for name, limit in plan["limits"].items():
         if name == "failed" or limit is None:
             continue
         checked = [row for row in rows if row[name] is not None]
-        if not checked:
+        unknown = [row["name"] for row, recording in zip(rows, plan["recordings"])
+                   if row[name] is None and row["status"] == "ok"
+                   and name in TRUTH and recording[TRUTH[name]]]
+        missed += [f"{row_name}: {name} is not known, although there is a ground truth: the "
+                   f"limit {limit:g} cannot be checked" for row_name in unknown]
+        if not checked and not unknown:
             missed.append(f"{name}: the limit {limit:g} cannot be checked, because no recording "
                           "has this value")
         missed += [f"{row['name']}: {name} is {row[name]:g}, limit {limit:g}" for row in checked
@@ -110,11 +119,6 @@ def exit_code(summary):
     if summary["totals"]["failed"] <= (allowed or 0):
         return 0
     return 1 if allowed is None else 3
-
-
-def error_of(row):
-    """The error by which two results are compared."""
-    return row["relations_m"] if row.get("relations_m") is not None else row.get("ate_m")
 
 
 def compare(old_folder, rows):
@@ -159,9 +163,9 @@ def badness_of(old, new):
     failed = (new["status"] != "ok") - (old["status"] != "ok")
     if failed or new["status"] != "ok":
         return 1000.0 * failed
-    badness = 0.0
-    if error_of(old) and error_of(new) is not None:
-        badness = error_of(new) / error_of(old) - 1.0
+    if any(old.get(name) is not None and new[name] is None for name in TRUTH):
+        return 100.0  # without its error, the result may be anything
+    badness = next((new[name] / old[name] - 1.0 for name in TRUTH if old.get(name)), 0.0)
     lost = ((new["lost_share"] or 0.0) - (old["lost_share"] or 0.0)) * CLEAR_ERROR / CLEAR_LOST
     return max(badness, lost, key=abs)
 

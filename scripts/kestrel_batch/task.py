@@ -7,11 +7,13 @@ import json
 import os
 import pathlib
 import re
+import resource
 import select
 import shutil
 import signal
 import socket
 import subprocess
+import sys
 import time
 
 from .tools import read_json, write_json
@@ -134,22 +136,41 @@ class Process:
     def __init__(self, command, log, plan, stop):
         self._plan, self._stop, self._log = plan, stop, log
         self._begin = time.monotonic()
-        limit = int(plan["memory_mb"] * MEGABYTE)
         # setpriv: the program ends with this process, even if that is killed.
-        limits = ["prlimit", f"--data={limit}", "--core=0", "setpriv", "--pdeathsig", "KILL", "--"]
-        self._process = subprocess.Popen([*limits, *command], stdin=subprocess.DEVNULL, stdout=log,
+        self._process = subprocess.Popen(["setpriv", "--pdeathsig", "KILL", "--", *command],
+                                         stdin=subprocess.DEVNULL, stdout=log,
                                          stderr=subprocess.STDOUT, start_new_session=True)
+        self._limit(resource.RLIMIT_DATA, int(plan["memory_mb"] * MEGABYTE))
+        self._limit(resource.RLIMIT_CORE, 0)
+
+    def _limit(self, what, value):
+        """From here, because one more program in between would cost a millisecond each."""
+        try:
+            hard = resource.prlimit(self._process.pid, what)[1]
+            value = min(value, sys.maxsize if hard == resource.RLIM_INFINITY else hard)
+            resource.prlimit(self._process.pid, what, (value, value))
+        except ProcessLookupError:
+            pass  # it has already ended
 
     def wait(self):
         """{"status": ..., "message": ...}"""
+        if not hasattr(os, "pidfd_open"):  # Python 3.8 of ROS Noetic: notices the end a little later
+            return self._watch(self._has_ended)
         file = os.pidfd_open(self._process.pid)
         try:
-            return self._watch(file)
+            return self._watch(lambda: select.select([file], [], [], POLL)[0])
         finally:
             os.close(file)
 
-    def _watch(self, file):
-        while not select.select([file], [], [], POLL)[0]:
+    def _has_ended(self):
+        try:
+            self._process.wait(POLL)
+            return True
+        except subprocess.TimeoutExpired:
+            return False
+
+    def _watch(self, has_ended):
+        while not has_ended():
             if self._stop():
                 self._kill()
                 raise Stopped()

@@ -39,10 +39,11 @@ int main(int argc, char** argv) {
   using namespace kestrel;
   CLI::App app("Shows what files are: the format of a recording, the topics and times of a bag.");
   std::vector<std::string> files;
-  bool json = false;
+  bool json = false, quick = false;
   app.add_option("FILE", files, "files of any kind")->required();
   app.add_flag("--json", json, "print one line of JSON per file");
+  app.add_flag("--quick", quick, "bags: read only the index at the end; does not find damage");
   return runTool("recording_info", app, argc, argv, [&] {
-    for (const std::string& file : files) (json ? printJson : print)(file, infoOf(file));
+    for (const std::string& file : files) (json ? printJson : print)(file, infoOf(file, quick));
   });
 }

@@ -29,6 +29,9 @@ TEST(ToolPagesTest, BashCompletesOptionsValuesAndParameters) {
   EXPECT_EQ(completionsOf(kTool, "map_recording --odometry \"\"", 2), "none use\n");
   EXPECT_EQ(completionsOf(kTool, "map_recording --set map_resol", 2), "map_resolution=\n");
   EXPECT_EQ(completionsOf(kMapBatch, "map_batch --max-r", 1), "--max-relations\n");
+  EXPECT_EQ(completionsOf(kMapBatch, "map_batch --loops \"\"", 2), "none use\n");
+  setenv("KESTREL_TOOLS", KESTREL_TOOL_DIR, 1);
+  EXPECT_EQ(completionsOf(kMapBatch, "map_batch --set map_resol", 2), "map_resolution=\n");
   EXPECT_EQ(completionsOf(kMerger, "map_merger _ses", 1), "_sessions:=\n");
 }
 
@@ -46,6 +49,7 @@ TEST(ToolPagesTest, ManPagesListEveryOption) {
     EXPECT_CONTAINS(page, "\\-\\-output");
     EXPECT_CONTAINS(page, "\\-\\-scan\\-topic");
   }
+  EXPECT_CONTAINS(runCommand(kMapBatch + " --man-page").output, "summary.json)\n.SH SYNOPSIS");
 }
 
 }  // namespace

@@ -114,6 +114,14 @@ class Slurm:
             self._daemons[name].wait()
 
 
+def slowness():
+    """How much longer work takes because of what else runs here."""
+    begin, cpu = time.monotonic(), time.process_time()
+    while time.process_time() - cpu < 0.3:
+        pass
+    return max(1.0, (time.monotonic() - begin) / 0.3)
+
+
 class SlurmBatch(Batch):
     def setUp(self):
         super().setUp()
@@ -152,11 +160,13 @@ class SlurmBatch(Batch):
     def test_overhead_of_a_task(self):
         for number in range(10):
             self.log(f"{number}.clf", number)
-        begin = time.monotonic()
+        before, begin = slowness(), time.monotonic()
         self.batch("--slurm", "--memory", "500", "-j", "2")
         seconds = time.monotonic() - begin
-        print(f"ten empty tasks: {seconds:.1f} s", file=sys.stderr)
-        self.assertLess(seconds / 10, 1.0 + 0.5, "with starting and ending the batch")
+        busy = max(before, slowness())
+        print(f"ten empty tasks: {seconds:.1f} s; the machine takes {busy:.1f} times as long as an "
+              "idle one", file=sys.stderr)
+        self.assertLess(seconds / 10 / busy, 1.0, "with starting and ending the batch")
 
 
 if __name__ == "__main__":

@@ -6,70 +6,22 @@ recording. test/commands/map_batch_test.cpp maps real recordings."""
 import json
 import os
 import pathlib
+import pty
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-BATCH = str(ROOT / "scripts" / "map_batch")
+sys.path.insert(0, str(ROOT / "scripts"))
+# pylint: disable=wrong-import-position
+from batch_stand_ins import EVALUATE, MAP_RECORDING, RECORDING_INFO  # noqa: E402
+from kestrel_batch import slurm  # noqa: E402
 
-# Writes the files of a mapped recording; the first word of the recording is its error in mm.
-MAP_RECORDING = r"""#!/usr/bin/python3
-import json, os, signal, sys, time
-if "--list-parameters" in sys.argv:
-    sys.exit("map_recording: unknown parameter 'nonsense'" if "nonsense=1" in sys.argv else 0)
-output, file = sys.argv[sys.argv.index("--output") + 1], sys.argv[-1]
-name = os.path.basename(file)
-with open(os.environ["CALLS"], "a") as calls:
-    calls.write(name + "\n")
-if name.startswith("crash"):
-    os.kill(os.getpid(), signal.SIGSEGV)
-if name.startswith("hang"):
-    time.sleep(600)
-if name.startswith("memory"):
-    try:
-        bytearray(1 << 31)
-    except MemoryError:
-        sys.exit("map_recording: std::bad_alloc")
-if name.startswith("broken"):
-    sys.exit("map_recording: " + file + ": is not a valid bag")
-time.sleep(float(os.environ.get("SLOW", "0")))
-error = float(open(file).readline()) / 1000.0
-os.makedirs(output)
-for part in ("map.pgm", "report.html", "trajectory.tum", "scans.csv"):
-    open(output + "/" + part, "w").write(str(error))
-json.dump({"version": "1", "commit": "c0ffee", "parameters_hash": "p",
-           "recording": {"hash": name}, "distance_m": 2.0, "duration_s": 3.0,
-           "scans": {"processed": 10, "dropped": {"late": 1}}, "warnings": [],
-           "match": {"share_lost": 0.5 if name.startswith("lost") else 0.0,
-                     "share_degraded": 0.0}, "map": {"known_area_m2": 1.0}},
-          open(output + "/stats.json", "w"))
-"""
-EVALUATE = r"""#!/usr/bin/python3
-import json, sys
-error = float(open(sys.argv[1]).read())
-statistics = {"translation_m": {"mean": error, "rmse": error}}
-answer = {}
-if "--relations" in sys.argv:
-    answer["relations"] = {"all": statistics, "over_60_s": statistics}
-if "--reference" in sys.argv:
-    answer["reference"] = {"ate": statistics}
-json.dump(answer, open(sys.argv[sys.argv.index("--json") + 1], "w"))
-"""
-# Every file that begins with a number is a recording. Bags have their times in the second line.
-RECORDING_INFO = r"""#!/usr/bin/python3
-import json, sys
-for path in sys.argv[3:]:
-    lines = open(path, errors="replace").read().split("\n")
-    number = lines[0].replace(".", "").isdigit()
-    bag = path.endswith(".bag") and number
-    begin, end = map(float, lines[1].split()) if bag and len(lines) > 1 and lines[1] else (0, 0)
-    topics = {"/ground_truth": {"type": "nav_msgs/Odometry", "messages": 9}} if "topic" in path else {}
-    print(json.dumps({"path": path, "format": "rosbag" if bag else "CARMEN log" if number else "",
-                      "begin_s": begin, "end_s": end, "topics": topics, "problem": ""}))
-"""
+BATCH = str(ROOT / "scripts" / "map_batch")
 
 
 class Batch(unittest.TestCase):
@@ -85,7 +37,9 @@ class Batch(unittest.TestCase):
             (tools / name).write_text(text)
             (tools / name).chmod(0o755)
         self.calls = self.folder / "calls"
-        self.environment = {**os.environ, "KESTREL_TOOLS": str(tools), "CALLS": str(self.calls)}
+        self.asked = self.folder / "asked"
+        self.environment = {**os.environ, "KESTREL_TOOLS": str(tools), "CALLS": str(self.calls),
+                            "ASKED": str(self.asked)}
 
     def tearDown(self):
         self._folder.cleanup()
@@ -135,6 +89,17 @@ class OneRecordingCannotEndTheBatch(Batch):
         self.assertIn('href="maps/crash/log.txt"', page)
         self.assertEqual([path.name for path in (self.out / "maps").glob(".*")], [])
 
+    def test_without_pidfd_as_in_the_python_of_noetic(self):
+        for name in ("hang", "good"):
+            self.log(name + ".clf")
+        run = "import os, runpy, sys; del os.pidfd_open; del sys.argv[0]; " \
+              "runpy.run_path(sys.argv[0], run_name='__main__')"
+        batch = subprocess.run([sys.executable, "-c", run, BATCH, str(self.logs), "--output",
+                                str(self.out), "--timeout", "1", "--memory", "1e300"],
+                               capture_output=True, text=True, check=False, env=self.environment)
+        self.assertEqual(batch.returncode, 1, batch.stderr)
+        self.assertEqual([self.row(name)["status"] for name in ("good", "hang")], ["ok", "timeout"])
+
     def test_allowed_failures(self):
         self.log("broken.clf")
         self.log("good.clf")
@@ -146,6 +111,26 @@ class OneRecordingCannotEndTheBatch(Batch):
         text = self.batch("--set", "nonsense=1", code=1)
         self.assertIn("unknown parameter 'nonsense'", text)
         self.assertFalse(self.out.exists())
+
+
+class Terminal(Batch):
+    def test_one_progress_bar_for_all(self):
+        self.log("a.clf")
+        self.log("b.clf")
+        ours, theirs = pty.openpty()
+        with subprocess.Popen([BATCH, str(self.logs), "--output", str(self.out), "-j", "1"],
+                              env={**self.environment, "SLOW": "1"}, stderr=theirs,
+                              stdout=subprocess.DEVNULL) as process:
+            os.close(theirs)
+            shown = b""
+            try:
+                while part := os.read(ours, 4096):
+                    shown += part
+            except OSError:  # a terminal that nobody has any more
+                pass
+        os.close(ours)
+        self.assertEqual(process.returncode, 0)
+        self.assertIn(b"[" + 12 * b"#" + 12 * b" " + b"] 1/2, 0:0", shown)
 
 
 class Resume(Batch):
@@ -215,6 +200,20 @@ class Limits(Batch):
         self.batch("--resume", "--max-lost", "0.5")
         self.batch("--resume", "--max-lost", "0.4", code=3)
 
+    def test_an_error_that_is_not_known_misses_the_limit(self):
+        self.log("a.clf", 10)
+        self.log("b.clf", 999)
+        self.log("none.clf", relations=False)
+        self.batch()
+        text = self.batch("--resume", "--max-relations", "0.031", code=3)
+        self.assertIn("b: relations_m is not known", text)
+        self.assertNotIn("none: relations_m", text)
+
+    def test_limits_are_numbers(self):
+        for option, value in (("--max-ate", "nan"), ("--memory", "inf"), ("--timeout", "inf"),
+                              ("--max-failed", "-1"), ("--max-lost", "nan"), ("-j", "0")):
+            self.assertIn(option, self.batch(option, value, code=2))
+
 
 class Comparison(Batch):
     def test_worse_results_come_first(self):
@@ -236,11 +235,21 @@ class Comparison(Batch):
         page = (self.out / "index.html").read_text()
         self.assertLess(page.index("0.0100 → 0.0200"), page.index("<h2>Recordings"))
 
+    def test_an_error_that_is_gone_is_worse(self):
+        self.log("a.clf")
+        self.log("same.clf")
+        self.batch()
+        self.out.rename(self.folder / "old")
+        self.log("a.clf", 999)
+        text = self.batch("--compare", str(self.folder / "old"))
+        self.assertIn("1 worse, 0 better", text)
+        self.assertIn("a: no relations any more", text)
+
 
 class Finding(Batch):
     def test_split_bags_are_one_recording(self):
         self.log("run_0.bag", text="100 160")
-        self.log("run_1.bag", text="160.1 200")
+        self.log("run_1.bag", text="159.999 200")  # its first message waited for a thread
         self.log("run_2.bag", text="900 960")  # another flight: there is a pause
         self.log("r_2020-01-01-10-00-00_0.bag", text="100 160")
         self.log("r_2020-01-01-10-01-00_1.bag", text="160.1 200")
@@ -274,6 +283,22 @@ class Finding(Batch):
         self.out = self.folder / "other"
         self.assertIn(f"list:1: {folder}/missing.bag does not exist", self.batch(code=1))
 
+    def test_a_file_that_ends_recording_info_hides_no_other(self):
+        for name in ("a.clf", "kills_info.log", "z.clf"):
+            self.log(name)
+        self.batch()
+        self.assertEqual(self.names(), ["a", "z"])
+
+    def test_topics_of_a_list_are_asked_for_at_once(self):
+        for name in "abcdefgh":
+            self.log(f"topic_{name}.bag", text="1 2", relations=False)
+        listing = self.folder / "list"
+        listing.write_text("\n".join(map(str, sorted(self.logs.glob("*.bag")))))
+        self.logs = listing
+        self.batch()
+        self.assertEqual({row["ate_m"] for row in self.summary()["recordings"]}, {0.01})
+        self.assertLess(len(self.asked.read_text().splitlines()), 8)
+
     def test_ground_truth_by_rule(self):
         self.log("a.clf", relations=False)
         self.log("topic.bag", text="1 2", relations=False)
@@ -286,6 +311,23 @@ class Finding(Batch):
         self.batch("--resume", "--truth", "reference:../truth/{name}.txt")
         self.assertEqual((self.row("a")["ate_m"], self.row("topic")["ate_m"]), (0.01, None))
         self.assertIn("a rule is relations:PATTERN", self.batch("--resume", "--truth", "x", code=1))
+        text = self.batch("--resume", "--truth", "reference:{name}.txt", "--truth", "topic:/x", code=1)
+        self.assertIn(f"by a file such as {self.logs}/a.txt or a topic /x", text)
+
+
+class WaitingForSlurm(unittest.TestCase):
+    def test_only_a_job_that_is_gone_is_at_its_end(self):
+        answers = (("echo 7 test map_batch", True), ("true", False),
+                   ("echo 'slurm_load_jobs error: Invalid job id specified' >&2; exit 1", False),
+                   ("echo 'slurm_load_jobs error: Unable to contact slurm controller' >&2; exit 1",
+                    True))
+        with tempfile.TemporaryDirectory() as folder:
+            squeue = pathlib.Path(folder) / "squeue"
+            for answer, queued in answers:
+                squeue.write_text(f"#!/bin/sh\n{answer}\n")
+                squeue.chmod(0o755)
+                with unittest.mock.patch.dict(os.environ, PATH=f"{folder}:{os.environ['PATH']}"):
+                    self.assertEqual(slurm.is_queued("7"), queued, answer)
 
 
 if __name__ == "__main__":

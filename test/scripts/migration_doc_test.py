@@ -61,6 +61,10 @@ class MigrationDocTest(unittest.TestCase):
             with self.subTest(section=section):
                 self.assertEqual(missing, [])
 
+    def test_what_is_not_there_has_a_reason(self):
+        text = (ROOT / "doc" / "migration.md").read_text()
+        self.assertEqual(re.findall(r"^.*\| *no *\|$", text, re.MULTILINE), [])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -112,12 +112,12 @@ class Browser:
             time.sleep(0.05)
         return True
 
-    def open(self, file, width, height=900):
+    def open(self, file, width, height=900,
+             ready="typeof view !== 'undefined' && !!view.image"):
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height,
                   deviceScaleFactor=1, mobile=width < 500)
         self.call("Page.navigate", url=pathlib.Path(file).resolve().as_uri())
-        return self.wait_for("document.readyState === 'complete' && "
-                             "typeof view !== 'undefined' && !!view.image")
+        return self.wait_for("document.readyState === 'complete' && " + ready)
 
     def frame(self):
         """Waits until what was asked for is painted."""
@@ -132,7 +132,7 @@ class Browser:
 
     def key(self, key, text=""):
         codes = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, " ": 32,
-                 "Tab": 9, "End": 35, "Home": 36}
+                 "Tab": 9, "Enter": 13, "End": 35, "Home": 36}
         code = codes.get(key, ord(key) if len(key) == 1 else 0)
         self.call("Input.dispatchKeyEvent", type="keyDown", key=key, text=text,
                   windowsVirtualKeyCode=code)

@@ -24,7 +24,8 @@ struct RecordingInfo {
   std::map<std::string, Topic> topics;  ///< bags
 };
 
-/// Never throws: what is wrong with the file is in `problem`.
-RecordingInfo infoOf(const std::string& path);
+/// Never throws: what is wrong with the file is in `problem`. `quick`: of a bag only the index at
+/// its end is read, so that damage before it is not found.
+RecordingInfo infoOf(const std::string& path, bool quick = false);
 
 }  // namespace kestrel
