@@ -2,52 +2,53 @@
 #include "kestrel_slam/experiments/joining_time.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "kestrel_slam/merging/joint_map.h"
+#include "kestrel_slam/merging/overlap.h"
 
 namespace kestrel {
 namespace {
-
-constexpr double kNearViewM = 3.0;
 
 double secondsOf(const VehicleMap& map, std::size_t keyframe) {
   return map.keyframes[keyframe].keyframe->time - map.keyframes.front().keyframe->time;
 }
 
-double endOf(const VehicleMap& map) { return secondsOf(map, map.keyframes.size() - 1); }
-
-/// Number of keyframes that were there after `seconds`.
-std::size_t countAt(const VehicleMap& map, double seconds) {
+VehicleMap mapAt(const VehicleMap& map, double seconds) {
   std::size_t count = 0;
   while (count < map.keyframes.size() && secondsOf(map, count) <= seconds) ++count;
-  return count;
+  return grownTo(map, count);
 }
 
-/// When a vehicle came near a place for the first time. `poses`: of its keyframes.
-std::optional<double> firstNear(const VehicleMap& map, const std::vector<Pose2>& poses,
-                                const Pose2& place) {
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (place.between(poses[i]).distance() <= kNearViewM) return secondsOf(map, i);
+/// Finds common views, with the poses of the end.
+class CommonViews {
+ public:
+  CommonViews(const SlamConfig& config, const MergeResult& whole)
+      : config_(config.mapper), matcher_(config.mapper.matcher, config.loops), whole_(whole) {}
+
+  void look(const std::vector<VehicleMap>& maps, double now, std::vector<JoiningTime>& times) {
+    std::vector<const VehicleMap*> pointers;
+    std::vector<PoseVertex> poses;
+    for (std::size_t v = 0; v < maps.size(); ++v) {
+      pointers.push_back(&maps[v]);
+      for (std::size_t i = 0; i < maps[v].poses.size(); ++i) poses.push_back({whole_.poses[v][i]});
+    }
+    JointMap joint(config_, pointers);
+    const auto sees = [&](std::size_t a, std::size_t b) {
+      return !compareOverlap(joint, matcher_, poses, a, b, memory_).agreeing.empty();
+    };
+    for (JoiningTime& time : times) {
+      const bool together = whole_.group[time.a] == whole_.group[time.b];
+      if (together && !time.seen_s && (sees(time.a, time.b) || sees(time.b, time.a)))
+        time.seen_s = now;
+    }
   }
-  return std::nullopt;
-}
 
-/// A keyframe by its number in the joint graph.
-struct Numbered {
-  std::size_t vehicle, keyframe;
+ private:
+  MapperConfig config_;
+  LoopMatcher matcher_;
+  const MergeResult& whole_;
+  SearchMemory memory_;
 };
-
-Numbered numbered(const std::vector<MappedVehicle>& vehicles, std::size_t vertex) {
-  std::size_t vehicle = 0;
-  while (vertex >= vehicles[vehicle].map.keyframes.size())
-    vertex -= vehicles[vehicle++].map.keyframes.size();
-  return {vehicle, vertex};
-}
-
-JoiningTime& timeOf(std::vector<JoiningTime>& times, std::size_t a, std::size_t b) {
-  return *std::find_if(times.begin(), times.end(), [&](const JoiningTime& time) {
-    return time.a == std::min(a, b) && time.b == std::max(a, b);
-  });
-}
 
 double offOf(const MergeResult& now, const MergeResult& whole, const JoiningTime& time) {
   const std::size_t last = now.poses[time.b].size() - 1;
@@ -59,56 +60,35 @@ double offOf(const MergeResult& now, const MergeResult& whole, const JoiningTime
 
 }  // namespace
 
-std::vector<JoiningTime> commonViews(const std::vector<MappedVehicle>& vehicles,
-                                     const MergeResult& whole) {
+std::vector<JoiningTime> measureJoining(const std::vector<MappedVehicle>& vehicles,
+                                        const SlamConfig& config, double every_s) {
+  MapMerger at_end(config.mapper, config.loops), merger(config.mapper, config.loops);
+  double end = 0.0;
+  for (const MappedVehicle& vehicle : vehicles) {
+    at_end.update(vehicle.map);
+    end = std::max(end, secondsOf(vehicle.map, vehicle.map.keyframes.size() - 1));
+  }
+  const MergeResult whole = at_end.merge();
   std::vector<JoiningTime> times;
   for (const PairResult& pair : whole.pairs) {
     times.emplace_back();
     times.back().a = pair.a;
     times.back().b = pair.b;
   }
-  for (const PoseEdge& edge : whole.graph.edges) {
-    const Numbered from = numbered(vehicles, edge.from), to = numbered(vehicles, edge.to);
-    if (from.vehicle == to.vehicle) continue;
-    for (const auto& [view, other] : {std::pair{from, to}, std::pair{to, from}}) {
-      const std::optional<double> near =
-          firstNear(vehicles[other.vehicle].map, whole.poses[other.vehicle],
-                    whole.poses[view.vehicle][view.keyframe]);
-      if (!near) continue;
-      const double both = std::max(*near, secondsOf(vehicles[view.vehicle].map, view.keyframe));
-      std::optional<double>& seen = timeOf(times, view.vehicle, other.vehicle).seen_s;
-      seen = std::min(seen.value_or(both), both);
-    }
-  }
-  return times;
-}
-
-std::vector<JoiningTime> measureJoining(
-    const std::vector<MappedVehicle>& vehicles, const SlamConfig& config, double every_s,
-    const std::function<void(double, const MergeResult&)>& show) {
-  MapMerger at_end(config.mapper, config.loops), merger(config.mapper, config.loops);
-  double end = 0.0;
-  for (const MappedVehicle& vehicle : vehicles) {
-    at_end.update(vehicle.map);
-    end = std::max(end, endOf(vehicle.map));
-  }
-  const MergeResult whole = at_end.merge();
-  std::vector<JoiningTime> times = commonViews(vehicles, whole);
-  for (double now = every_s; now < end + every_s; now += every_s) {
-    for (const MappedVehicle& vehicle : vehicles)
-      merger.update(grownTo(vehicle.map, countAt(vehicle.map, now)));
+  CommonViews views(config, whole);
+  const auto isOpen = [](const JoiningTime& time) { return !time.joined_s; };
+  for (double now = every_s; now < end + every_s && std::any_of(times.begin(), times.end(), isOpen);
+       now += every_s) {
+    std::vector<VehicleMap> maps;
+    for (const MappedVehicle& vehicle : vehicles) maps.push_back(mapAt(vehicle.map, now));
+    views.look(maps, now, times);
+    for (VehicleMap& map : maps) merger.update(std::move(map));
     const MergeResult merged = merger.merge();
-    if (show) show(now, merged);
-    bool all = true;
     for (JoiningTime& time : times) {
-      const bool joined = merged.group[time.a] == merged.group[time.b];
-      if (joined && !time.joined_s) {
-        time.joined_s = now;
-        time.off_m = offOf(merged, whole, time);
-      }
-      all = all && time.joined_s.has_value();
+      if (!isOpen(time) || merged.group[time.a] != merged.group[time.b]) continue;
+      time.joined_s = now;
+      time.off_m = offOf(merged, whole, time);
     }
-    if (all) break;
   }
   return times;
 }

@@ -154,7 +154,8 @@ TEST(MapMerger, LasersMayDiffer) {
   // One sees 12 m far with a beam every 2 degrees, the other one half of both.
   const VehicleMap coarse = mapOf("b", {}, tour(2, 0), {90, 6.0});
   for (const bool first_is_coarse : {false, true}) {
-    const MergeResult result = first_is_coarse ? merged({coarse, first()}) : merged({first(), coarse});
+    const MergeResult result =
+        first_is_coarse ? merged({coarse, first()}) : merged({first(), coarse});
     const PairResult& pair = result.pairs.front();
     ASSERT_EQ(pair.state, PairState::kJoined) << describe(pair);
     const std::size_t a = first_is_coarse ? 1 : 0;
