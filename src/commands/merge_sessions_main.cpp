@@ -100,6 +100,7 @@ FlightSettings settingsBefore(const std::string& path, std::vector<VehicleMap>& 
                                              Pose2(start.at("x"), start.at("y"), start.at("yaw"))};
     for (const Json& pair : before.at("settings").at("separated"))
       settings.separated.emplace(pair.at(0), pair.at(1));
+    if (!settings.isOf(vehicles)) return {};
     settings.sort(vehicles);
     keepWorld(before, vehicles, settings);
   } catch (const Json::exception&) {

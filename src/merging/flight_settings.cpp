@@ -28,6 +28,12 @@ std::string flightOf(const VehicleMap& map) {
   return text;
 }
 
+bool FlightSettings::isOf(const std::vector<VehicleMap>& vehicles) const {
+  return std::any_of(vehicles.begin(), vehicles.end(), [&](const VehicleMap& vehicle) {
+    return std::find(order.begin(), order.end(), flightOf(vehicle)) != order.end();
+  });
+}
+
 void FlightSettings::sort(std::vector<VehicleMap>& vehicles) const {
   const auto rank = [&](const VehicleMap& vehicle) {
     return std::find(order.begin(), order.end(), flightOf(vehicle)) - order.begin();

@@ -134,6 +134,12 @@ TEST_F(MergeSessionsAgain, WhatTheUserSaidIsTrueForTheFlightsOfThen) {
   status =
       mergeAgain("a=" + west + " b=" + next + " b_before=" + east + starts + " --join b=8,0,0");
   EXPECT_EQ(stateOf(status, "a", "b"), "given");
+  // The next mission, with the same folder and the same starts.
+  building::Variant elsewhere;
+  elsewhere.other_place = true;
+  saveFlight(west, elsewhere, 0, 0);
+  saveFlight(east, elsewhere, 2, 2);
+  EXPECT_EQ(stateOf(mergeAgain("a=" + west + " b=" + east + starts), "a", "b"), "given");
 }
 
 TEST_F(MergeSessionsAgain, SeparatedFlightsStaySeparatedUntilTheyAreJoined) {

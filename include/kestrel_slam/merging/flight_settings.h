@@ -26,6 +26,8 @@ struct FlightSettings {
   std::set<std::pair<std::string, std::string>> separated;  ///< flights
   std::vector<std::string> order;                           ///< flights, as they were merged
 
+  /// Whether any of these flights was merged before. If not, it is another mission.
+  bool isOf(const std::vector<VehicleMap>& vehicles) const;
   /// Flights that were merged before come first, in the order of then: `world` is the map of the
   /// first one.
   void sort(std::vector<VehicleMap>& vehicles) const;
