@@ -4,12 +4,14 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "kestrel_slam/commands/run_tool.h"
 #include "kestrel_slam/evaluation/evaluation.h"
 #include "kestrel_slam/experiments/height_measurement.h"
+#include "kestrel_slam/experiments/joining_time.h"
 #include "kestrel_slam/experiments/merging_measurement.h"
 #include "kestrel_slam/experiments/processor_time.h"
 #include "kestrel_slam/graph/optimizer.h"
@@ -26,6 +28,7 @@ struct Options {
   std::string relations, reference, output, odometry = "none";
   std::vector<std::string> settings;
   std::size_t parts = 1, offices = 0, steps = 0, rooms = 0, heights = 0;
+  double every_s = 0.0;
 };
 
 SlamConfig configOf(const Options& options) {
@@ -188,6 +191,21 @@ void printErrors(const Options& options, const std::vector<MappedVehicle>& vehic
   print("across", across);
 }
 
+/// How long after the first common view the vehicles are joined, if all fly at the same time.
+void measureJoiningTimes(const Options& options, const std::vector<MappedVehicle>& vehicles) {
+  const auto text = [](const std::optional<double>& seconds) {
+    return seconds ? std::to_string(static_cast<long>(*seconds)) : std::string("never");
+  };
+  const auto times = measureJoining(vehicles, configOf(options), options.every_s);
+  std::printf("%-16s %-16s %14s %10s %8s %8s\n", "a", "b", "common view s", "joined s", "later s",
+              "off m");
+  for (const JoiningTime& time : times) {
+    std::printf("%-16s %-16s %14s %10s %8s %8.3f\n", vehicles[time.a].map.name.c_str(),
+                vehicles[time.b].map.name.c_str(), text(time.seen_s).c_str(),
+                text(time.joined_s).c_str(), text(time.later()).c_str(), time.off_m);
+  }
+}
+
 void measureParts(const Options& options, const std::vector<MappedVehicle>& vehicles) {
   const SlamConfig config = configOf(options);
   MapMerger merger(config.mapper, config.loops);
@@ -248,7 +266,7 @@ void measureSteps(const Options& options) {
     std::size_t keyframes = 0;
     for (const VehicleMap& map : maps) {
       VehicleMap grown =
-          grownTo(map, static_cast<double>(step) / static_cast<double>(options.steps));
+          grownTo(map, (map.keyframes.size() * step + options.steps / 2) / options.steps);
       length += lengthOf(grown);
       keyframes += grown.keyframes.size();
       merger.update(std::move(grown));
@@ -272,7 +290,9 @@ void run(const Options& options) {
   if (options.offices > 0) return measureOffices(options);
   if (options.heights > 0) return measureHeights(options);
   const std::vector<MappedVehicle> vehicles = mapAll(options);
-  if (options.parts > 1) {
+  if (options.parts > 1 && options.every_s > 0.0) {
+    measureJoiningTimes(options, vehicles);
+  } else if (options.parts > 1) {
     measureParts(options, vehicles);
   } else {
     measurePairs(options, vehicles);
@@ -309,6 +329,9 @@ int main(int argc, char** argv) {
       "after each");
   app.add_option("--parts", options.parts, "N: number of vehicles that a recording is cut into")
       ->check(CLI::Range(1, 100));
+  app.add_option("--every", options.every_s,
+                 "S: with --parts, all vehicles fly at the same time, and their maps are merged "
+                 "every S seconds; prints how long after the first common view they are joined");
   app.add_option("--relations", options.relations, "relations of the recording, with --parts");
   app.add_option("--reference", options.reference,
                  "trajectory of the recording (TUM format), with --parts");

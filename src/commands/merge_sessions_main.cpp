@@ -13,6 +13,7 @@
 #include "kestrel_slam/commands/run_tool.h"
 #include "kestrel_slam/map/atomic_file.h"
 #include "kestrel_slam/map/map_folder.h"
+#include "kestrel_slam/merging/flight_settings.h"
 #include "kestrel_slam/merging/merged_session.h"
 #include "kestrel_slam/offline/provenance.h"
 #include "kestrel_slam/offline/stats.h"
@@ -37,8 +38,8 @@ constexpr const char* kPage =
     ;
 
 struct Options {
-  std::vector<std::string> sessions, starts, separated, settings;
-  std::string output, cache;
+  std::vector<std::string> sessions, starts, joins, separated, settings;
+  std::string output, cache, before;
 };
 
 /// "uav0=file" or "file": then the name is that of the file, without its ending.
@@ -50,61 +51,119 @@ std::pair<std::string, std::string> nameAndFile(const std::string& argument) {
 }
 
 /// "uav0=x,y,yaw", m and degrees.
-std::map<std::string, Pose2> startsOf(const Options& options) {
+std::map<std::string, Pose2> startsOf(const char* option, const std::vector<std::string>& texts) {
   std::map<std::string, Pose2> starts;
-  for (const std::string& text : options.starts) {
+  for (const std::string& text : texts) {
     double x = 0.0, y = 0.0, yaw = 0.0;
     const std::size_t equal = text.find('=');
     char rest = 0;
     if (equal == std::string::npos ||
         std::sscanf(text.c_str() + equal + 1, "%lf,%lf,%lf%c", &x, &y, &yaw, &rest) != 3)
-      throw CLI::ValidationError("--start", "'" + text + "' is not NAME=x,y,yaw");
+      throw CLI::ValidationError(option, "'" + text + "' is not NAME=x,y,yaw");
     starts[text.substr(0, equal)] = Pose2(x, y, degToRad(yaw));
   }
   return starts;
 }
 
+const VehicleMap& named(const std::vector<VehicleMap>& vehicles, const std::string& name,
+                        const std::string& option) {
+  for (const VehicleMap& vehicle : vehicles)
+    if (vehicle.name == name) return vehicle;
+  throw std::runtime_error(option + " names " + name + ", which is no session");
+}
+
+/// Where `world` is while the flight whose map it was is missing, as after two restarts.
+void keepWorld(const Json& before, const std::vector<VehicleMap>& vehicles,
+               FlightSettings& settings) {
+  const std::string flight = flightOf(vehicles.front());
+  const Json& old = before.at("vehicles");
+  if (settings.starts.count(flight) > 0 || flight == old.at(0).at("flight")) return;
+  for (const Json& vehicle : old) {
+    if (vehicle.at("flight") != flight || vehicle.at("group") != old.at(0).at("group")) continue;
+    const Json& pose = vehicle.at("world_T_map");
+    settings.starts[flight] = {"", Pose2(pose.at("x"), pose.at("y"), pose.at("yaw"))};
+  }
+}
+
+/// What the user said until the merge whose merge_status.json this is. Brings the vehicles into the
+/// order of then.
+FlightSettings settingsBefore(const std::string& path, std::vector<VehicleMap>& vehicles) {
+  FlightSettings settings;
+  if (!fs::exists(path)) return settings;
+  try {
+    const Json before = Json::parse(readFile(path));
+    if (!before.contains("settings")) return settings;  // of an older version
+    for (const Json& vehicle : before.at("vehicles"))
+      settings.order.push_back(vehicle.at("flight"));
+    for (const Json& start : before.at("settings").at("starts"))
+      settings.starts[start.at("flight")] = {start.at("name"),
+                                             Pose2(start.at("x"), start.at("y"), start.at("yaw"))};
+    for (const Json& pair : before.at("settings").at("separated"))
+      settings.separated.emplace(pair.at(0), pair.at(1));
+    if (!settings.isOf(vehicles)) return {};
+    settings.sort(vehicles);
+    keepWorld(before, vehicles, settings);
+  } catch (const Json::exception&) {
+    throw std::runtime_error(path + ": is no merge_status.json; move it away");
+  }
+  return settings;
+}
+
 std::vector<VehicleMap> readVehicles(const Options& options) {
-  std::map<std::string, Pose2> starts = startsOf(options);
   std::vector<VehicleMap> vehicles;
   for (const std::string& argument : options.sessions) {
     const auto [name, file] = nameAndFile(argument);
     vehicles.push_back(vehicleMapOf(name, loadSession(file)));
-    const auto start = starts.find(name);
-    if (start == starts.end()) continue;
-    vehicles.back().world_T_map = start->second;
-    starts.erase(start);
   }
-  if (!starts.empty())
-    throw std::runtime_error("--start names " + starts.begin()->first + ", which is no session");
   const std::string problem = problemOf(vehicles);
   if (!problem.empty()) throw std::runtime_error(problem);
   return vehicles;
 }
 
-/// The numbers of the vehicles that "NAME,NAME" names.
-void separate(const std::string& text, MapMerger& merger) {
-  const std::size_t comma = text.find(',');
-  std::vector<std::size_t> numbers;
-  for (const std::string& name :
-       {text.substr(0, comma), text.substr(std::min(comma, text.size() - 1) + 1)}) {
-    for (std::size_t v = 0; v < merger.vehicles().size(); ++v) {
-      if (merger.vehicles()[v].name == name) numbers.push_back(v);
-    }
-  }
-  if (numbers.size() != 2 || numbers[0] == numbers[1])
+/// "NAME,NAME"
+void separate(const std::string& text, const std::vector<VehicleMap>& vehicles,
+              FlightSettings& settings) {
+  const std::size_t comma = std::min(text.find(','), text.size() - 1);
+  const std::string first = text.substr(0, comma), second = text.substr(comma + 1);
+  if (first == second || first.empty() || second.empty())
     throw std::runtime_error("--separate " + text + " does not name two of the vehicles");
-  merger.separate(numbers[0], numbers[1]);
+  settings.separate(named(vehicles, first, "--separate"), named(vehicles, second, "--separate"));
+}
+
+FlightSettings settingsOf(const Options& options, std::vector<VehicleMap>& vehicles) {
+  FlightSettings settings = settingsBefore(options.before, vehicles);
+  for (const auto& [name, pose] : startsOf("--start", options.starts))
+    settings.start(named(vehicles, name, "--start"), pose);
+  for (const auto& [name, pose] : startsOf("--join", options.joins))
+    settings.join(named(vehicles, name, "--join"), pose);
+  for (const std::string& pair : options.separated) separate(pair, vehicles, settings);
+  settings.apply(vehicles);
+  return settings;
 }
 
 Json jsonOf(const Pose2& pose) {
   return {{"x", rounded(pose.x, 4)}, {"y", rounded(pose.y, 4)}, {"yaw", rounded(pose.yaw, 5)}};
 }
 
+Json jsonOf(const FlightSettings& settings) {
+  Json json = {{"starts", Json::array()}, {"separated", Json::array()}};
+  for (const auto& [flight, start] : settings.starts) {
+    const Pose2& pose = start.world_T_map;
+    json["starts"].push_back({{"flight", flight},
+                              {"name", start.name},
+                              {"x", pose.x},
+                              {"y", pose.y},
+                              {"yaw", pose.yaw}});
+  }
+  for (const auto& [a, b] : settings.separated) json["separated"].push_back({a, b});
+  return json;
+}
+
 Json statusOf(const std::vector<VehicleMap>& vehicles, const MergeResult& merged) {
   Json status;
   for (std::size_t v = 0; v < vehicles.size(); ++v) {
     status["vehicles"].push_back({{"name", vehicles[v].name},
+                                  {"flight", flightOf(vehicles[v])},
                                   {"keyframes", vehicles[v].keyframes.size()},
                                   {"group", vehicles[merged.group[v]].name},
                                   {"world_T_map", jsonOf(merged.world_T_map[v])}});
@@ -211,8 +270,12 @@ void run(const Options& options) {
   SlamConfig config;
   applySettings(options.settings, config);
   MapMerger merger(config.mapper, config.loops);
-  for (VehicleMap& vehicle : readVehicles(options)) merger.update(std::move(vehicle));
-  for (const std::string& pair : options.separated) separate(pair, merger);
+  std::vector<VehicleMap> maps = readVehicles(options);
+  const FlightSettings settings = settingsOf(options, maps);
+  for (VehicleMap& map : maps) merger.update(std::move(map));
+  for (std::size_t b = 0; b < maps.size(); ++b)
+    for (std::size_t a = 0; a < b; ++a)
+      if (settings.areSeparated(merger.vehicles()[a], merger.vehicles()[b])) merger.separate(a, b);
   prepareOutput(options.output);
   const std::string made_by = std::string(kVersion) + " " + builtCommit() + parametersYaml(config);
   if (fs::exists(options.cache)) merger.memory().decode(readFile(options.cache), made_by);
@@ -224,7 +287,8 @@ void run(const Options& options) {
   session.written_by = std::string("kestrel_slam ") + kVersion;
   session.resolution_m = config.mapper.grid.resolution_m;
   session.parameters = parametersYaml(config);
-  const Json status = statusOf(vehicles, merged);
+  Json status = statusOf(vehicles, merged);
+  status["settings"] = jsonOf(settings);
   std::vector<NamedContent> files = {{"merged.session", encodeSession(session)},
                                      {"merge_status.json", status.dump(2) + "\n"},
                                      {"report.html", reportOf(status, merged, map)}};
@@ -259,10 +323,22 @@ int main(int argc, char** argv) {
       ->expected(1)
       ->take_all()
       ->allow_extra_args(false);
+  app.add_option(
+         "--join", options.joins,
+         "NAME=x,y,yaw: the same for the map that this vehicle has now, with --before; it is "
+         "separated from no other one any more")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
   app.add_option("--separate", options.separated, "NAME,NAME: never join these two directly")
       ->expected(1)
       ->take_all()
       ->allow_extra_args(false);
+  app.add_option(
+      "--before", options.before,
+      "FILE: merge_status.json of the last merge of these vehicles: world stays where it "
+      "is, and what was said with --start, --join and --separate stays true for the "
+      "flights of then, when a vehicle has begun a new map under its name");
   app.add_option("--cache", options.cache,
                  "FILE: results of searches, for the next time that these sessions are merged when "
                  "they have grown; the result is the same without it");

@@ -2,7 +2,6 @@
 #include "kestrel_slam/experiments/merging_measurement.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
@@ -91,11 +90,9 @@ Session officeSession(std::uint64_t seed, std::uint64_t vehicle, std::size_t roo
   return std::move(*run.session);
 }
 
-VehicleMap grownTo(const VehicleMap& map, double share) {
+VehicleMap grownTo(const VehicleMap& map, std::size_t count) {
   VehicleMap grown;
   grown.name = map.name;
-  const auto count =
-      static_cast<std::size_t>(std::lround(share * static_cast<double>(map.keyframes.size())));
   grown.keyframes.assign(map.keyframes.begin(),
                          map.keyframes.begin() + static_cast<std::ptrdiff_t>(count));
   for (KnownPlace place : map.places) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kestrel_slam/link/chunk_journal.h"
 
+#include <stdlib.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <stdexcept>
@@ -23,11 +26,25 @@ ChunkJournal::ChunkJournal(const std::string& path, const StreamId& stream)
     : path_(path), stream_(stream) {
   if (stream.vehicle.empty() || stream.vehicle.size() > kMaxJournalName)
     throw std::invalid_argument("the name of a vehicle has 1 to 255 bytes");
-  if (path_.empty()) return;
-  open(false);
+  if (path_.empty()) {
+    openUnnamed();
+  } else {
+    open(false);
+  }
 }
 
 ChunkJournal::ChunkJournal(const std::string& path) : path_(path) { open(true); }
+
+/// The file stays open, but nobody finds it any more.
+void ChunkJournal::openUnnamed() {
+  std::string path = (std::filesystem::temp_directory_path() / "kestrel_XXXXXX").string();
+  const int file = mkstemp(path.data());
+  if (file < 0) throw std::runtime_error(path + ": cannot be made; set TMPDIR to another folder");
+  close(file);
+  path_ = path;
+  open(true);
+  std::filesystem::remove(path_);
+}
 
 void ChunkJournal::open(bool must_exist) {
   if (!must_exist && !std::filesystem::exists(path_)) std::ofstream(path_, std::ios::binary);
@@ -108,7 +125,6 @@ void ChunkJournal::note(const LinkChunk& chunk, std::uint64_t offset) {
 }
 
 std::string ChunkJournal::readAt(std::uint64_t offset, std::size_t bytes) {
-  if (path_.empty()) return memory_.substr(static_cast<std::size_t>(offset), bytes);
   std::string content(bytes, '\0');
   file_.clear();
   file_.seekg(static_cast<std::streamoff>(offset));
@@ -118,15 +134,11 @@ std::string ChunkJournal::readAt(std::uint64_t offset, std::size_t bytes) {
 }
 
 void ChunkJournal::write(const std::string& bytes) {
-  if (path_.empty()) {
-    memory_ += bytes;
-  } else {
-    file_.clear();
-    file_.seekp(static_cast<std::streamoff>(end_));
-    file_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    file_.flush();
-    if (!file_) throw std::runtime_error(path_ + ": cannot be written; is the disk full?");
-  }
+  file_.clear();
+  file_.seekp(static_cast<std::streamoff>(end_));
+  file_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file_.flush();
+  if (!file_) throw std::runtime_error(path_ + ": cannot be written; is the disk full?");
   end_ += bytes.size();
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -187,7 +188,12 @@ struct LinkHost::Sockets {
     for (Peer& peer : peers) items.push_back({peer.socket.handle(), 0, ZMQ_POLLIN, 0});
     if (server) items.push_back({server.handle(), 0, ZMQ_POLLIN, 0});
     if (zap) items.push_back({zap.handle(), 0, ZMQ_POLLIN, 0});
-    zmq::poll(items, std::chrono::milliseconds(static_cast<int>(1e3 * kStep_s)));
+    try {
+      zmq::poll(items, std::chrono::milliseconds(static_cast<int>(1e3 * kStep_s)));
+    } catch (const zmq::error_t& error) {
+      if (error.num() != EINTR) throw;
+      return;  // a signal: the caller knows whether it is to stop
+    }
     if (zap) checkKey();
     if (server) serve();
     for (Peer& peer : peers) talkTo(peer);

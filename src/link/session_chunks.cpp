@@ -15,7 +15,12 @@
 namespace kestrel {
 namespace {
 
+/// Key of the poses of a session. Those of a long flight are in several chunks: their keys are
+/// larger, and alternate, so that the newest poses that are here as a whole are not replaced by
+/// newer ones of which a part is still missing.
 constexpr std::uint32_t kPosesKey = 1;
+/// part (4 bytes), number of parts (4), content
+constexpr std::size_t kPartBytes = 16'384, kPartHeadBytes = 8;
 /// Keyframes in one chunk at most.
 constexpr std::size_t kTogether = 10;
 /// Errors of a motion, added to its covariance.
@@ -29,16 +34,45 @@ std::optional<Session> decoded(const std::string& content) {
   }
 }
 
-/// The session without its scans.
+/// The session without what its keyframes have: that has travelled.
 Session withoutScans(const Session& session) {
   Session result = session;
   for (KeyframePtr& keyframe : result.keyframes) {
-    auto empty = std::make_shared<Keyframe>(*keyframe);
-    empty->scan = CompactScan();
+    auto empty = std::make_shared<Keyframe>();
+    empty->id = keyframe->id;
     keyframe = empty;
   }
   return result;
 }
+
+std::string partOf(const std::string& content, std::size_t part, std::size_t count) {
+  std::string bytes;
+  put(bytes, static_cast<std::uint32_t>(part));
+  put(bytes, static_cast<std::uint32_t>(count));
+  return bytes + content.substr(part * kPartBytes, kPartBytes);
+}
+
+/// Puts the poses together that are in several chunks. The chunks come in the order of their
+/// numbers.
+class PosesOfParts {
+ public:
+  /// The content, with its last part.
+  std::optional<std::string> add(const LinkChunk& chunk) {
+    ByteReader reader(chunk.content);
+    const auto part = reader.get<std::uint32_t>(), count = reader.get<std::uint32_t>();
+    if (part == 0) content_.clear(), next_ = chunk.number, count_ = count;
+    if (!reader.ok() || part + 1 > count || count != count_ || chunk.number != next_)
+      return std::nullopt;
+    content_ += chunk.content.substr(kPartHeadBytes);
+    ++next_;
+    return part + 1 == count ? std::optional<std::string>(content_) : std::nullopt;
+  }
+
+ private:
+  std::string content_;
+  std::uint64_t next_ = 0;
+  std::uint32_t count_ = 0;
+};
 
 /// A keyframe with its scan and its pose at the time when it was sent.
 struct Sent {
@@ -88,12 +122,16 @@ std::uint64_t epochOf(const Session& session) {
 }
 
 SessionCutter::SessionCutter(ChunkJournal& journal) : journal_(journal) {
+  PosesOfParts poses;
   for (std::uint64_t number = 1; number <= journal.last(); ++number) {
     const std::optional<LinkChunk> chunk = journal.get(number);
     if (!chunk || chunk->content.empty()) continue;
-    const std::optional<Session> session = decoded(chunk->content);
+    if (chunk->key > kPosesKey) odd_ = (chunk->key - kPosesKey) % 2 == 1;
+    const std::optional<std::string> content =
+        chunk->key > kPosesKey ? poses.add(*chunk) : chunk->content;
+    const std::optional<Session> session = content ? decoded(*content) : std::nullopt;
     if (!session) continue;
-    if (chunk->key == kPosesKey) keyframes_then_ = session->keyframes.size();
+    if (chunk->key != 0) keyframes_then_ = session->keyframes.size();
     for (const KeyframePtr& keyframe : session->keyframes) {
       if (chunk->key == 0) sent_.insert(keyframe->id);
     }
@@ -105,8 +143,21 @@ void SessionCutter::update(const Session& session, bool whole) {
   const std::size_t count = session.keyframes.size();
   const bool grown = count >= keyframes_then_ + std::max<std::size_t>(20, keyframes_then_ / 5);
   if (count == 0 || (!grown && !whole)) return;
-  journal_.append(kPosesKey, encodeSession(withoutScans(session)));
+  appendPoses(encodeSession(withoutScans(session)));
   keyframes_then_ = count;
+}
+
+void SessionCutter::appendPoses(const std::string& poses) {
+  const std::size_t parts = (poses.size() + kPartBytes - 1) / kPartBytes;
+  if (parts <= 1) {
+    journal_.append(kPosesKey, poses);
+    return;
+  }
+  odd_ = !odd_;
+  for (std::size_t part = 0; part < parts; ++part) {
+    const std::size_t key = kPosesKey + 2 * (part + 1) - (odd_ ? 1 : 0);
+    journal_.append(static_cast<std::uint32_t>(key), partOf(poses, part, parts));
+  }
 }
 
 void SessionCutter::appendKeyframes(const Session& session) {
@@ -131,14 +182,19 @@ Session assembledSession(ChunkJournal& journal, std::size_t* damaged) {
   Session session;
   std::map<std::uint64_t, Sent> sent;
   std::vector<std::uint64_t> order;
+  PosesOfParts poses_of_parts;
   for (const auto& [first, last] : journal.numbers().ranges()) {
     for (std::uint64_t number = first; number <= last; ++number) {
       const std::optional<LinkChunk> chunk = journal.get(number);
       if (!chunk || chunk->content.empty()) continue;
-      std::optional<Session> part = decoded(chunk->content);
+      const bool is_part = chunk->key > kPosesKey;
+      const std::optional<std::string> content =
+          is_part ? poses_of_parts.add(*chunk) : chunk->content;
+      if (!content) continue;
+      std::optional<Session> part = decoded(*content);
       if (!part) {
         if (damaged != nullptr) ++*damaged;
-      } else if (chunk->key == kPosesKey) {
+      } else if (chunk->key != 0) {
         session = std::move(*part);
       } else {
         const std::vector<Pose2> poses = keyframePoses(*part);

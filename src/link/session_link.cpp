@@ -21,15 +21,13 @@ std::optional<std::string> LinkSender::next(double now_s) {
   const double since = now_s - filled_s_.value_or(now_s - 1.0);
   tokens_ = std::min(tokens_ + since * config_.bytes_per_s, config_.bytes_per_s);
   filled_s_ = now_s;
-  if (tokens_ <= 0.0 || other_version_ != 0) return std::nullopt;
+  if (tokens_ <= 0.0) return std::nullopt;
   for (auto& [id, stream] : streams_) {
     if (auto message = offer(stream, now_s)) return message;
   }
-  if (!hears(now_s)) return std::nullopt;
-  for (auto& [id, stream] : streams_) {
-    if (auto message = chunk(stream, now_s)) return message;
-  }
-  return std::nullopt;
+  // A peer of another version still gets offers: it may be updated.
+  if (!hears(now_s) || other_version_ != 0) return std::nullopt;
+  return chunk(now_s);
 }
 
 bool LinkSender::hears(double now_s) const { return heard_s_ && now_s - *heard_s_ <= kSilent_s; }
@@ -50,20 +48,37 @@ std::optional<std::string> LinkSender::offer(Stream& stream, double now_s) {
   return bytes;
 }
 
-/// The newest chunk that the peer does not have and that is not on the way.
-std::optional<std::string> LinkSender::chunk(Stream& stream, double now_s) {
+/// The newest chunk that the peer does not have and that is not on the way; 0: none.
+std::uint64_t LinkSender::newestMissing(Stream& stream, double now_s) const {
   for (auto at = stream.waiting.begin(); at != stream.waiting.end();)
     at = now_s - at->second >= config_.resend_s ? stream.waiting.erase(at) : std::next(at);
-  if (stream.waiting.size() >= config_.window) return std::nullopt;
+  if (stream.waiting.size() >= config_.window) return 0;
   std::uint64_t number = stream.received.highestMissing(stream.journal->last());
   while (number > 0 && stream.waiting.count(number) > 0)
     number = stream.received.highestMissing(number - 1);
-  const std::optional<LinkChunk> content = stream.journal->get(number);
+  return number;
+}
+
+/// The chunk with the fewest newer ones in its stream, so that the newest of every stream is sent
+/// before the old ones of any.
+std::optional<std::string> LinkSender::chunk(double now_s) {
+  Stream* chosen = nullptr;
+  std::uint64_t number = 0, newer = 0;
+  for (auto& [id, stream] : streams_) {
+    const std::uint64_t newest = newestMissing(stream, now_s);
+    if (newest == 0) continue;
+    if (chosen != nullptr && stream.journal->last() - newest >= newer) continue;
+    chosen = &stream;
+    number = newest;
+    newer = stream.journal->last() - newest;
+  }
+  if (chosen == nullptr) return std::nullopt;
+  const std::optional<LinkChunk> content = chosen->journal->get(number);
   if (!content) return std::nullopt;
-  stream.waiting[number] = now_s;
+  chosen->waiting[number] = now_s;
   LinkMessage message;
   message.kind = LinkMessage::Kind::kChunk;
-  message.stream = stream.journal->stream();
+  message.stream = chosen->journal->stream();
   message.chunk = *content;
   std::string bytes = encode(message);
   tokens_ -= static_cast<double>(bytes.size());
@@ -76,6 +91,7 @@ void LinkSender::receive(const LinkMessage& message, double now_s) {
   if (message.kind != LinkMessage::Kind::kReceived) return;
   const auto found = streams_.find(message.stream);
   if (found == streams_.end()) return;
+  other_version_ = 0;
   Stream& stream = found->second;
   // An older answer may come later. A receiver that was restarted may have lost its journal.
   if (message.receiver != stream.receiver) stream.received = NumberSet();
@@ -114,6 +130,12 @@ ChunkJournal* LinkReceiver::journalOf(const StreamId& stream) {
   return (streams_[stream] = open_(stream)).get();
 }
 
+std::uint64_t LinkReceiver::bytes() const {
+  std::uint64_t sum = 0;
+  for (const auto& [id, journal] : streams_) sum += journal->bytes();
+  return sum;
+}
+
 std::optional<std::string> LinkReceiver::receive(const LinkMessage& message) {
   LinkMessage answer;
   answer.kind = LinkMessage::Kind::kOtherVersion;
@@ -125,7 +147,7 @@ std::optional<std::string> LinkReceiver::receive(const LinkMessage& message) {
   ChunkJournal* journal = journalOf(message.stream);
   if (journal == nullptr) return std::nullopt;
   if (message.kind == LinkMessage::Kind::kChunk) {
-    if (journal->bytes() > config_.max_stream_bytes) {
+    if (journal->bytes() > config_.max_stream_bytes || bytes() > config_.max_bytes) {
       ++refused_["too much data"];
       return std::nullopt;
     }

@@ -36,9 +36,11 @@ TEST(SessionLinkCommand, TwoHostsWithOneVehicleNameLoseNothing) {
            " --until-sent --seconds 30; ";
   };
   const std::string received = folder.file("received");
-  runCommand("bash -c '" + link + "--receive " + received + " --listen " + address +
-             " --seconds 60 & " + sending("first") + sending("second") + sending("first") +
-             "sleep 2; kill %1; wait'");
+  const Outcome outcome =
+      runCommand("bash -c '" + link + "--receive " + received + " --listen " + address +
+                 " --seconds 60 & " + sending("first") + sending("second") + sending("first") +
+                 "sleep 2; kill %1; wait %1; echo stopped with $?'");
+  EXPECT_NE(outcome.output.find("stopped with 0"), std::string::npos) << outcome.output;
   std::set<std::size_t> arrived;
   for (const auto& file : std::filesystem::directory_iterator(received))
     arrived.insert(loadSession(file.path().string()).keyframes.size());

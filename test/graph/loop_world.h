@@ -59,7 +59,7 @@ class Drive {
     if (!truths_.empty())
       local_ = local_ * truths_.back().between(truth) * Pose2(0.0, 0.0, yaw_drift_);
     truths_.push_back(truth);
-    PlanarScan scan = room::scanFrom(truth, walls_, 180);
+    PlanarScan scan = room::scanFrom(truth, walls_, beams, max_range_m);
     scan.height = height;
     scan.stamp = scan.time = 0.1 * static_cast<double>(truths_.size());
     MapperResult result;
@@ -83,6 +83,8 @@ class Drive {
     height.base_m = height_m;
   }
 
+  int beams = 180;
+  double max_range_m = 12.0;
   ScanHeight height;
   /// Whether the wheels measure the true motion.
   bool with_odometry = false;

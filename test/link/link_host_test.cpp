@@ -2,7 +2,9 @@
 #include "kestrel_slam/link/link_host.h"
 
 #include <gtest/gtest.h>
+#include <xxhash.h>
 
+#include <fstream>
 #include <thread>
 #include <zmq.hpp>
 
@@ -92,6 +94,85 @@ TEST(LinkHost, OnlyHostsWithTheSameKeysAreHeard) {
   sender.send(journalOf(3));
   run(sender, receiver, 3);
   EXPECT_EQ(receivedBy(receiver), 3U);
+}
+
+TEST(LinkHost, NobodyElseListens) {
+  // Who answers at the address, but has no keys or other ones, hears nothing.
+  const TemporaryFolder folder;
+  makeLinkKeys(folder.file("keys"));
+  makeLinkKeys(folder.file("other"));
+  LinkHostConfig sending;
+  sending.peers = {freeAddress()};
+  sending.keys = folder.file("keys");
+  LinkHost sender(sending);
+  sender.send(journalOf(3));
+  for (const std::string& keys : {std::string(), folder.file("other")}) {
+    LinkHostConfig listening;
+    listening.bind = sending.peers.front();
+    listening.keys = keys;
+    LinkHost receiver(listening);
+    run(sender, receiver, 3, 1.5);
+    EXPECT_EQ(receivedBy(receiver), 0U) << keys;
+  }
+  EXPECT_EQ(sender.missing(), 3U);
+}
+
+TEST(LinkHost, APublicKeyIsNotEnough) {
+  const TemporaryFolder folder;
+  makeLinkKeys(folder.file("keys"));
+  LinkHostConfig listening;
+  listening.bind = freeAddress();
+  listening.keys = folder.file("keys");
+  LinkHost receiver(listening);
+  std::ifstream file(listening.keys);
+  std::string word, server_key;
+  file >> word >> server_key;
+  char public_key[41], secret_key[41];
+  ASSERT_EQ(zmq_curve_keypair(public_key, secret_key), 0);
+  zmq::context_t context;
+  zmq::socket_t stranger(context, zmq::socket_type::dealer);
+  stranger.set(zmq::sockopt::linger, 0);
+  stranger.set(zmq::sockopt::curve_serverkey, server_key);
+  stranger.set(zmq::sockopt::curve_publickey, std::string(public_key));
+  stranger.set(zmq::sockopt::curve_secretkey, std::string(secret_key));
+  stranger.connect(listening.bind);
+  LinkMessage message;
+  message.kind = LinkMessage::Kind::kChunk;
+  message.stream = kStream;
+  message.chunk = {1, 0, "content"};
+  stranger.send(zmq::buffer(encode(message)), zmq::send_flags::dontwait);
+  receiver.run(1.0);
+  EXPECT_EQ(receivedBy(receiver), 0U);
+  const std::vector<std::string> problems = receiver.takeProblems();
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_NE(problems.front().find("other keys"), std::string::npos) << problems.front();
+}
+
+TEST(LinkHost, AnotherVersionIsSaid) {
+  // A peer that sends a message of version 9 is answered, and the user hears of it.
+  LinkHostConfig listening;
+  listening.bind = freeAddress();
+  LinkHost receiver(listening);
+  LinkMessage message;
+  message.stream = kStream;
+  message.last = 1;
+  std::string bytes = encode(message);
+  bytes.resize(bytes.size() - 8);
+  bytes[4] = 9;
+  const std::uint64_t checksum = XXH64(bytes.data(), bytes.size(), 0);
+  for (int i = 0; i < 8; ++i) bytes += static_cast<char>((checksum >> (8 * i)) & 0xFFU);
+  zmq::context_t context;
+  zmq::socket_t newer(context, zmq::socket_type::dealer);
+  newer.set(zmq::sockopt::linger, 0);
+  newer.connect(listening.bind);
+  newer.send(zmq::buffer(bytes));
+  receiver.run(0.5);
+  zmq::message_t answer;
+  ASSERT_TRUE(newer.recv(answer, zmq::recv_flags::dontwait));
+  EXPECT_EQ(decode(answer.to_string())->kind, LinkMessage::Kind::kOtherVersion);
+  const std::vector<std::string> problems = receiver.takeProblems();
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_NE(problems.front().find("version"), std::string::npos) << problems.front();
 }
 
 TEST(LinkHost, GarbageDoesNotDisturb) {

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "../session/session_samples.h"
 #include "kestrel_slam/session/session_file.h"
 
@@ -78,6 +81,58 @@ TEST(SessionChunks, MissingChunksLeaveTheRest) {
   EXPECT_GT(session.keyframes.size(), 50U);
   EXPECT_LT(session.keyframes.size(), 100U);
   EXPECT_EQ(damaged, 1U);
+}
+
+/// A flight whose poses do not fit into one chunk, and are not those of its odometry.
+Session longFlight(std::size_t keyframes, double bend) {
+  Session session = flight(keyframes);
+  for (std::size_t i = 0; i < keyframes; ++i) {
+    Pose2& pose = session.vertices[i].vertex.pose;
+    pose = pose * Pose2(0.0, bend * std::sin(0.01 * static_cast<double>(i)), 0.0);
+  }
+  session.edges.push_back({0, keyframes - 1, Pose2(), sampleMatrix(1e4), EdgeKind::kLoop});
+  return session;
+}
+
+double largestError(const Session& sent, const Session& received) {
+  const std::vector<Pose2> a = keyframePoses(sent), b = keyframePoses(received);
+  EXPECT_EQ(a.size(), b.size());
+  double largest = 0.0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    largest = std::max(largest, a[i].between(b[i]).distance());
+  return largest;
+}
+
+TEST(SessionChunks, ThePosesOfALongFlightArrive) {
+  ChunkJournal journal("", {"uav0", 1});
+  const Session first = longFlight(6000, 0.3), second = longFlight(8000, 0.6);
+  SessionCutter(journal).update(first);
+  EXPECT_LT(largestError(first, assembledSession(journal)), 1e-9);
+  SessionCutter(journal).update(second);  // after a restart
+  std::size_t damaged = 0;
+  const Session received = assembledSession(journal, &damaged);
+  EXPECT_EQ(problemOf(received), "");
+  EXPECT_LT(largestError(second, received), 1e-9);
+  EXPECT_EQ(received.edges.size(), 8000U) << "the loop, too";
+  EXPECT_EQ(damaged, 0U);
+  for (std::uint64_t i = 1; i <= journal.last(); ++i)
+    EXPECT_LT(journal.get(i)->content.size(), 100'000U) << "a slow link must carry each at once";
+}
+
+TEST(SessionChunks, WhilePosesAreMissingThoseBeforeAreUsed) {
+  ChunkJournal all("", {"uav0", 1});
+  const Session first = longFlight(6000, 0.3);
+  SessionCutter cutter(all);
+  cutter.update(first);
+  const std::uint64_t then = all.last();
+  cutter.update(longFlight(6000, 0.6), true);
+  ASSERT_GT(all.last(), then + 2);
+  ChunkJournal some("", {"uav0", 1});
+  for (std::uint64_t i = 1; i <= all.last(); ++i) {
+    if (i != then + 1) some.add(*all.get(i));
+  }
+  EXPECT_LT(largestError(first, assembledSession(some)), 1e-9);
+  EXPECT_EQ(assembledSession(some).edges.size(), 6000U) << "the loop, too";
 }
 
 TEST(SessionChunks, OneFlightHasOneEpoch) {

@@ -5,7 +5,6 @@
 
 #include <filesystem>
 #include <map>
-#include <set>
 
 #include "kestrel_slam/geometry/random.h"
 #include "temporary_folder.h"
@@ -236,58 +235,6 @@ TEST(SessionLink, GarbageIsIgnored) {
     EXPECT_FALSE(decode(noise));
   }
   EXPECT_FALSE(decode(std::string(2 * kMaxLinkMessage, 'x')));
-}
-
-TEST(SessionLink, APeerCannotSendALocalVehicleOrTooManyStreams) {
-  LinkConfig config;
-  config.max_streams = 2;
-  LinkReceiver receiver([](const StreamId& id) { return std::make_shared<ChunkJournal>("", id); },
-                        config);
-  receiver.addLocal("uav1");
-  LinkMessage message;
-  message.kind = LinkMessage::Kind::kOffer;
-  message.last = 1;
-  message.stream = {"uav1", 1};
-  EXPECT_FALSE(receiver.receive(message)) << "two vehicles with one name";
-  for (std::uint64_t epoch = 0; epoch < 5; ++epoch) {
-    message.stream = {"uav2", epoch};
-    EXPECT_EQ(receiver.receive(message).has_value(), epoch < 2);
-  }
-  EXPECT_EQ(receiver.streams().size(), 2U);
-  EXPECT_EQ(receiver.refused().size(), 2U);
-}
-
-TEST(SessionLink, APeerCannotFillTheDisk) {
-  LinkConfig config;
-  config.max_stream_bytes = 5'000;
-  LinkReceiver receiver([](const StreamId& id) { return std::make_shared<ChunkJournal>("", id); },
-                        config);
-  LinkMessage message;
-  message.kind = LinkMessage::Kind::kChunk;
-  message.stream = kLinkStream;
-  message.chunk.content = std::string(1'000, 'x');
-  for (int i = 0; i < 100; ++i) {
-    ++message.chunk.number;
-    receiver.receive(message);
-  }
-  EXPECT_LT(receiver.streams().at(kLinkStream)->bytes(), 7'000U);
-  EXPECT_EQ(receiver.refused().count("too much data"), 1U);
-}
-
-TEST(SessionLink, AnotherVersionIsAnswered) {
-  LinkReceiver receiver([](const StreamId& id) { return std::make_shared<ChunkJournal>("", id); });
-  LinkMessage message;
-  message.kind = LinkMessage::Kind::kOtherVersion;
-  message.version = 9;
-  const auto answer = receiver.receive(message);
-  ASSERT_TRUE(answer);
-  LinkSender sender;
-  LinkMessage other = *decode(*answer);
-  EXPECT_EQ(other.kind, LinkMessage::Kind::kOtherVersion);
-  other.version = 9;
-  sender.receive(other, 1.0);
-  EXPECT_EQ(sender.otherVersion(), 9);
-  EXPECT_FALSE(sender.next(2.0));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -96,14 +97,34 @@ inline std::vector<Pose2> tour(int first, int last, bool mirrored = false) {
   return along(corners);
 }
 
+/// A laser that sees around itself.
+struct Laser {
+  int beams = 180;
+  double max_range_m = 12.0;
+};
+
 /// What a vehicle maps on the way. It begins at its first pose, and drifts.
 inline VehicleMap mapOf(const std::string& name, const Variant& variant,
-                        const std::vector<Pose2>& way) {
+                        const std::vector<Pose2>& way, const Laser& laser = {}) {
   SubmapGraph graph{MapperConfig(), LoopConfig()};
   loop_world::Drive drive(walls(variant), 0.0002);
+  drive.beams = laser.beams;
+  drive.max_range_m = laser.max_range_m;
   for (const Pose2& pose : way) drive.add(pose, graph);
   graph.finish();
   return vehicleMapOf(name, graph);
+}
+
+/// What `map` was when it had only `count` keyframes.
+inline VehicleMap beginOf(VehicleMap map, std::size_t count) {
+  map.keyframes.resize(count);
+  map.poses.resize(count);
+  map.places = {{0, 0, count}};
+  map.edges.erase(
+      std::remove_if(map.edges.begin(), map.edges.end(),
+                     [&](const PoseEdge& e) { return e.from >= count || e.to >= count; }),
+      map.edges.end());
+  return map;
 }
 
 }  // namespace kestrel::building

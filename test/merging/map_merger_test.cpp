@@ -11,6 +11,7 @@
 namespace kestrel {
 namespace {
 
+using building::beginOf;
 using building::mapOf;
 using building::tour;
 using building::Variant;
@@ -149,6 +150,38 @@ TEST(MapMerger, ARestartedVehicleIsJoinedInTheSameRoom) {
   EXPECT_EQ(result.pairs.front().state, PairState::kJoined) << describe(result.pairs.front());
 }
 
+TEST(MapMerger, LasersMayDiffer) {
+  // One sees 12 m far with a beam every 2 degrees, the other one half of both.
+  const VehicleMap coarse = mapOf("b", {}, tour(2, 0), {90, 6.0});
+  for (const bool first_is_coarse : {false, true}) {
+    const MergeResult result =
+        first_is_coarse ? merged({coarse, first()}) : merged({first(), coarse});
+    const PairResult& pair = result.pairs.front();
+    ASSERT_EQ(pair.state, PairState::kJoined) << describe(pair);
+    const std::size_t a = first_is_coarse ? 1 : 0;
+    const Pose2 truth = tour(0, 2).front().between(tour(2, 0).front());
+    const Pose2 found = result.poses[a].front().between(result.poses[1 - a].front());
+    EXPECT_LT(truth.between(found).distance(), 0.1);
+  }
+}
+
+TEST(MapMerger, ABentMapDoesNotBendTheOthers) {
+  // A vehicle that lies about its way: its poses and motions turn where it did not.
+  VehicleMap bent = mapOf("x", {}, tour(1, 0));
+  for (std::size_t i = 0; i < bent.poses.size(); ++i) {
+    bent.poses[i] = Pose2(0.0, 0.0, 0.01 * static_cast<double>(i)) * bent.poses[i];
+    bent.keyframes[i].local_T_base = bent.poses[i];
+  }
+  for (PoseEdge& edge : bent.edges)
+    edge.measured = bent.poses[edge.from].between(bent.poses[edge.to]);
+  const MergeResult result = merged({first(), bent, second()});
+  EXPECT_EQ(result.group[0], result.group[2]);
+  const Pose2 truth = tour(0, 2).front().between(tour(2, 0).front());
+  const Pose2 found = result.poses[0].front().between(result.poses[2].front());
+  EXPECT_LT(truth.between(found).distance(), 0.1);
+  EXPECT_NE(result.group[0], result.group[1]) << describe(result.pairs.front());
+}
+
 TEST(MapMerger, ClocksMayDifferByHours) {
   VehicleMap late = second();
   for (LocalKeyframe& keyframe : late.keyframes) {
@@ -184,18 +217,6 @@ TEST(MapMerger, ThreeVehiclesAndOneThatIsElsewhere) {
       merged({mapOf("a", {}, tour(0, 1)), mapOf("x", other, tour(0, 1)), second()});
   EXPECT_EQ(result.group[0], result.group[2]);
   EXPECT_NE(result.group[0], result.group[1]);
-}
-
-/// What `map` was when it had only `count` keyframes.
-VehicleMap beginOf(VehicleMap map, std::size_t count) {
-  map.keyframes.resize(count);
-  map.poses.resize(count);
-  map.places = {{0, 0, count}};
-  map.edges.erase(
-      std::remove_if(map.edges.begin(), map.edges.end(),
-                     [&](const PoseEdge& e) { return e.from >= count || e.to >= count; }),
-      map.edges.end());
-  return map;
 }
 
 TEST(MapMerger, AGrowingMapIsSearchedOnlyWhereItIsNew) {

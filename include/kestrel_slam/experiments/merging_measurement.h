@@ -49,8 +49,8 @@ MappedVehicle mapOffice(std::uint64_t seed, OfficeChange change, std::uint64_t v
 Session officeSession(std::uint64_t seed, std::uint64_t vehicle, std::size_t rooms,
                       const SlamConfig& config);
 
-/// The map as it was when the vehicle had only this share of its keyframes.
-VehicleMap grownTo(const VehicleMap& map, double share);
+/// The map as it was when the vehicle had only so many keyframes.
+VehicleMap grownTo(const VehicleMap& map, std::size_t count);
 
 /// The poses of all scans of vehicle number `vehicle` in `world`: each scan moves with the keyframe
 /// before it.

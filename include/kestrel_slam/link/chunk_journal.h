@@ -31,15 +31,15 @@ struct LinkChunk {
   std::string content;
 };
 
-/// The chunks of a stream that are here, in a file or in memory. Only the places of the chunks in
-/// the file are in memory. After the process was killed, everything is there but the chunk that was
-/// being written.
+/// The chunks of a stream that are here, in a file. Only their places in the file are in memory.
+/// After the process was killed, everything is there but the chunk that was being written.
 class ChunkJournal {
  public:
   static constexpr std::size_t kMaxContentBytes = 1U << 20U;
 
-  /// Opens or begins the file; with an empty path the chunks are in memory. A damaged end is cut
-  /// off. Throws std::runtime_error if the file cannot be used or is of another stream.
+  /// Opens or begins the file; with an empty path it is one without a name in the folder for
+  /// temporary files, which ends with the process. A damaged end is cut off. Throws
+  /// std::runtime_error if the file cannot be used or is of another stream.
   ChunkJournal(const std::string& path, const StreamId& stream);
   /// Opens a file, whatever its stream.
   explicit ChunkJournal(const std::string& path);
@@ -63,6 +63,7 @@ class ChunkJournal {
   };
 
   void open(bool must_exist);
+  void openUnnamed();
   void readAll();
   bool readRecord(std::uint64_t size);
   void note(const LinkChunk& chunk, std::uint64_t offset);
@@ -74,7 +75,6 @@ class ChunkJournal {
   std::string path_;
   StreamId stream_;
   std::fstream file_;
-  std::string memory_;  ///< instead of the file
   std::uint64_t end_ = 0;
   std::map<std::uint64_t, Entry> entries_;
   std::map<std::uint32_t, std::uint64_t> newest_of_key_;

@@ -13,7 +13,7 @@ struct LinkHostConfig {
   std::string bind;                ///< "tcp://*:5601"; empty: only send
   std::vector<std::string> peers;  ///< "tcp://10.0.0.2:5601"
   std::string keys;                ///< file of makeLinkKeys(); empty: without encryption
-  std::string folder;              ///< for the journals of what is received; empty: in memory
+  std::string folder;  ///< for the journals of what is received; empty: until the end only
   LinkConfig link;
 };
 

@@ -14,7 +14,7 @@ namespace kestrel {
 std::uint64_t epochOf(const Session& session);
 
 /// Cuts a growing session into chunks. Keyframes never change, and each travels once. Submaps,
-/// poses and loops change: they are in a chunk that replaces the one before. It is written again
+/// poses and loops change: they are in chunks that replace those before. They are written again
 /// when the session has grown by a fifth, so that the traffic stays proportional to the keyframes.
 class SessionCutter {
  public:
@@ -26,10 +26,12 @@ class SessionCutter {
 
  private:
   void appendKeyframes(const Session& session);
+  void appendPoses(const std::string& poses);
 
   ChunkJournal& journal_;
   std::set<std::uint64_t> sent_;    ///< ids of keyframes
   std::size_t keyframes_then_ = 0;  ///< when the poses were written the last time
+  bool odd_ = false;                ///< which keys the parts of the poses had then
 };
 
 /// The session as far as its chunks are here. Keyframes that are newer than the poses keep their

@@ -20,7 +20,8 @@ struct LinkConfig {
   double resend_s = 1.5;         ///< a chunk is sent again if it was not acknowledged by then
   double offer_s = 2.0;          ///< time between two offers, a quarter of it while nobody answers
   std::size_t max_streams = 64;  ///< of all peers; more are refused
-  std::uint64_t max_stream_bytes = 1'000'000'000;  ///< of a received stream
+  /// Of a received stream, and of all.
+  std::uint64_t max_stream_bytes = 1'000'000'000, max_bytes = 4'000'000'000;
 };
 
 /// Sends the local streams to one peer, newest chunks first, until it has acknowledged all. It
@@ -53,7 +54,8 @@ class LinkSender {
   };
 
   std::optional<std::string> offer(Stream& stream, double now_s);
-  std::optional<std::string> chunk(Stream& stream, double now_s);
+  std::uint64_t newestMissing(Stream& stream, double now_s) const;
+  std::optional<std::string> chunk(double now_s);
   bool hears(double now_s) const;
 
   LinkConfig config_;
@@ -92,6 +94,7 @@ class LinkReceiver {
 
  private:
   ChunkJournal* journalOf(const StreamId& stream);
+  std::uint64_t bytes() const;  ///< of all streams
 
   Open open_;
   LinkConfig config_;

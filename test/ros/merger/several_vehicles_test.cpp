@@ -92,7 +92,7 @@ class SeveralVehicles : public testing::Test {
         });
     map_subscriber_ = nh_.subscribe<nav_msgs::OccupancyGrid>(
         "map", 1, [this](const nav_msgs::OccupancyGrid::ConstPtr& message) { map_ = *message; });
-    for (const char* name : {"uav0", "uav1", "uav1_before", "uav2"}) {
+    for (const char* name : {"uav0", "uav0_before", "uav1", "uav2"}) {
       path_subscribers_.push_back(nh_.subscribe<nav_msgs::Path>(
           std::string(name) + "/trajectory_in_world", 1,
           [this, name](const nav_msgs::Path::ConstPtr& message) { paths_[name] = *message; }));
@@ -169,7 +169,8 @@ class SeveralVehicles : public testing::Test {
   std::string stateOf(const std::string& a, const std::string& b) const {
     if (status_.is_null()) return "";
     for (const auto& pair : status_["pairs"])
-      if (pair["a"] == a && pair["b"] == b) return pair["state"];
+      if ((pair["a"] == a && pair["b"] == b) || (pair["a"] == b && pair["b"] == a))
+        return pair["state"];
     return "";
   }
 
@@ -238,6 +239,11 @@ void SeveralVehicles::checkServices() {
   ASSERT_TRUE(ros::service::call("separate", separate));
   EXPECT_TRUE(separate.response.success) << separate.response.message;
   EXPECT_TRUE(waitFor([this] { return stateOf("uav0", "uav2") == "separated"; })) << status_;
+  killNode("/map_merger");
+  status_ = nullptr;
+  EXPECT_TRUE(waitFor([this] { return !status_.is_null(); }));
+  EXPECT_EQ(stateOf("uav0", "uav2"), "separated") << "the merger was restarted";
+  ASSERT_TRUE(ros::service::waitForService("join", ros::Duration(kLong)));
   const Pose2 start = vehicles_[0].way[0].between(vehicles_[2].way[0]);
   join.request.world_T_map.position.x = start.x + 0.5;
   join.request.world_T_map.position.y = start.y;
@@ -282,10 +288,11 @@ TEST_F(SeveralVehicles, OneMapThoughAVehicleAndTheMergerAreRestarted) {
   for (Vehicle& vehicle : vehicles_)
     ASSERT_TRUE(fly(vehicle, vehicle.way.size() / 2)) << vehicle.name;
   ASSERT_TRUE(waitFor([this] { return !status_.is_null(); }));
-  save("uav1");
-  killNode("/uav1/mapper");
+  // `world` is the map of the first vehicle, and stays where it is.
+  save("uav0");
+  killNode("/uav0/mapper");
   killNode("/map_merger");
-  vehicles_[1].client = std::make_unique<MapperClient>("uav1");
+  vehicles_[0].client = std::make_unique<MapperClient>("uav0");
   ASSERT_TRUE(connect());
   for (Vehicle& vehicle : vehicles_) ASSERT_TRUE(fly(vehicle, vehicle.way.size())) << vehicle.name;
   status_ = nullptr;
