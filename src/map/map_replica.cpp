@@ -32,14 +32,36 @@ void MapReplica::update(const TileImage& image) {
     const int x = image.corner.x + static_cast<int>(i % kTileSide);
     const int y = image.corner.y + static_cast<int>(i / kTileSide);
     known_.extend(x, y);
-    changed_.extend(x, y);
+    if (!before_) changed_.extend(x, y);
   }
   tile.cells = image.cells;
 }
 
-void MapReplica::clear() {
-  tiles_.clear();
-  known_ = changed_ = CellRectangle();
+void MapReplica::beginMap() {
+  if (!before_) before_ = std::move(tiles_);
+  tiles_ = Tiles(SIZE_MAX);
+  known_ = CellRectangle();
+}
+
+void MapReplica::endMap() {
+  if (!before_) return;
+  const Tile unknown;
+  before_->forEach([&](const Cell& corner, const Tile& old) {
+    const Tile* tile = tiles_.find(corner);
+    noteDifferences(corner, old, tile != nullptr ? *tile : unknown);
+  });
+  tiles_.forEach([&](const Cell& corner, const Tile& tile) {
+    if (before_->find(corner) == nullptr) noteDifferences(corner, unknown, tile);
+  });
+  before_.reset();
+}
+
+void MapReplica::noteDifferences(const Cell& corner, const Tile& a, const Tile& b) {
+  for (std::size_t i = 0; i < kTileCells; ++i) {
+    if (stateOf(a.cells[i]) == stateOf(b.cells[i])) continue;
+    changed_.extend(corner.x + static_cast<int>(i % kTileSide),
+                    corner.y + static_cast<int>(i / kTileSide));
+  }
 }
 
 MapSnapshot MapReplica::snapshot() const { return mapOf(valuesIn(known_)); }

@@ -34,6 +34,8 @@ void LocalMap::insert(const PlanarScan& scan, const Pose2& local_T_base, bool ne
     if (next_) next_->insert(scan, local_T_base, new_view, number);
   }
   length_ += weightOf(scan, local_T_base, degenerate);
+  // A long step must not end the submap before the next one has a scan.
+  if (!next_) length_ = std::min<double>(length_, window_.submap_scans - 1);
   last_ = local_T_base;
   sources_.insert(scan.source);
 }

@@ -26,7 +26,7 @@ TEST(Places, AGridIsBuiltAgainWhenItIsNeeded) {
     places.mapOf(i, keyframes);
     most = std::max(most, places.memoryBytes());
   }
-  EXPECT_LT(most, 36'000'000U);
+  EXPECT_LT(most, 18'000'000U);
   EXPECT_EQ(places.mapOf(0, keyframes).grid().snapshot().cells, first.cells);
 }
 

@@ -95,16 +95,69 @@ TEST(MapReplica, AMoreCertainCellIsNoChange) {
   EXPECT_TRUE(replica.takeChanged().empty());
 }
 
-TEST(MapReplica, IsEmptyAfterClear) {
-  OccupancyGrid grid{OccupancyGridConfig()};
-  MapReplica replica(0.05);
-  grid.insert(room::scanFrom(Pose2()), Pose2());
-  copyChanges(grid, replica);
-  replica.clear();
-  EXPECT_TRUE(replica.snapshot().empty());
-  EXPECT_TRUE(replica.known().empty() && replica.takeChanged().empty());
-  grid.clear();
-  EXPECT_EQ(copyChanges(grid, replica), 0U);
+/// A grid with a room, and one with the same room and a beam outside of it.
+class AnotherMap : public testing::Test {
+ protected:
+  AnotherMap() {
+    for (OccupancyGrid* grid : {&room_, &with_beam_})
+      grid->insert(room::scanFrom(Pose2()), Pose2());
+    PlanarScan beam;
+    beam.rays.push_back({{10.0F, 10.0F}, {10.2F, 10.0F}, true});
+    with_beam_.insert(beam, Pose2());
+  }
+
+  OccupancyGrid room_{OccupancyGridConfig()}, with_beam_{OccupancyGridConfig()};
+  MapReplica replica_{0.05};
+};
+
+TEST_F(AnotherMap, OnlyWhatIsDifferentIsAChange) {
+  copyChanges(room_, replica_);
+  replica_.takeChanged();
+  replica_.beginMap();
+  copyChanges(with_beam_, replica_);
+  replica_.endMap();
+  expectEqual(replica_.snapshot(), with_beam_.snapshot());
+  const CellRectangle changed = replica_.takeChanged();
+  EXPECT_EQ(changed.x1 - changed.x0, 5);
+  EXPECT_EQ(changed.y1 - changed.y0, 1);
+}
+
+TEST_F(AnotherMap, WhatItDoesNotHaveIsUnknown) {
+  copyChanges(with_beam_, replica_);
+  replica_.takeChanged();
+  replica_.beginMap();
+  copyChanges(room_, replica_);
+  replica_.endMap();
+  expectEqual(replica_.snapshot(), room_.snapshot());
+  const CellRectangle changed = replica_.takeChanged();
+  EXPECT_EQ(changed.x1 - changed.x0, 5);
+  EXPECT_EQ(replica_.valuesIn(changed), std::vector<std::int8_t>(5, MapSnapshot::kUnknown));
+}
+
+TEST_F(AnotherMap, MayBeginAgainBeforeItIsComplete) {
+  copyChanges(room_, replica_);
+  replica_.takeChanged();
+  replica_.beginMap();
+  std::vector<TileImage> some;
+  with_beam_.takeChangedTiles(2, some);
+  for (const TileImage& image : some) replica_.update(image);
+  replica_.beginMap();
+  OccupancyGrid same{OccupancyGridConfig()};
+  same.insert(room::scanFrom(Pose2()), Pose2());
+  copyChanges(same, replica_);
+  replica_.endMap();
+  expectEqual(replica_.snapshot(), room_.snapshot());
+  EXPECT_TRUE(replica_.takeChanged().empty());
+}
+
+TEST_F(AnotherMap, MayBeEmpty) {
+  copyChanges(room_, replica_);
+  replica_.takeChanged();
+  replica_.beginMap();
+  replica_.endMap();
+  EXPECT_TRUE(replica_.snapshot().empty());
+  EXPECT_TRUE(replica_.known().empty());
+  EXPECT_FALSE(replica_.takeChanged().empty());
 }
 
 }  // namespace

@@ -62,5 +62,16 @@ TEST(LocalMap, ScansThatAreFarApartCountMore) {
   EXPECT_EQ(map.submap(), 1U);
 }
 
+/// A vehicle that was carried by its odometry may be far away when a scan is inserted again.
+TEST(LocalMap, AStepLongerThanASubmapKeepsTheWindow) {
+  LocalMap map{OccupancyGridConfig(), SubmapOptions(), windowOf(60, 20)};
+  insertAt(0.0, map);
+  insertAt(500.0, map);
+  insertAt(500.5, map);
+  insertAt(501.0, map);
+  EXPECT_EQ(map.submap(), 1U);
+  EXPECT_TRUE(knows(map, 500.5));
+}
+
 }  // namespace
 }  // namespace kestrel

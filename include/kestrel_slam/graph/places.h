@@ -35,7 +35,7 @@ bool hasOwnKeyframe(const KnownPlace& place, const std::vector<LocalKeyframe>& k
 class Places {
  public:
   /// Memory of the grids. A vehicle searches the same few places for a while.
-  static constexpr std::size_t kCachedBytes = 32'000'000;
+  static constexpr std::size_t kCachedBytes = 16'000'000;
 
   explicit Places(const MapperConfig& config, std::size_t cached_bytes = kCachedBytes)
       : config_(config), max_cached_bytes_(cached_bytes) {}

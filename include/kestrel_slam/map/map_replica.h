@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "kestrel_slam/map/map_snapshot.h"
@@ -32,7 +33,11 @@ class MapReplica {
   explicit MapReplica(double resolution_m) : resolution_m_(resolution_m) {}
 
   void update(const TileImage& tile);
-  void clear();
+
+  /// The tiles that follow are all those of another map. endMap() compares it with the map before,
+  /// so that only what is different is a change: a loop moves few walls.
+  void beginMap();
+  void endMap();
 
   /// The known part, as OccupancyGrid::snapshot.
   MapSnapshot snapshot() const;
@@ -46,16 +51,19 @@ class MapReplica {
   std::vector<std::int8_t> valuesIn(const CellRectangle& part) const;
 
  private:
-  std::vector<std::int8_t> percentIn(const CellRectangle& part) const;
-  MapSnapshot mapOf(std::vector<std::int8_t> cells) const;
-
   struct Tile {
     std::array<std::int8_t, kTileCells> cells;
     Tile() { cells.fill(MapSnapshot::kUnknown); }
   };
+  using Tiles = TileMap<Tile>;
+
+  std::vector<std::int8_t> percentIn(const CellRectangle& part) const;
+  MapSnapshot mapOf(std::vector<std::int8_t> cells) const;
+  void noteDifferences(const Cell& corner, const Tile& a, const Tile& b);
 
   double resolution_m_;
-  TileMap<Tile> tiles_{SIZE_MAX};
+  Tiles tiles_{SIZE_MAX};
+  std::optional<Tiles> before_;  ///< the map before, while another one comes
   CellRectangle known_, changed_;
 };
 

@@ -14,6 +14,9 @@ namespace {
 
 /// The matching comes first.
 constexpr int kNice = 10;
+/// A large map needs seconds to be composed, so the keyframes that wait come first. But the map
+/// does not wait for more than so many.
+constexpr std::size_t kMostUncomposed = 20;
 
 GraphView viewOf(const SubmapGraph& graph) {
   GraphView view;
@@ -132,6 +135,7 @@ void GraphWorker::run() {
       queue_.pop_front();
       lock.unlock();
       handle(work);
+      if (isTimeToCompose()) compose();
     }
   }
 }
@@ -141,6 +145,7 @@ void GraphWorker::change(std::unique_ptr<SubmapGraph> graph) {
   graph_ = std::move(graph);
   solutions_ = graph_->solutionCount();
   known_.reset();
+  uncomposed_ = 0;
   const std::lock_guard<FairMutex> lock(map_mutex_);
   is_new_map_ = false;
   memory_bytes_ = graph_->memoryBytes() + map_->grid().memoryBytes();
@@ -167,10 +172,15 @@ void GraphWorker::compose() {
     map_->add(*graph_);
   }
   memory_bytes_ = graph_->memoryBytes() + map_->grid().memoryBytes();
+  uncomposed_ = 0;
+  ++version_;
 }
 
 void GraphWorker::handle(const Work& work) {
-  if (work.wanted) return work.wanted->set_value({graph_->record(), graph_->loadedCount()});
+  if (work.wanted) {
+    if (uncomposed_ > 0) compose();
+    return work.wanted->set_value({graph_->record(), graph_->loadedCount()});
+  }
   if (work.begins_part) {
     graph_->beginPart(std::nullopt);
     const std::lock_guard<std::mutex> lock(queue_mutex_);
@@ -178,7 +188,7 @@ void GraphWorker::handle(const Work& work) {
     return;
   }
   graph_->add(work.scan, work.result);
-  compose();
+  ++uncomposed_;
   GraphView view = viewOf(*graph_);
   GraphCorrection correction = correctionNow();
   const std::lock_guard<std::mutex> lock(queue_mutex_);
@@ -186,7 +196,11 @@ void GraphWorker::handle(const Work& work) {
   if (waiting_parts_ == 0)
     later_.push_back({work.number + kCorrectionDelay, std::move(correction)});
   view_ = std::move(view);
-  ++version_;
+}
+
+bool GraphWorker::isTimeToCompose() const {
+  const std::lock_guard<std::mutex> lock(queue_mutex_);
+  return uncomposed_ > 0 && (queue_.empty() || uncomposed_ >= kMostUncomposed);
 }
 
 /// The covariance needs a factorization, so it is only computed where the graph was optimized.

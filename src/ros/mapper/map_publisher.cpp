@@ -132,13 +132,14 @@ bool MapPublisher::isHeard() const {
 void MapPublisher::refresh() {
   for (bool complete = false; !complete;) {
     const MapChanges changes = mapper_.takeChanges();
-    if (changes.map_number != map_number_) replica_.clear();
+    if (changes.map_number != map_number_) replica_.beginMap();
     map_number_ = changes.map_number;
     version_ = changes.version;
     stamp_ = changes.stamp;
     for (const TileImage& tile : changes.tiles) replica_.update(tile);
     complete = changes.complete;
   }
+  replica_.endMap();
 }
 
 /// Publishes the part that changed since the last map or update, as long as the map has the same

@@ -98,6 +98,7 @@ class GraphWorker {
   void run();
   bool isIdle() const;
   void handle(const Work& work);
+  bool isTimeToCompose() const;
   GraphCorrection correctionNow();
   void change(std::unique_ptr<SubmapGraph> graph);
   void compose();
@@ -121,6 +122,7 @@ class GraphWorker {
   std::uint64_t map_number_ = 1;
 
   std::unique_ptr<SubmapGraph> graph_;  ///< only the thread uses it
+  std::size_t uncomposed_ = 0;          ///< keyframes since the map was composed
   std::size_t solutions_ = 0;           ///< SubmapGraph::solutionCount() of `known_`
   std::optional<GraphCorrection::Known> known_;
   std::atomic<std::uint64_t> version_{0};
