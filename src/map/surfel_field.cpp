@@ -34,13 +34,6 @@ void setLine(Surfel& surfel, const Eigen::Vector2f& t2) {
   surfel.a11 = shape.x(), surfel.a12 = shape.y(), surfel.a22 = shape.z();
 }
 
-/// The normal n of a wall with A = n n' + kAlongWeight t t'.
-Eigen::Vector2f normalOf(const Surfel& surfel) {
-  const float nx2 = (surfel.a11 - kAlongWeight) / (1.0F - kAlongWeight);
-  const float nx = std::sqrt(std::clamp(nx2, 0.0F, 1.0F));
-  return {nx, std::copysign(std::sqrt(1.0F - nx * nx), surfel.a12)};
-}
-
 }  // namespace
 
 const Surfel SurfelField::kZeros{

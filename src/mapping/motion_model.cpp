@@ -102,6 +102,7 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
   result.lost_scans = lost_scans_;
   result.search_all_yaws = result.lost && !result.yaw_known;
   result.prior = priorAt(odom_T_base, error, scan);
+  result.near = !result.lost && !result.prior && !result.trusted && !isWide(error);
   if (result.prior) result.last = result.prior->pose;
   if (is_gap || (result.wide && !result.prior)) result.last = result.initial_guesses.front();
   if (result.wide && !result.prior && !is_gap && !result.lost)

@@ -9,6 +9,7 @@
 #include "kestrel_slam/matching/covariance.h"
 #include "kestrel_slam/matching/thinned.h"
 #include "kestrel_slam/matching/weak_motion.h"
+#include "known_walls.h"
 #include "rough_search.h"
 #include "sketch.h"
 #include "surfel_lanes.h"
@@ -55,12 +56,10 @@ bool isWellConstrained(const Fit& fit) {
          leastConstraint(fit) >= kConstrainedLeast;
 }
 
-/// The penalized score if points in unknown space count as well. Hypotheses are compared by it: of
+/// What the score loses if points in unknown space count as misses. Hypotheses are compared so: of
 /// many poses, one where most points are in unknown space and the others fit by chance would have
 /// the highest score.
-double allPointsScore(const Fit& fit, double penalized_score) {
-  return penalized_score - fit.score * (1.0 - fit.known);
-}
+double unknownPart(const Fit& fit) { return fit.score * (1.0 - fit.known); }
 
 /// Whether the points moved farther from `guess` to `found` than the coarsest stage reaches. Then
 /// the descent began outside of the basin of convergence, for example in a fast turn, and it may
@@ -109,19 +108,30 @@ class HybridMatcher::Optima {
 
   /// See refine.
   Candidate from(const Pose2& guess, std::size_t first_stage = 0) {
-    for (const Entry& entry : known_) {
-      if (entry.first_stage == first_stage && isSamePose(entry.guess, guess)) return entry.optimum;
-    }
-    known_.push_back({guess, first_stage, matcher_.refine(map_, request_, guess, first_stage)});
-    return known_.back().optimum;
+    return from(guess, request_.near ? Hits::kOfKnownWalls : Hits::kAll, first_stage);
   }
+
+  /// The same for a hypothesis of a search, which may be anywhere.
+  Candidate fromHypothesis(const Pose2& pose) { return from(pose, Hits::kAll, 0); }
 
  private:
   struct Entry {
     Pose2 guess;
+    Hits hits;
     std::size_t first_stage;
     Candidate optimum;
   };
+
+  Candidate from(const Pose2& guess, Hits hits, std::size_t first_stage) {
+    for (const Entry& entry : known_) {
+      if (entry.first_stage == first_stage && entry.hits == hits && isSamePose(entry.guess, guess))
+        return entry.optimum;
+    }
+    known_.push_back(
+        {guess, hits, first_stage, matcher_.refine(map_, request_, guess, hits, first_stage)});
+    return known_.back().optimum;
+  }
+
   const HybridMatcher& matcher_;
   const Submap& map_;
   const MatchRequest& request_;
@@ -144,14 +154,14 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     ++result.fallbacks;
     result.iterations += other.descent.iterations;
     const double margin = request.trusted ? jumpMargin(config_, request, other.descent.pose) : 0.0;
-    if (other.penalized_score > best.penalized_score + margin) best = other;
+    if (other.worth > best.worth + margin) best = other;
   }
   const Pose2& first_guess = request.initial_guesses.front();
   if (is_doubtful()) {
     // The yaw is found more reliably than the position, and the position changes less in a turn.
     const Candidate other = optima.from(Pose2(first_guess.x, first_guess.y, best.descent.pose.yaw));
     result.iterations += other.descent.iterations;
-    if (other.penalized_score > best.penalized_score) best = other;
+    if (other.worth > best.worth) best = other;
   }
   const bool jumps = isJump(request, best.descent.pose);
   if ((best.fit.score < config_.search_score || jumps) && !request.trusted) {
@@ -159,7 +169,7 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     const Candidate near = optima.from(first_guess, kLastStage);
     result.iterations += near.descent.iterations;
     const double margin = jumps ? jumpMargin(config_, request, best.descent.pose) : 0.0;
-    if (near.penalized_score + margin > best.penalized_score) best = near;
+    if (near.worth + margin > best.worth) best = near;
   }
   const bool fits =
       best.fit.score >= config_.search_score || (!request.lost && isWellConstrained(best.fit));
@@ -169,7 +179,7 @@ MatchResult HybridMatcher::match(const Submap& map, const MatchRequest& request)
     // The last descent began far away and may have ended before it converged.
     const Candidate closer = optima.from(best.descent.pose, kLastStage);
     result.iterations += closer.descent.iterations;
-    if (closer.penalized_score > best.penalized_score) best = closer;
+    if (closer.worth > best.worth) best = closer;
   }
   fill(map, request, best, result);
   return result;
@@ -189,7 +199,7 @@ void HybridMatcher::fill(const Submap& map, const MatchRequest& request, const C
 MatchResult HybridMatcher::refined(const Submap& map, const Points& points,
                                    const Pose2& guess) const {
   const MatchRequest request{points, guess, {guess}};
-  const Candidate best = refine(map, request, guess);
+  const Candidate best = refine(map, request, guess, Hits::kAll);
   MatchResult result;
   result.iterations = best.descent.iterations;
   fill(map, request, best, result);
@@ -204,7 +214,8 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Optim
   if (request.lost) windows.erase(windows.begin(), windows.end() - 1);
   const std::size_t expected = windows.size();
   const double back_m = request.turned_back_m + config_.near_window.linear_m;
-  if (back_m > windows.back().linear_m) windows.push_back({back_m, windows.back().angular_rad});
+  if (request.turned_back_m > 0.0 && back_m > windows.back().linear_m)
+    windows.push_back({back_m, windows.back().angular_rad});
   const Pose2 center = searchCenter(request);
   SearchWindow searched{0.0, 0.0};
   for (std::size_t i = 0; i < windows.size(); ++i) {
@@ -222,18 +233,16 @@ void HybridMatcher::search(const Submap& map, const MatchRequest& request, Optim
     result.incomplete = !hypotheses.complete;
     std::optional<Candidate> found;
     for (const Pose2& pose : mostLikely(map, request, hypotheses.poses, budget)) {
-      const Candidate other = optima.from(pose);
+      const Candidate other = optima.fromHypothesis(pose);
       result.iterations += other.descent.iterations;
-      if (!found || allPointsScore(other.fit, other.penalized_score) >
-                        allPointsScore(found->fit, found->penalized_score))
-        found = other;
+      if (!found || other.all_points_score > found->all_points_score) found = other;
     }
     if (!found) continue;
     // A poor fit so far away is found by chance.
     if (i >= expected && found->fit.score < config_.search_score) continue;
     // Of two jumps the better one is taken.
     const double margin = best.jumped ? 0.0 : jumpMargin(config_, request, found->descent.pose);
-    if (found->penalized_score > best.penalized_score + margin) best = *found;
+    if (found->worth > best.worth + margin) best = *found;
   }
 }
 
@@ -247,7 +256,7 @@ std::vector<Pose2> HybridMatcher::mostLikely(const Submap& map, const MatchReque
        sketches(map.surface(), sample, hypotheses, kRefined, budget, request.memory)) {
     const Fit fit = fitOf(map, sample, pose, config_.score_scale_m);
     const double penalized = penalizedScore(request, fit, pose, config_.correlative);
-    ranking.emplace_back(-allPointsScore(fit, penalized), pose);
+    ranking.emplace_back(unknownPart(fit) - penalized, pose);
   }
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -261,7 +270,7 @@ std::vector<Pose2> HybridMatcher::mostLikely(const Submap& map, const MatchReque
 }
 
 HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchRequest& request,
-                                               const Pose2& initial_guess,
+                                               const Pose2& initial_guess, Hits hits,
                                                std::size_t first_stage) const {
   Candidate result;
   const Points few = thinned(request.points, kCoarsePoints);
@@ -273,7 +282,10 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   for (std::size_t stage = first_stage; stage < kMatchStages; ++stage) {
     const bool last = stage == kLastStage;
     const float scale = kStageScales[stage];
-    const Points& points = last ? request.points : few;
+    const Points& all = last ? request.points : few;
+    Points known;
+    if (hits == Hits::kOfKnownWalls) known = hitsOfKnownWalls(map, all, pose);
+    const Points& points = hits == Hits::kOfKnownWalls ? known : all;
     const Eigen::Vector3f pull =
         Eigen::Vector3f::Constant(kPriorWeight * static_cast<float>(points.size()));
     LastSurfels surfels(points.size());
@@ -288,7 +300,9 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
   for (std::size_t stage = 0; stage < first_stage; ++stage) result.stages[stage] = pose;
   result.descent.iterations = iterations;
   result.fit = fitOf(map, request.points, pose, config_.score_scale_m);
-  result.penalized_score = penalizedScore(request, result.fit, pose, config_.correlative);
+  const double penalized = penalizedScore(request, result.fit, pose, config_.correlative);
+  result.all_points_score = penalized - unknownPart(result.fit);
+  result.worth = request.near ? result.all_points_score : penalized;
   result.jumped = leftBasin(few, initial_guess, pose);
   return result;
 }

@@ -24,13 +24,22 @@ class HybridMatcher : public Matcher {
     Descent descent;
     Fit fit;
     std::array<Pose2, kMatchStages> stages;
-    double penalized_score = -1.0;  ///< the score minus the penalty of the motion
-    bool jumped = false;            ///< the descent began outside of the basin of convergence
+    /// The score minus the penalty of the motion, if points in unknown space count as misses.
+    double all_points_score = -1.0;
+    /// By what it is compared with the optima from other guesses: the same where the pose is near
+    /// them, so that none is better because more of the scan is in unknown space. Otherwise such
+    /// points do not count: a vehicle may have come to a place that is mostly new.
+    double worth = -1.0;
+    bool jumped = false;  ///< the descent began outside of the basin of convergence
   };
+
+  /// Which hits take part in a descent: those of known walls if it begins near the pose (see
+  /// hitsOfKnownWalls), otherwise all.
+  enum class Hits { kAll, kOfKnownWalls };
 
   /// The local optimum near `initial_guess`, with the stages from `first_stage` on.
   Candidate refine(const Submap& map, const MatchRequest& request, const Pose2& initial_guess,
-                   std::size_t first_stage = 0) const;
+                   Hits hits, std::size_t first_stage = 0) const;
   void fill(const Submap& map, const MatchRequest& request, const Candidate& best,
             MatchResult& result) const;
   class Optima;

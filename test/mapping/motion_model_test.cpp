@@ -146,6 +146,17 @@ TEST(MotionModel, AVehicleMayTurnBackBetweenRareScans) {
   EXPECT_EQ(turnedBack(frequent, kClock + 6 * kPeriod), 0.0);
 }
 
+TEST(MotionModel, ThePoseIsNearTheGuessWhereScansAreFrequent) {
+  const auto isNear = [](const Flight& flight, double time) {
+    return flight.model().request(Points(), scanAt(time), std::nullopt).near;
+  };
+  Flight frequent;
+  for (int i = 0; i < 6; ++i) frequent.match(i);
+  EXPECT_TRUE(isNear(frequent, kClock + 6 * kPeriod));
+  EXPECT_FALSE(isNear(frequent, kClock + 30 * kPeriod));
+  EXPECT_FALSE(isNear(flightWithRareScans(), rareTime(4)));
+}
+
 TEST(MotionModel, AfterALongGapTheVehicleMayBeAnywhere) {
   Flight flight;
   for (int i = 0; i < 6; ++i) flight.match(i);

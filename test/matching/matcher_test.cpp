@@ -138,6 +138,19 @@ TEST(HybridMatcher, WhereAVehicleTurnedBackTheScanMustFitWell) {
   EXPECT_EQ(matchTurnedBack(points, 2.0).pose.x, matchTurnedBack(points, 0.0).pose.x);
 }
 
+TEST(HybridMatcher, NearThePoseItIsNoAdvantageToBeInUnknownSpace) {
+  // Every third wall of the scan is another one. Outside of the room one wall fits perfectly, and
+  // the rest of the scan is in unknown space.
+  Points points = hitsOf(room::scanFrom(Pose2()));
+  for (std::size_t i = 0; i < points.size(); i += 3) points[i] *= 0.5F;
+  MatchRequest request{points, Pose2(), {Pose2(), Pose2(8.0, 0.0, 0.0)}};
+  request.near = true;
+  MatcherConfig config;
+  config.correlative.linear_preference = 0.0;
+  const MatchResult result = makeMatcher(config)->match(room::map(), request);
+  EXPECT_NEAR(result.pose.distance(), 0.0, 0.03);
+}
+
 TEST(HybridMatcher, ACorridorIsUnobservableAlongItself) {
   // Dense enough that distant neighboring hits still give the direction of the wall.
   const PlanarScan scan = room::scanFrom(Pose2(), room::corridor(), 1440);

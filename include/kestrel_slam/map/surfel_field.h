@@ -54,6 +54,13 @@ inline bool isPoint(const Surfel& surfel) {
   return surfel.a11 + surfel.a22 >= kPointTrace;
 }
 
+/// The normal n of a surfel on a wall, whose A is n n' + kAlongWeight t t'.
+inline Eigen::Vector2f normalOf(const Surfel& surfel) {
+  const float nx2 = (surfel.a11 - kAlongWeight) / (1.0F - kAlongWeight);
+  const float nx = std::sqrt(std::clamp(nx2, 0.0F, 1.0F));
+  return {nx, std::copysign(std::sqrt(1.0F - nx * nx), surfel.a12)};
+}
+
 /// Elements (11, 12, 22) of the information matrix for observability: A, or for a point with
 /// distant neighbors the matrix of the line through them.
 inline Eigen::Vector3f constraintOf(const Surfel& surfel) {

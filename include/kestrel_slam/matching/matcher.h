@@ -63,9 +63,12 @@ struct MatchRequest {
   double moved_scale = 1.0;    ///< divides the penalty of the motion, if it may be large
   bool yaw_known = false;      ///< the yaw of the first initial guess is accurate to some degrees,
   double yaw_error_rad = 0.0;  ///< or to this, if it is larger
-  bool trusted = false;        ///< the first initial guess is accurate to some centimeters
-  double plausible_m = 1e9;    ///< a pose farther than this from the first initial guess needs a
-                               ///< larger increase of the score, proportional to the distance
+  /// The pose is so close to the first initial guess that a hit in unknown space, past the end of a
+  /// wall, is rather something new than this wall.
+  bool near = false;
+  bool trusted = false;      ///< the first initial guess is accurate to some centimeters
+  double plausible_m = 1e9;  ///< a pose farther than this from the first initial guess needs a
+                             ///< larger increase of the score, proportional to the distance
   std::optional<MotionPrior> prior =
       std::nullopt;    ///< of the odometry: the distance from it is penalized
   bool wide = false;   ///< the local match may not find the pose: search the near window
