@@ -40,8 +40,8 @@ FitAfterSlip matchAfterSlip(const Submap& map, const MatchRequest& request, cons
   const double second = is_same ? place.second_score : std::max(place.second_score, found_score);
   const bool is_clear = place.complete && place.score >= second + kClearlyBetter;
   FitAfterSlip result;
-  if (fits && reachable && is_clear && !match.degenerate && (!is_same || is_reverse))
-    result.match = match;
+  const bool is_other = !is_same || is_reverse || place.score >= found_score + kClearlyBetter;
+  if (fits && reachable && is_clear && !match.degenerate && is_other) result.match = match;
   result.is_reverse = is_reverse;
   result.ambiguous = !is_clear;
   return result;

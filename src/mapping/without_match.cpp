@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the mapper does with a scan that fits nowhere near the prediction.
 #include "kestrel_slam/mapping/odometry_slip.h"
+#include "kestrel_slam/matching/ambiguity.h"
 #include "kestrel_slam/matching/fit.h"
 #include "kestrel_slam/matching/place_match.h"
 #include "mapper_state.h"
@@ -28,7 +29,10 @@ void Mapper::State::matchElsewhere(const MatchRequest& request, MapperResult& re
       matchAfterSlip(map.current(), request, motion.pose(), result.match, config.matcher, kind);
   result.reversed = found.match && found.is_reverse;
   if (found.match) {
-    if (result.state != MatchState::kLost && isSamePlace(*found.match, result.match.pose)) return;
+    const bool is_better = found.match->score * found.match->known >=
+                           result.match.score * result.match.known + kClearlyBetter;
+    const bool is_same = isSamePlace(*found.match, result.match.pose);
+    if (result.state != MatchState::kLost && is_same && !is_better) return;
     result.match = *found.match;
     result.match.searched = true;
     result.evaluation = evaluationFunction(result.match, config.evaluation);

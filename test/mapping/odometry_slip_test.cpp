@@ -18,9 +18,16 @@ const std::vector<room::Segment> kHall = {{-7, -5, 1, -9},  {1, -9, 9, -2},  {9,
                                           {3, -5, 3.5, -4}, {-3, 4, -2, 5}};
 const Pose2 kLast(0.5, 0.3, 0.2), kBack(-1.0, 0.0, 0.05), kForward(1.0, 0.0, 0.05);
 
+/// A match near the odometry that does not fit.
+const MatchResult kRefused = [] {
+  MatchResult result;
+  result.pose = kLast * kForward;
+  return result;
+}();
+
 /// The match of a scan from kLast * `moved`, where the odometry says kForward.
 std::optional<MatchResult> matchedAt(const Pose2& moved, const std::vector<room::Segment>& walls,
-                                     const MatchResult& refused = MatchResult(),
+                                     const MatchResult& refused = kRefused,
                                      const SlipKind& kind = SlipKind()) {
   Submap map{OccupancyGridConfig()};
   for (const double x : {-1.0, 0.0, 1.0})
@@ -51,8 +58,15 @@ TEST(OdometrySlip, WhatFitsInSeveralWaysIsNoMatch) {
 
 TEST(OdometrySlip, WithoutASlipOnlyTheWayBackIsFound) {
   const SlipKind kind{false, true};
-  EXPECT_TRUE(matchedAt(kBack, kHall, MatchResult(), kind));
-  EXPECT_FALSE(matchedAt(Pose2(), kHall, MatchResult(), kind));
+  EXPECT_TRUE(matchedAt(kBack, kHall, kRefused, kind));
+  EXPECT_FALSE(matchedAt(Pose2(), kHall, kRefused, kind));
+}
+
+TEST(OdometrySlip, AMuchBetterPoseNearTheRefusedOneIsFound) {
+  MatchResult refused;
+  refused.pose = kLast * kBack * Pose2(0.4, 0.0, 0.0);
+  refused.score = refused.known = 0.7;
+  EXPECT_TRUE(matchedAt(kBack, kHall, refused));
 }
 
 TEST(OdometrySlip, APoseOnTheWayBackThatWasRefusedIsNoOtherPose) {
