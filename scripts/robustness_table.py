@@ -2,7 +2,6 @@
 """robustness_table.py --build DIR --data DIR --output DIR [--only TEXT] [--quick] [--seeds N]:
 maps recordings and simulated flights with default parameters, and prints a table of goals and
 values. scripts/benchmark_robustness calls it."""
-import bz2
 import csv
 import json
 import math
@@ -15,6 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 import benchmark_table
 import goal_table
 from goal_table import percent, row
+from thinned_recordings import ThinnedRecording
 
 # Logs with about one scan per meter. Their reference is a particle filter's.
 INDOORS = ["acapulco", "fhw", "freiburg-101", "belgioioso"]
@@ -48,11 +48,6 @@ OTHER_LASERS = {
     "range 5.6 m": ["--set", "laser_max_dist=5.6"],
     "a quarter of the beams": ["--drop-beams", "0.75"],
 }
-
-
-# A recording is thinned to a scan per meter, or per half a radian, and mapped from these scans on.
-STEP_M, STEP_RAD = 1.0, 0.5
-STARTS = [0, 1, 3, 5, 9]
 
 
 class Benchmark:
@@ -266,46 +261,38 @@ def other_lasers(bench):
                 f"the trajectory of all beams {ate['translation_m']['rmse']:.2f} m", slips == 0)
 
 
-def write_thinned(log, path):
-    """Writes the scans of a log in the format of CARMEN that are far enough apart."""
-    last = None
-    with bz2.open(log, "rt") as lines, open(path, "w") as file:
-        for line in lines:
-            words = line.split()
-            if not words or words[0] != "FLASER":
-                continue
-            first = 2 + int(words[1])  # after the ranges: the pose of the laser by the odometry
-            x, y, yaw = (float(word) for word in words[first:first + 3])
-            if last:
-                turn = abs(math.remainder(yaw - last[2], 2.0 * math.pi))
-                if math.dist((x, y), last[:2]) < STEP_M and turn < STEP_RAD:
-                    continue
-            last = (x, y, yaw)
-            file.write(line)
+def mean_ate(runs):
+    return statistics.mean(r["ate"] for r in runs)
+
+
+def thinned_row(name, goal, runs, most_lost, is_accurate=True):
+    scans, wrong = (sum(r[key] for r in runs) for key in ("scans", "wrong_and_ok"))
+    lost = max(r["lost"] / r["scans"] for r in runs)
+    row(f"{name}, {len(runs)} starts", goal,
+        f"lost {100 * lost:.1f} % at most; degraded "
+        f"{percent(sum(r['degraded'] for r in runs), scans)}; wrong and ok {wrong} of {scans} "
+        f"scans; ATE {', '.join(format(r['ate'], '.3f') for r in runs)} m",
+        wrong == 0 and lost <= most_lost and is_accurate)
 
 
 def scan_per_meter(bench):
-    """The recordings as thinned logs. The reference is the trajectory with all scans."""
     for log in ["intel", "fr079", "mit-csail"]:
-        whole = f"freiburg/{log}.clf.bz2"
-        folder = os.path.abspath(bench.map(whole, f"{log}_whole"))
-        reference, thinned = f"{folder}/trajectory.tum", f"{folder}/thinned.clf"
-        write_thinned(f"{bench.data}/{whole}", thinned)
+        thinned_row(f"{log}, a scan per meter, laser only", "lost ≤ 10 %; wrong and ok 0",
+                    ThinnedRecording(bench, log).runs("laser"), 0.1)
 
-        def from_start(start):
-            name = f"{log}_thinned_{start}"
-            bench.map(thinned, name, "--skip-scans", str(start))
-            return bench.states(name, reference)
 
-        runs = bench.at_once(from_start, STARTS)
-        scans, wrong = (sum(r[key] for r in runs) for key in ("scans", "wrong_and_ok"))
-        lost = max(r["lost"] / r["scans"] for r in runs)
-        row(f"{log}, a scan per meter, laser only, {len(runs)} starts",
-            "lost ≤ 10 %; wrong and ok 0",
-            f"lost {100 * lost:.1f} % at most; degraded "
-            f"{percent(sum(r['degraded'] for r in runs), scans)}; wrong and ok {wrong} of {scans} "
-            f"scans; ATE {', '.join(format(r['ate'], '.2f') for r in runs)} m",
-            wrong == 0 and lost <= 0.1)
+def scan_per_meter_with_odometry(bench):
+    """The odometry as recorded, which has no sign in fr079, and without its sign."""
+    errors = {"as recorded": [], "unsigned": ["--odometry-error", "unsigned"]}
+    for log in ["intel", "fr079", "mit-csail"]:
+        thinned = ThinnedRecording(bench, log)
+        laser = mean_ate(thinned.runs("laser"))
+        for name, options in errors.items():
+            runs = thinned.runs(name.replace(" ", "_"), "--odometry", "use", *options)
+            best = min(laser, statistics.mean(r["odometry"] for r in runs))
+            thinned_row(f"{log}, a scan per meter, odometry {name}",
+                        f"no scan lost; wrong and ok 0; mean ATE ≤ {1.1 * best:.3f} m", runs, 0.0,
+                        mean_ate(runs) <= 1.1 * best)
 
 
 # name: function, whether it takes long
@@ -314,6 +301,7 @@ GROUPS = {
     "thinned logs, laser only": (laser_only, False),
     "thinned logs with bad odometry": (bad_odometry, True),
     "recordings thinned to a scan per meter": (scan_per_meter, False),
+    "recordings thinned, with odometry": (scan_per_meter_with_odometry, False),
     "mit-csail perturbed": (csail, False),
     "fast turns": (fast_turns, False),
     "other lasers": (other_lasers, False),

@@ -23,16 +23,16 @@ Eigen::Matrix3d informationOf(const Eigen::Vector3d& variances) {
 
 }  // namespace
 
-void OdometryTrack::add(const std::optional<Pose2>& odom_T_base) {
-  if (!odom_T_base) return recent_.clear();
+void OdometryTrack::add(const std::optional<Pose2>& odom_T_base, bool is_reversed) {
+  const std::optional<Pose2> measured = signed_.next(odom_T_base, is_reversed);
+  if (!measured) return recent_.clear();
   const std::size_t open = keyframes_.size() - closed_;
   for (std::size_t i = keyframes_.size() - std::min(open, kAround); i < keyframes_.size(); ++i) {
     TrackedKeyframe& keyframe = keyframes_[i];
-    if (keyframe.odometry.size() <= keyframe.own + kAround)
-      keyframe.odometry.push_back(*odom_T_base);
+    if (keyframe.odometry.size() <= keyframe.own + kAround) keyframe.odometry.push_back(*measured);
   }
   if (recent_.size() > kAround) recent_.erase(recent_.begin());
-  recent_.push_back(*odom_T_base);
+  recent_.push_back(*measured);
 }
 
 void OdometryTrack::addKeyframe(std::size_t keyframe, const Pose2& local_T_base) {

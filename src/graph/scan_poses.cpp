@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "kestrel_slam/graph/submap_graph.h"
+#include "kestrel_slam/mapping/odometry_sign.h"
 
 namespace kestrel {
 namespace {
@@ -13,12 +14,16 @@ namespace {
 class ScanOdometry {
  public:
   ScanOdometry(const std::vector<TrackedScan>& scans, const OdometryTrack& track)
-      : scans_(scans), track_(track) {}
+      : scans_(scans), track_(track) {
+    SignedOdometry odometry;
+    for (const TrackedScan& scan : scans)
+      odometry_.push_back(odometry.next(scan.odom_T_base, scan.reversed));
+  }
 
   std::optional<Pose2> at(std::size_t scan) const {
     const auto number = static_cast<std::ptrdiff_t>(scan) + track_.delayScans();
-    if (number < 0 || number >= static_cast<std::ptrdiff_t>(scans_.size())) return std::nullopt;
-    return scans_[static_cast<std::size_t>(number)].odom_T_base;
+    if (number < 0 || number >= static_cast<std::ptrdiff_t>(odometry_.size())) return std::nullopt;
+    return odometry_[static_cast<std::size_t>(number)];
   }
 
   /// Corrected, of the scans from `first` to `last`; less if it ends or is missing.
@@ -33,6 +38,7 @@ class ScanOdometry {
  private:
   const std::vector<TrackedScan>& scans_;
   const OdometryTrack& track_;
+  std::vector<std::optional<Pose2>> odometry_;  ///< of the scans
 };
 
 /// A keyframe that the graph has placed by odometry.
@@ -105,7 +111,8 @@ class Placement {
 
 TrackedScan trackedScan(const MapperResult& result, std::size_t keyframes) {
   return {result.pose,     result.odom_T_base,  keyframes,
-          result.inserted, !result.isMatched(), result.state != MatchState::kOk};
+          result.inserted, !result.isMatched(), result.state != MatchState::kOk,
+          result.reversed};
 }
 
 std::vector<Pose2> scanPoses(const std::vector<TrackedScan>& scans, const SubmapGraph& graph) {

@@ -46,7 +46,7 @@ SubmapGraph::SubmapGraph(const MapperConfig& mapper, const LoopConfig& config)
     : mapper_(mapper), config_(config), matcher_(mapper.matcher, config), places_(mapper) {}
 
 void SubmapGraph::add(const PlanarScan& scan, const MapperResult& result) {
-  track_.add(result.odom_T_base);
+  track_.add(result.odom_T_base, result.reversed);
   if (!result.inserted) return;
   shown_.reset();
   const std::size_t places = places_.all().size();

@@ -40,6 +40,13 @@ MotionCheck::Entry positionOf(const MatchResult& match, const PlanarScan& scan) 
   return result;
 }
 
+MatchWorth worthOf(const MapperResult& result) {
+  if (result.state == MatchState::kLost) return MatchWorth::kNone;
+  const bool is_clear =
+      result.state == MatchState::kOk && result.match.constraint > kWellConstrained;
+  return is_clear ? MatchWorth::kClear : MatchWorth::kMatched;
+}
+
 }  // namespace
 
 /// Whether the scan has too few hits for a match: a few hits fit in many places. If they are most
@@ -166,9 +173,7 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
     return fillFit(points, result);
   if (lost && isCarried(scan, odom_T_base, error))
     return carryUnmatched(points, scan, odom_T_base, error, result);
-  motion.learnOdometry(
-      result.match.pose, odom_T_base,
-      result.state == MatchState::kOk && result.match.constraint > kWellConstrained);
+  motion.learnOdometry(result.match.pose, odom_T_base, worthOf(result), result.reversed);
   const double moved = (motion.pose().inverse() * result.match.pose).distance();
   motion.move(result.match.pose, request.initial_guesses.front(), lost, scan);
   if (lost) {
@@ -265,6 +270,7 @@ MapperResult Mapper::process(const PlanarScan& scan, const std::optional<Pose2>&
   }
   s.insert(scan, s.motion.predictionSourceOf(scan, odom_T_base) == PredictionSource::kOdometry,
            result);
+  result.reversed = s.motion.isReversed();
   result.map_full = s.map.current().isFull();
   s.motion.remember(scan, odom_T_base, s.laser_odometry.errorAfter(result, error));
   s.laser_odometry.update(scan, result, s.motion.pose());

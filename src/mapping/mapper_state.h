@@ -13,6 +13,7 @@
 #include "kestrel_slam/mapping/mapper.h"
 #include "kestrel_slam/mapping/motion_check.h"
 #include "kestrel_slam/mapping/motion_model.h"
+#include "kestrel_slam/mapping/odometry_slip.h"
 #include "kestrel_slam/mapping/pose_uncertainty.h"
 #include "kestrel_slam/matching/matcher.h"
 
@@ -69,6 +70,7 @@ struct Mapper::State {
              const PredictionError& error, MapperResult& result);
   void lookForSecond(const MatchRequest& request, PredictionSource source,
                      const PredictionError& error, MapperResult& result) const;
+  SlipKind slipKindOf(const MapperResult& result) const;
   void matchElsewhere(const MatchRequest& request, MapperResult& result);
   bool isCarried(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
                  const PredictionError& error) const;

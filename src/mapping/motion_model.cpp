@@ -101,7 +101,7 @@ MatchRequest MotionModel::request(const Points& points, const PlanarScan& scan,
   result.lost = lost_scans_ > 0 || (is_gap && isWide(error));
   result.lost_scans = lost_scans_;
   result.search_all_yaws = result.lost && !result.yaw_known;
-  result.prior = priorAt(odom_T_base, error, scan);
+  result.prior = priorAt(odom_T_base, scan);
   result.near = !result.lost && !result.prior && !result.trusted && !isWide(error);
   if (result.prior) result.last = result.prior->pose;
   if (is_gap || (result.wide && !result.prior)) result.last = result.initial_guesses.front();
@@ -174,8 +174,10 @@ Pose2 MotionModel::predict(const PlanarScan& scan, const std::optional<Pose2>& o
   return distance > farthest ? interpolate(pose_, moved, farthest / distance) : moved;
 }
 
+/// `odometry`: error of its motion since the last scan.
 PredictionError MotionModel::errorAt(const PlanarScan& scan,
-                                     const std::optional<Pose2>& odom_T_base) const {
+                                     const std::optional<Pose2>& odom_T_base,
+                                     const MotionError& odometry) const {
   PredictedStep step;
   step.seconds = std::clamp(scan.time - time_, 0.0, kMaxErrorTime);
   step.source = predictionSourceOf(scan, odom_T_base);
@@ -183,7 +185,7 @@ PredictionError MotionModel::errorAt(const PlanarScan& scan,
       step.source == PredictionSource::kOdometry || filterMotionSince(scan) || yawChangeSince(scan);
   if (step.source == PredictionSource::kOdometry) {
     step.motion = *odometryMotion(odom_T_base);
-    step.odometry = odometry_.errorOf(odom_->inverse() * *odom_T_base);
+    step.odometry = odometry;
   }
   PredictionError result = error_;
   result.grow(step);

@@ -40,28 +40,56 @@ void average(double value, double weight, double& mean) { mean += (value - mean)
 }  // namespace
 
 Pose2 OdometryModel::corrected(const Pose2& measured) const {
+  const Pose2 result = withoutSystematic(measured);
+  return sign_.isReversedNext() ? reversed(result) : result;
+}
+
+Pose2 OdometryModel::withoutSystematic(const Pose2& measured) const {
   const Eigen::Vector2d gain_of(measured.yaw, measured.distance());
   return {scale_ * measured.x, scale_ * measured.y, measured.yaw + yaw_gains_.dot(gain_of)};
 }
 
 MotionError OdometryModel::errorOf(const Pose2& measured) const {
+  MotionError result = errorAlongDirection(measured);
+  // In the wrong direction the vehicle is twice as far away.
+  const double apart = 2.0 * measured.distance() * std::sqrt(sign_.wrongShare());
+  result.position_m = std::hypot(result.position_m, apart);
+  return result;
+}
+
+MotionError OdometryModel::errorAlongDirection(const Pose2& measured) const {
   const double moved = measured.distance();
   return {kLeastM + std::sqrt(position_ratio_ * assumedPosition(moved)),
           kLeastRad + std::sqrt(yaw_ratio_ * assumedYaw(moved, measured.yaw))};
 }
 
+bool OdometryModel::isReversed(const Pose2& measured, const Pose2& matched) const {
+  return sign_.isReversed(measured, matched, errorAlongDirection(measured).position_m);
+}
+
+void OdometryModel::follow(const Pose2& measured, const Pose2& matched) {
+  sign_.follow(measured, matched, errorAlongDirection(measured).position_m);
+}
+
+void OdometryModel::interrupt() {
+  segment_ = Segment();
+  sign_.interrupt();
+}
+
 void OdometryModel::learn(const Pose2& measured, const Pose2& matched) {
-  segment_.measured = segment_.measured * measured;
+  sign_.learn(measured, matched, errorAlongDirection(measured).position_m);
+  const bool is_reversed = isReversed(measured, matched);
+  segment_.measured = segment_.measured * (is_reversed ? reversed(measured) : measured);
   segment_.matched = segment_.matched * matched;
   segment_.path_m += measured.distance();
   segment_.turn_rad += std::abs(measured.yaw);
   if (segment_.path_m < kSegmentM && segment_.turn_rad < kSegmentRad) return;
   learnSegment();
-  interrupt();
+  segment_ = Segment();
 }
 
 void OdometryModel::learnSegment() {
-  const Pose2 expected = corrected(segment_.measured);
+  const Pose2 expected = withoutSystematic(segment_.measured);
   const double position = (segment_.matched.translation() - expected.translation()).squaredNorm() /
                           (assumedPosition(segment_.path_m) + square(kMatchM));
   const double yaw = square(normalizeAngle(segment_.matched.yaw - expected.yaw)) /

@@ -1,24 +1,47 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the mapper does with a scan that fits nowhere near the prediction.
 #include "kestrel_slam/mapping/odometry_slip.h"
+#include "kestrel_slam/matching/ambiguity.h"
 #include "kestrel_slam/matching/fit.h"
+#include "kestrel_slam/matching/place_match.h"
 #include "mapper_state.h"
 
 namespace kestrel {
 
-/// The odometry may be wrong if the scan does not fit, or hardly, near it. What is found elsewhere
-/// fits in one way only, and that was searched for more widely than for an ordinary match: so the
-/// state is ok.
-void Mapper::State::matchElsewhere(const MatchRequest& request, MapperResult& result) {
+/// How the odometry may be wrong, by what was matched near it. The wheels may have slipped if the
+/// scan hardly fits. An odometry that may not know the direction is believed only where the scan
+/// fits well, and one that does not know it is compared with all other places.
+SlipKind Mapper::State::slipKindOf(const MapperResult& result) const {
   constexpr double kHardlyFits = 0.5;
-  if (result.state != MatchState::kLost && result.match.score >= kHardlyFits) return;
-  const std::optional<MatchResult> found =
-      matchAfterSlip(map.current(), request, motion.pose(), result.match, config.matcher);
-  if (!found) return;
-  result.match = *found;
-  result.match.searched = true;
-  result.evaluation = evaluationFunction(result.match, config.evaluation);
-  result.state = MatchState::kOk;
+  const bool lost = result.state == MatchState::kLost;
+  const double score = result.match.score;
+  return {lost || score < kHardlyFits || motion.isUnsigned(),
+          motion.isUnsigned() ||
+              (motion.mayBeReversed() && (lost || score < config.matcher.search_score))};
+}
+
+/// What is found elsewhere fits in one way only, and that was searched for more widely than for an
+/// ordinary match: so the state is ok if it fits well.
+void Mapper::State::matchElsewhere(const MatchRequest& request, MapperResult& result) {
+  const SlipKind kind = slipKindOf(result);
+  if (!kind.any && !kind.reverse) return;
+  const FitAfterSlip found =
+      matchAfterSlip(map.current(), request, motion.pose(), result.match, config.matcher, kind);
+  result.reversed = found.match && found.is_reverse;
+  if (found.match) {
+    const bool is_better = found.match->score * found.match->known >=
+                           result.match.score * result.match.known + kClearlyBetter;
+    const bool is_same = isSamePlace(*found.match, result.match.pose);
+    if (result.state != MatchState::kLost && is_same && !is_better) return;
+    result.match = *found.match;
+    result.match.searched = true;
+    result.evaluation = evaluationFunction(result.match, config.evaluation);
+    result.state =
+        result.match.score >= config.matcher.search_score ? MatchState::kOk : MatchState::kDegraded;
+  } else if (found.ambiguous && motion.isUnsigned() && result.state == MatchState::kOk) {
+    result.match.ambiguous = true;
+    result.state = MatchState::kDegraded;
+  }
 }
 
 /// Whether the prediction is good enough to go on without a match: by odometry always, otherwise as
@@ -35,7 +58,7 @@ void Mapper::State::carry(const PlanarScan& scan, const std::optional<Pose2>& od
                           const PredictionError& error, MapperResult& result) {
   const bool lost = !isCarried(scan, odom_T_base, error);
   motion.carry(scan, odom_T_base);
-  motion.learnOdometry(motion.pose(), odom_T_base, false);
+  motion.learnOdometry(motion.pose(), odom_T_base, MatchWorth::kNone);
   uncertainty.carry(motion.pose(), error);
   result.match.pose = motion.pose();
   result.carried = true;

@@ -35,6 +35,12 @@ MatchResult matchNear(const Submap& place, const Points& points, const Pose2& gu
   return matcher.refined(place, points, guess);
 }
 
+bool isSamePlace(const MatchResult& match, const Pose2& other) {
+  const Eigen::Vector2d ignored =
+      match.degenerate ? match.degenerate_direction : Eigen::Vector2d(Eigen::Vector2d::Zero());
+  return isNear({match.pose, kSamePlaceM, kSamePlaceRad, ignored}, other);
+}
+
 PlaceMatch matchPlace(const Submap& place, const Points& points, const Pose2& center,
                       const SearchWindow& window, const MatcherConfig& config, std::int64_t work) {
   PlaceMatch result;
@@ -61,12 +67,8 @@ PlaceMatch matchPlace(const Submap& place, const Points& points, const Pose2& ce
     result.match = match;
     result.score = score;
   }
-  const Eigen::Vector2d ignored = result.match.degenerate
-                                      ? result.match.degenerate_direction
-                                      : Eigen::Vector2d(Eigen::Vector2d::Zero());
-  const ExcludedPoses same{result.match.pose, kSamePlaceM, kSamePlaceRad, ignored};
   for (const Explanation& other : found) {
-    if (isNear(same, other.pose)) continue;
+    if (isSamePlace(result.match, other.pose)) continue;
     result.second_score = other.score;
     break;
   }

@@ -79,6 +79,28 @@ TEST(OdometryTrack, SlipsDoNoHarm) {
   EXPECT_LT(drive.error(), 1.1 * drive.matchError());
 }
 
+/// Every fifth step the odometry counts in the wrong direction.
+TEST(OdometryTrack, MotionsAgainstTheOdometryAreReversed) {
+  const auto errorWith = [](bool is_told) {
+    MeasuredDrive drive([](const std::vector<Pose2>& truth, std::size_t i) { return truth[i]; });
+    drive.track = OdometryTrack();
+    Pose2 odometry;
+    for (std::size_t i = 0; i < drive.truth.size(); ++i) {
+      const bool is_against = i > 0 && i % 5 == 0;
+      if (i > 0) {
+        const Pose2 step = drive.truth[i - 1].between(drive.truth[i]);
+        odometry = odometry * (is_against ? reversed(step) : step);
+      }
+      drive.track.add(odometry, is_told && is_against);
+      drive.track.addKeyframe(i, drive.matches.vertices[i].pose);
+    }
+    return std::pair(drive.error(), drive.matchError());
+  };
+  const auto [error, match_error] = errorWith(true);
+  EXPECT_LT(error, 0.6 * match_error);
+  EXPECT_LT(error, errorWith(false).first);
+}
+
 /// Matches of a part of the drive stand still while the vehicle moves on.
 TEST(OdometryTrack, DoubtfulMatchesThatSlipDoNoHarm) {
   const auto exact = [](const std::vector<Pose2>& truth, std::size_t i) { return truth[i]; };

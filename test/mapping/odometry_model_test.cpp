@@ -58,6 +58,18 @@ TEST(OdometryModel, DoesNotTrustUnsignedMotion) {
   EXPECT_GT(model.errorOf(kMeter).position_m, 0.5);
 }
 
+TEST(OdometryModel, WithoutTheDirectionTheRestIsKnown) {
+  OdometryModel model;
+  for (int i = 0; i < 1500; ++i) {
+    const Pose2 step(0.2, 0.0, 0.1 * std::sin(0.1 * i));
+    const Pose2 truth = i % 200 < 100 ? step : reversed(step);
+    model.learn(step, truth);
+    model.follow(step, truth);
+  }
+  EXPECT_LT(model.errorAlongDirection(kMeter).position_m, 0.05);
+  EXPECT_GT(model.errorOf(kMeter).position_m, 0.1) << "the direction may change";
+}
+
 TEST(OdometryModel, ASlipIsNoSystematicError) {
   const OdometryModel model = modelOf(1000, [](const Pose2& step, int i) {
     return i % 150 == 149 ? step * Pose2(0.5, 0.0, 0.0) : step;

@@ -18,16 +18,24 @@ const std::vector<room::Segment> kHall = {{-7, -5, 1, -9},  {1, -9, 9, -2},  {9,
                                           {3, -5, 3.5, -4}, {-3, 4, -2, 5}};
 const Pose2 kLast(0.5, 0.3, 0.2), kBack(-1.0, 0.0, 0.05), kForward(1.0, 0.0, 0.05);
 
+/// A match near the odometry that does not fit.
+const MatchResult kRefused = [] {
+  MatchResult result;
+  result.pose = kLast * kForward;
+  return result;
+}();
+
 /// The match of a scan from kLast * `moved`, where the odometry says kForward.
 std::optional<MatchResult> matchedAt(const Pose2& moved, const std::vector<room::Segment>& walls,
-                                     const MatchResult& refused = MatchResult()) {
+                                     const MatchResult& refused = kRefused,
+                                     const SlipKind& kind = SlipKind()) {
   Submap map{OccupancyGridConfig()};
   for (const double x : {-1.0, 0.0, 1.0})
     map.insert(room::scanFrom(Pose2(x, 0.2, 0.1), walls), Pose2(x, 0.2, 0.1));
   const Points points = hitsOf(room::scanFrom(kLast * moved, walls));
   MatchRequest request{points, kLast * kForward, {kLast * kForward}};
   request.prior = MotionPrior{kLast * kForward, 0.05, 0.02};
-  return matchAfterSlip(map, request, kLast, refused, MatcherConfig());
+  return matchAfterSlip(map, request, kLast, refused, MatcherConfig(), kind).match;
 }
 
 TEST(OdometrySlip, AMotionAgainstTheOdometryIsFound) {
@@ -46,6 +54,46 @@ TEST(OdometrySlip, WhatFitsInSeveralWaysIsNoMatch) {
   MatchResult refused;
   refused.score = refused.known = 0.98;
   EXPECT_FALSE(matchedAt(kBack, kHall, refused)) << "it fits as well near the odometry";
+}
+
+TEST(OdometrySlip, WithoutASlipOnlyTheWayBackIsFound) {
+  const SlipKind kind{false, true};
+  EXPECT_TRUE(matchedAt(kBack, kHall, kRefused, kind));
+  EXPECT_FALSE(matchedAt(Pose2(), kHall, kRefused, kind));
+}
+
+TEST(OdometrySlip, AMuchBetterPoseNearTheRefusedOneIsFound) {
+  MatchResult refused;
+  refused.pose = kLast * kBack * Pose2(0.4, 0.0, 0.0);
+  refused.score = refused.known = 0.7;
+  EXPECT_TRUE(matchedAt(kBack, kHall, refused));
+}
+
+TEST(OdometrySlip, APoseOnTheWayBackThatWasRefusedIsNoOtherPose) {
+  MatchResult refused;
+  refused.pose = kLast * kBack;
+  refused.score = refused.known = 0.98;
+  EXPECT_TRUE(matchedAt(kBack, kHall, refused, {true, true}));
+}
+
+/// It learns this on the way back, and then predicts that the vehicle goes on like that.
+TEST(OdometrySlip, AMapperLearnsThatTheOdometryDoesNotKnowTheDirection) {
+  constexpr int kForwardSteps = 8, kSteps = 14;
+  Mapper mapper{MapperConfig()};
+  double x = -4.0, measured = 0.0;
+  int reversed_steps = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    PlanarScan scan = room::scanFrom(Pose2(x, 0.2, 0.0), kHall);
+    scan.stamp = scan.time = 2.0 * i;
+    const MapperResult result = mapper.process(scan, Pose2(measured, 0.0, 0.0));
+    EXPECT_NEAR(result.pose.x, x + 4.0, 0.05) << i;
+    reversed_steps += result.reversed ? 1 : 0;
+    EXPECT_FALSE(result.reversed && i <= kForwardSteps) << i;
+    const double step = i < kForwardSteps ? 1.0 : -1.0;
+    x += step;
+    measured += std::abs(step);
+  }
+  EXPECT_EQ(reversed_steps, kSteps - 1 - kForwardSteps);
 }
 
 TEST(OdometrySlip, AMapperFollowsAVehicleWhoseOdometryDoesNotKnowTheDirection) {

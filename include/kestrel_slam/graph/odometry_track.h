@@ -10,6 +10,7 @@
 #include "kestrel_slam/graph/odometry_selection.h"
 #include "kestrel_slam/graph/odometry_worth.h"
 #include "kestrel_slam/graph/pose_graph.h"
+#include "kestrel_slam/mapping/odometry_sign.h"
 
 namespace kestrel {
 
@@ -38,8 +39,8 @@ class OdometryTrack {
   explicit OdometryTrack(std::vector<TrackedKeyframe> keyframes)
       : keyframes_(std::move(keyframes)), closed_(keyframes_.size()) {}
 
-  /// The odometry at a scan, in the order of time.
-  void add(const std::optional<Pose2>& odom_T_base);
+  /// The odometry at a scan, in the order of time. `is_reversed`: see MapperResult::reversed.
+  void add(const std::optional<Pose2>& odom_T_base, bool is_reversed = false);
   /// The scan that was added last is this keyframe. `local_T_base`: as matched.
   void addKeyframe(std::size_t keyframe, const Pose2& local_T_base);
 
@@ -73,6 +74,7 @@ class OdometryTrack {
 
   std::vector<TrackedKeyframe> keyframes_;
   std::size_t closed_ = 0;  ///< those before this one are of earlier flights
+  SignedOdometry signed_;
   std::vector<Pose2> recent_;
   int delay_scans_ = 0;
   OdometryWorth worth_;

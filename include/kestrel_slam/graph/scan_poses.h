@@ -20,6 +20,7 @@ struct TrackedScan {
   bool inserted = false;             ///< it is the last one of them
   bool carried = false;              ///< it was not matched
   bool doubtful = false;             ///< its match may be wrong
+  bool reversed = false;             ///< see MapperResult::reversed
 };
 
 /// `keyframes`: number of them up to this scan.

@@ -40,6 +40,8 @@ struct MapperResult {
   bool blank = false;       ///< too few hits for a match
   bool carried = false;     ///< there is no match: `pose` is the prediction, not a measurement
   std::optional<Pose2> odom_T_base;  ///< the odometry at the scan
+  /// The motion since the last scan was against the odometry, which does not know the direction.
+  bool reversed = false;
   /// After an impossible motion, until the state is ok again: the scan may have been matched with
   /// something that moves.
   bool doubtful = false;

@@ -17,6 +17,10 @@ namespace kestrel {
 /// Whether a pose is valid: finite, and not too far from the origin.
 bool isUsable(const Pose2& pose);
 
+/// What a pose says about the motion: nothing (it is a prediction), or it was matched; clearly in
+/// every direction or not.
+enum class MatchWorth { kNone, kMatched, kClear };
+
 /// The motion of the vehicle up to the last scan, and the prediction of the next pose [Xie 2010,
 /// eq. 5-6]. Uses what is available of: a pose filter, the velocity, the gyro, the accelerometer,
 /// the odometry.
@@ -79,10 +83,17 @@ class MotionModel {
   /// Updates the pose and the velocity: to `found`, or to `predicted` if lost.
   void move(const Pose2& found, const Pose2& predicted, bool lost, const PlanarScan& scan);
 
-  /// Learns the errors of the odometry from the step to the pose `found`, which was matched well in
-  /// every direction if `well_matched`. To be called before move().
-  void learnOdometry(const Pose2& found, const std::optional<Pose2>& odom_T_base,
-                     bool well_matched);
+  /// Learns the errors of the odometry from the step to the pose `found`. `on_way_back`: it was
+  /// found where only the reverse of the measured motion leads. To be called before move().
+  void learnOdometry(const Pose2& found, const std::optional<Pose2>& odom_T_base, MatchWorth worth,
+                     bool on_way_back = false);
+
+  /// The vehicle may have driven back where the odometry measured a forward motion.
+  bool mayBeReversed() const { return odometry_.sign().mayBeMissing(); }
+  /// It is known not to measure the direction.
+  bool isUnsigned() const { return odometry_.sign().isMissing(); }
+  /// The last step was against the odometry.
+  bool isReversed() const { return reversed_; }
 
   /// The next move() corrects the velocity along `direction` (a unit vector in the map frame) with
   /// this gain, 1/s, because there the position is mostly predicted.
@@ -118,8 +129,11 @@ class MotionModel {
                                     const std::optional<Pose2>& odom_T_base) const;
   bool needsOdometry(const PlanarScan& scan) const;
   std::optional<MotionPrior> priorAt(const std::optional<Pose2>& odom_T_base,
-                                     const PredictionError& error, const PlanarScan& scan) const;
+                                     const PlanarScan& scan) const;
+  PredictionError errorAt(const PlanarScan& scan, const std::optional<Pose2>& odom_T_base,
+                          const MotionError& odometry) const;
   bool isLongAgo(const PlanarScan& scan) const;
+  std::optional<Pose2> measuredMotion(const std::optional<Pose2>& odom_T_base) const;
   std::optional<Pose2> odometryMotion(const std::optional<Pose2>& odom_T_base) const;
   Pose2 movedWithVelocity(const PlanarScan& scan) const;
   std::optional<double> yawChangeSince(const PlanarScan& scan) const;
@@ -142,8 +156,9 @@ class MotionModel {
   double yaw_rate_ = 0.0;                            ///< smoothed, rad/s
   PredictionError error_;                            ///< of the pose, since the last match
   OdometryModel odometry_;
-  bool has_match_ = false;          ///< a scan was matched
-  bool last_well_matched_ = false;  ///< the last scan was matched well in every direction
+  bool has_match_ = false;            ///< a scan was matched
+  bool last_match_is_clear_ = false;  ///< the last scan was matched clearly in every direction
+  bool reversed_ = false;             ///< the last step was against the odometry
   double time_ = 0.0;
   double found_time_ = 0.0;     ///< time of the last matched scan, s
   double measured_time_ = 0.0;  ///< time of the last pose that was not only predicted, s

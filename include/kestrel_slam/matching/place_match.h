@@ -16,6 +16,9 @@ struct PlaceMatch {
   bool complete = true;  ///< the whole window was searched
 };
 
+/// Whether `other` and `match` are one explanation, as those that are compared in matchPlace.
+bool isSamePlace(const MatchResult& match, const Pose2& other);
+
 /// Finds `points` (base frame, m) in a map without any preference for the center of the window:
 /// the question is whether this is the same place, and whether the points fit in one way only.
 /// `work`: limit of the search, see WorkBudget.
