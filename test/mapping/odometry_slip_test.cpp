@@ -16,7 +16,7 @@ namespace {
 const std::vector<room::Segment> kHall = {{-7, -5, 1, -9},  {1, -9, 9, -2},  {9, -2, 6, 7},
                                           {6, 7, -5, 8},    {-5, 8, -7, -5}, {-4, -4, -3, -3.5},
                                           {3, -5, 3.5, -4}, {-3, 4, -2, 5}};
-const Pose2 kLast(0.5, 0.3, 0.2), kBack(-1.0, 0.0, 0.05), kForward(1.0, 0.0, 0.05);
+const Pose2 kLast(0.5, 0.3, 0.2), kDrivenBack(-1.0, 0.0, 0.05), kForward(1.0, 0.0, 0.05);
 
 /// A match near the odometry that does not fit.
 const MatchResult kRefused = [] {
@@ -39,9 +39,9 @@ std::optional<MatchResult> matchedAt(const Pose2& moved, const std::vector<room:
 }
 
 TEST(OdometrySlip, AMotionAgainstTheOdometryIsFound) {
-  const auto found = matchedAt(kBack, kHall);
+  const auto found = matchedAt(kDrivenBack, kHall);
   ASSERT_TRUE(found);
-  EXPECT_LT((kLast * kBack).between(found->pose).distance(), 0.03);
+  EXPECT_LT((kLast * kDrivenBack).between(found->pose).distance(), 0.03);
   EXPECT_TRUE(matchedAt(Pose2(), kHall)) << "the wheels turn, and the vehicle stands";
 }
 
@@ -50,30 +50,30 @@ TEST(OdometrySlip, FartherThanTheOdometryNothingIsFound) {
 }
 
 TEST(OdometrySlip, WhatFitsInSeveralWaysIsNoMatch) {
-  EXPECT_FALSE(matchedAt(kBack, room::corridor()));
+  EXPECT_FALSE(matchedAt(kDrivenBack, room::corridor()));
   MatchResult refused;
   refused.score = refused.known = 0.98;
-  EXPECT_FALSE(matchedAt(kBack, kHall, refused)) << "it fits as well near the odometry";
+  EXPECT_FALSE(matchedAt(kDrivenBack, kHall, refused)) << "it fits as well near the odometry";
 }
 
 TEST(OdometrySlip, WithoutASlipOnlyTheWayBackIsFound) {
   const SlipKind kind{false, true};
-  EXPECT_TRUE(matchedAt(kBack, kHall, kRefused, kind));
+  EXPECT_TRUE(matchedAt(kDrivenBack, kHall, kRefused, kind));
   EXPECT_FALSE(matchedAt(Pose2(), kHall, kRefused, kind));
 }
 
 TEST(OdometrySlip, AMuchBetterPoseNearTheRefusedOneIsFound) {
   MatchResult refused;
-  refused.pose = kLast * kBack * Pose2(0.4, 0.0, 0.0);
+  refused.pose = kLast * kDrivenBack * Pose2(0.4, 0.0, 0.0);
   refused.score = refused.known = 0.7;
-  EXPECT_TRUE(matchedAt(kBack, kHall, refused));
+  EXPECT_TRUE(matchedAt(kDrivenBack, kHall, refused));
 }
 
 TEST(OdometrySlip, APoseOnTheWayBackThatWasRefusedIsNoOtherPose) {
   MatchResult refused;
-  refused.pose = kLast * kBack;
+  refused.pose = kLast * kDrivenBack;
   refused.score = refused.known = 0.98;
-  EXPECT_TRUE(matchedAt(kBack, kHall, refused, {true, true}));
+  EXPECT_TRUE(matchedAt(kDrivenBack, kHall, refused, {true, true}));
 }
 
 /// It learns this on the way back, and then predicts that the vehicle goes on like that.
