@@ -284,7 +284,8 @@ HybridMatcher::Candidate HybridMatcher::refine(const Submap& map, const MatchReq
     const float scale = kStageScales[stage];
     const Points& all = last ? request.points : few;
     Points known;
-    if (hits == Hits::kOfKnownWalls) known = hitsOfKnownWalls(map, all, pose);
+    if (hits == Hits::kOfKnownWalls)
+      known = hitsOfKnownWalls(map, all, pose, request.points.size());
     const Points& points = hits == Hits::kOfKnownWalls ? known : all;
     const Eigen::Vector3f pull =
         Eigen::Vector3f::Constant(kPriorWeight * static_cast<float>(points.size()));

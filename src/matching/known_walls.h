@@ -11,6 +11,8 @@ namespace kestrel {
 /// space, and past the end of the nearest wall, not before or behind it. If it counted, it would
 /// draw the pose to that wall: a vehicle that flies backward sees more of the walls beside it with
 /// every scan, and would stand still in its map.
-Points hitsOfKnownWalls(const Submap& map, const Points& points, const Pose2& map_T_base);
+/// `scan_size`: number of points of the scan, of which `points` may be a part.
+Points hitsOfKnownWalls(const Submap& map, const Points& points, const Pose2& map_T_base,
+                        std::size_t scan_size);
 
 }  // namespace kestrel

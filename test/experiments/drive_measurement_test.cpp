@@ -25,7 +25,7 @@ TEST(DriveMeasurement, BeginOfTheDriveIsMappedWithBothLasers) {
   EXPECT_GT(m.area_m2, 2000.0);
   EXPECT_GT(m.quarters[0].map_mb, 0.0);
   for (const DriveQuarter& quarter : m.quarters) EXPECT_GT(quarter.median_ms, 0.0);
-  EXPECT_EQ(m.quarters[3].map_mb * 1e6, static_cast<double>(m.flight.run.map_memory_bytes));
+  EXPECT_DOUBLE_EQ(m.quarters[3].map_mb * 1e6, static_cast<double>(m.flight.run.map_memory_bytes));
 }
 
 /// The first scans of a drive: a part of a straight road and of a turn.

@@ -26,10 +26,14 @@ Submap cornerMap() {
   return map;
 }
 
-/// Whether a hit at (x, y) of a vehicle at `pose` is one of a known wall.
-bool isOfKnownWall(const Submap& map, const Pose2& pose, double x, double y) {
-  const Eigen::Vector2d point = pose.inverse() * Eigen::Vector2d(x, y);
-  return hitsOfKnownWalls(map, {point.cast<float>()}, pose).size() == 1;
+/// Whether a hit at (x, y) of a vehicle at `pose` is one of a known wall. The next hit is
+/// `spacing_m` farther.
+bool isOfKnownWall(const Submap& map, const Pose2& pose, double x, double y,
+                   double spacing_m = 0.01) {
+  const Eigen::Vector2f hit = (pose.inverse() * Eigen::Vector2d(x, y)).cast<float>();
+  const Eigen::Vector2f next = hit * (1.0F + static_cast<float>(spacing_m) / hit.norm());
+  const Points found = hitsOfKnownWalls(map, {hit, next}, pose, 2);
+  return !found.empty() && found.front() == hit;
 }
 
 TEST(KnownWalls, HitsOnAWallAndBehindItCount) {
@@ -47,6 +51,10 @@ TEST(KnownWalls, AHitInFreeSpaceContradictsThemAndCounts) {
 TEST(KnownWalls, AHitPastTheEndOfAWallIsNew) {
   const Submap map = cornerMap();
   EXPECT_FALSE(isOfKnownWall(map, Pose2(3, 0, 0), 3.3, 1.0));
+}
+
+TEST(KnownWalls, TheHitsOfADistantWallAreFarApart) {
+  EXPECT_TRUE(isOfKnownWall(cornerMap(), Pose2(3, 0, 0), 3.3, 1.0, 0.4));
 }
 
 TEST(KnownWalls, AHitBesideTheEndOfAWallIsNew) {
