@@ -11,10 +11,10 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
+import altered_recordings
 import benchmark_table
 import goal_table
 from goal_table import percent, row
-from thinned_recordings import ThinnedRecording
 
 # Logs with about one scan per meter. Their reference is a particle filter's.
 INDOORS = ["acapulco", "fhw", "freiburg-101", "belgioioso"]
@@ -265,7 +265,7 @@ def mean_ate(runs):
     return statistics.mean(r["ate"] for r in runs)
 
 
-def thinned_row(name, goal, runs, most_lost, is_accurate=True):
+def altered_row(name, goal, runs, most_lost, is_accurate=True):
     scans, wrong = (sum(r[key] for r in runs) for key in ("scans", "wrong_and_ok"))
     lost = max(r["lost"] / r["scans"] for r in runs)
     row(f"{name}, {len(runs)} starts", goal,
@@ -277,22 +277,29 @@ def thinned_row(name, goal, runs, most_lost, is_accurate=True):
 
 def scan_per_meter(bench):
     for log in ["intel", "fr079", "mit-csail"]:
-        thinned_row(f"{log}, a scan per meter, laser only", "lost ≤ 10 %; wrong and ok 0",
-                    ThinnedRecording(bench, log).runs("laser"), 0.1)
+        altered_row(f"{log}, a scan per meter, laser only", "lost ≤ 10 %; wrong and ok 0",
+                    altered_recordings.thinned(bench, log).runs("laser"), 0.1)
 
 
 def scan_per_meter_with_odometry(bench):
     """The odometry as recorded, which has no sign in fr079, and without its sign."""
     errors = {"as recorded": [], "unsigned": ["--odometry-error", "unsigned"]}
     for log in ["intel", "fr079", "mit-csail"]:
-        thinned = ThinnedRecording(bench, log)
+        thinned = altered_recordings.thinned(bench, log)
         laser = mean_ate(thinned.runs("laser"))
         for name, options in errors.items():
             runs = thinned.runs(name.replace(" ", "_"), "--odometry", "use", *options)
             best = min(laser, statistics.mean(r["odometry"] for r in runs))
-            thinned_row(f"{log}, a scan per meter, odometry {name}",
+            altered_row(f"{log}, a scan per meter, odometry {name}",
                         f"no scan lost; wrong and ok 0; mean ATE ≤ {1.1 * best:.3f} m", runs, 0.0,
                         mean_ate(runs) <= 1.1 * best)
+
+
+def backward(bench):
+    """The laser looks away from where the vehicle drives, and the first looks are beside it."""
+    for log in ["intel", "fr079", "mit-csail"]:
+        runs = altered_recordings.backward(bench, log).runs("laser")
+        altered_row(f"{log} played backward, laser only", "no scan lost; wrong and ok 0", runs, 0.0)
 
 
 # name: function, whether it takes long
@@ -302,6 +309,7 @@ GROUPS = {
     "thinned logs with bad odometry": (bad_odometry, True),
     "recordings thinned to a scan per meter": (scan_per_meter, False),
     "recordings thinned, with odometry": (scan_per_meter_with_odometry, False),
+    "recordings played backward": (backward, False),
     "mit-csail perturbed": (csail, False),
     "fast turns": (fast_turns, False),
     "other lasers": (other_lasers, False),
