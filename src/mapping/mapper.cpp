@@ -148,6 +148,8 @@ void Mapper::State::match(const Points& points, const PlanarScan& scan,
   MatchRequest request = motion.request(points, scan, odom_T_base);
   SharedSearch memory;
   request.memory = &memory;
+  // What a finished map does not have stays unknown: it says that the vehicle may be elsewhere.
+  request.near = request.near && !map.isFixed();
   const PredictionSource prediction_source = motion.predictionSourceOf(scan, odom_T_base);
   const std::optional<Pose2> motion_prediction =
       motion.motionPrediction(request, scan, odom_T_base);
