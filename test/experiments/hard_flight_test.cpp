@@ -69,12 +69,14 @@ TEST(HardFlight, TwelvePeopleKeepApartAndAreNotInWalls) {
 
 TEST(HardFlight, MapperThatAcceptsEverythingMissesLostScans) {
   HardFlight flight = blockedFlight();
+  flight.trial.config.mapper.matcher.method = "gauss_newton";
   flight.trial.config.mapper.lost_score = 0.0;
   flight.trial.config.mapper.min_known_share = 0.0;
   flight.trial.config.mapper.matcher.search_score = 0.0;
   flight.trial.config.mapper.evaluation.enabled = false;
   const HardFlightMeasurement m = measureHardFlight(flight);
-  EXPECT_GT(m.missed, 10U);
+  EXPECT_GT(m.missed, 100U);
+  EXPECT_GT(m.double_cells + m.ghost_cells, 100U);
   EXPECT_NE(m.failures(flight.limits).find("missed over 0"), std::string::npos);
 }
 
