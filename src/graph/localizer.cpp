@@ -122,7 +122,7 @@ MapperResult Localizer::search(const PlanarScan& scan, const std::optional<Pose2
   }
   if (!local_) {
     local_ = std::make_unique<Mapper>(local_config_);
-    local_->takeInterval(tracker_);
+    local_->takeMotion(tracker_, scan, odom_T_base);
   }
   MapperResult result = local_->process(scan, odom_T_base);
   if (result.state == MatchState::kLost) {

@@ -317,6 +317,15 @@ void Mapper::setFoundPose(const Pose2& map_T_base, const Mapper& measured) {
   motion.setFound(map_T_base);
   motion.takeInterval(state_->motion);
   state_->motion = motion;
+  state_->uncertainty.setSpeedError(measured.state_->uncertainty.speedError());
+}
+
+void Mapper::takeMotion(const Mapper& before, const PlanarScan& scan,
+                        const std::optional<Pose2>& odom_T_base) {
+  const State& last = *before.state_;
+  state_->motion.takeMotion(last.motion);
+  state_->uncertainty.setSpeedError(
+      std::max(last.uncertainty.speedError(), last.motion.errorAt(scan, odom_T_base).speed_m_s()));
 }
 
 void Mapper::takeInterval(const Mapper& other) {

@@ -34,9 +34,6 @@ constexpr double kAccurateM = 0.05;
 /// The windows of the search cover this many standard deviations.
 constexpr double kSigmas = 3.0;
 
-/// Time constant of the velocity, s.
-constexpr double kVelocityTime = 0.15;
-
 /// Positions farther from the origin are invalid and not used.
 constexpr double kMaxPositionM = 1e6;
 
@@ -334,6 +331,12 @@ void MotionModel::setPose(const Pose2& map_T_base) {
   yaw_rate_ = 0.0;
   error_ = PredictionError();
   placed_ = true;
+}
+
+void MotionModel::takeMotion(const MotionModel& before) {
+  takeInterval(before);
+  velocity_ = Eigen::Rotation2Dd(pose_.yaw - before.pose_.yaw) * before.velocity_;
+  yaw_rate_ = before.yaw_rate_;
 }
 
 void MotionModel::setFound(const Pose2& map_T_base) {

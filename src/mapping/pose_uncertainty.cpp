@@ -149,7 +149,18 @@ void PoseUncertainty::update(const SurfelField& surface, const Points& points,
   last_ = next;
   found_ = next.covariance();
   found_pose_ = next.pose;
-  carried_speed_m_s_ = 0.0;
+  unmeasured_speed_m_s_ = is_weak
+                              ? std::min(unmeasured_speed_m_s_, std::sqrt(along_.covariance(1, 1)))
+                              : unmeasured_speed_m_s_ * kVelocityTime / (seconds + kVelocityTime);
+}
+
+void PoseUncertainty::setSpeedError(double sigma_m_s) {
+  unmeasured_speed_m_s_ = sigma_m_s;
+  drifting_ = weak_ = clear_ = followed_ = false;
+}
+
+double PoseUncertainty::speedError() const {
+  return weak_ ? std::sqrt(along_.covariance(1, 1)) : unmeasured_speed_m_s_;
 }
 
 /// The error of an accelerometer or of odometry has the same sign for a long time, so standard
@@ -194,7 +205,7 @@ AlongError PoseUncertainty::firstError(const Eigen::Vector2d& along,
   const double speed = source == PredictionSource::kVelocity ? kFirstLaserSpeed : kFirstSpeed;
   AlongError result;
   result.covariance(0, 0) = along.dot(last_.match_covariance.topLeftCorner<2, 2>() * along);
-  result.covariance(1, 1) = square(std::max(speed, carried_speed_m_s_));
+  result.covariance(1, 1) = square(std::max(speed, unmeasured_speed_m_s_));
   return result;
 }
 
@@ -217,7 +228,7 @@ void PoseUncertainty::drift(double seconds, double moved_m, PredictionSource sou
 }
 
 void PoseUncertainty::carry(const Pose2& predicted, const PredictionError& error) {
-  carried_speed_m_s_ = error.speed_m_s();
+  unmeasured_speed_m_s_ = error.speed_m_s();
   predict(predicted, {error.position_m(), error.position_m(), error.yaw_rad()});
 }
 

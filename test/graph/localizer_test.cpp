@@ -153,6 +153,33 @@ TEST(Localizer, APoseFromASmallerMapIsCheckedInTheGrownOne) {
   }
 }
 
+/// A corridor whose walls have pillars up to x = 8 m only, and a laser that sees 4 m.
+TEST(Localizer, AfterAGapInACorridorTheMotionGoesOn) {
+  constexpr double kSpeed = 1.0, kPeriod = 0.2, kGap = 1.0, kRange = 4.0;
+  std::vector<Segment> walls = {{-5, -1, 60, -1}, {-5, 1, 60, 1}};
+  for (double x = -4.0; x < 8.0; x += 1.7) {
+    walls.push_back({x, -1, x, -0.6});
+    walls.push_back({x, -0.6, x + 0.4, -0.6});
+    walls.push_back({x + 0.4, -0.6, x + 0.4, -1});
+  }
+  const auto scanAt = [&](double x, double time) {
+    PlanarScan scan = room::scanFrom(Pose2(x, 0, 0), walls, 360, kRange);
+    scan.stamp = scan.time = time;
+    return scan;
+  };
+  Submap map{OccupancyGridConfig()};
+  for (double x = -4.0; x < 30.0; x += 0.3) map.insert(scanAt(x, 0.0), Pose2(x, 0, 0));
+  Localizer localizer(MapperConfig(), std::move(map));
+  localizer.setPose(Pose2(2, 0, 0));
+  double time = 0.0, x = 2.0;
+  for (; x < 12.5; x += kSpeed * kPeriod, time += kPeriod) localizer.process(scanAt(x, time));
+  const double begin = localizer.process(scanAt(x += kGap * kSpeed, time += kGap)).pose.x;
+  MapperResult result;
+  for (int i = 1; i <= 10; ++i)
+    result = localizer.process(scanAt(x + i * kSpeed * kPeriod, time + i * kPeriod));
+  EXPECT_NEAR(result.pose.x - begin, 10 * kSpeed * kPeriod, 0.5);
+}
+
 /// The motion that was measured while the pose was unknown goes on: a gap right after it is seen.
 TEST(Localizer, KnowsHowFarItMayBeInAGapAfterItWasFound) {
   const building::Walls walls = building::walls();

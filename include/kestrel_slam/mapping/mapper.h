@@ -105,6 +105,11 @@ class Mapper {
   /// on.
   void takeInterval(const Mapper& other);
 
+  /// Before the first scan, `scan`: the vehicle moves as it did in the map of `before`, as far as
+  /// that is still known. Along a corridor, the first scans show no speed.
+  void takeMotion(const Mapper& before, const PlanarScan& scan,
+                  const std::optional<Pose2>& odom_T_base);
+
   /// If the interval of the laser is unknown, this is one of them, s.
   void learnInterval(double seconds);
 

@@ -108,6 +108,9 @@ class MotionModel {
   /// Takes the typical interval of the laser from `other` if it is known there.
   void takeInterval(const MotionModel& other) { continued_.takeInterval(other.continued_); }
 
+  /// In a map of its own, the vehicle goes on as `before` says, as seen from itself.
+  void takeMotion(const MotionModel& before);
+
   /// Whether scans are missing in this time since the last one, s.
   bool isGap(double seconds) const { return continued_.isGap(seconds); }
 

@@ -70,6 +70,11 @@ class PoseUncertainty {
   /// The vehicle is lost; only a predicted pose is known.
   void lose(const Pose2& predicted, const PredictionError& error);
 
+  /// The speed has this standard deviation, because nothing measured it yet, m/s.
+  void setSpeedError(double sigma_m_s);
+  /// Standard deviation of the speed in the direction in which it is known least, m/s.
+  double speedError() const;
+
   /// The last scan was inserted into the map.
   void insert();
   /// Covariance of the motion since `inserted`, the pose of the last inserted scan.
@@ -114,7 +119,8 @@ class PoseUncertainty {
   /// what the pose claims without a motion sensor.
   AlongError drifted_;
   double base_variance_ = 0.0;  ///< variance of the map along it when the direction became weak, m²
-  double carried_speed_m_s_ = 0.0;  ///< the same for a pose that is only predicted
+  /// Of the speed, where it was only predicted, m/s. Zero: the smallest is assumed.
+  double unmeasured_speed_m_s_ = 0.0;
 };
 
 }  // namespace kestrel

@@ -6,6 +6,10 @@
 
 namespace kestrel {
 
+/// Time constant of the smoothed velocity, s. Of an error of the velocity, a match t after the last
+/// one leaves the share kVelocityTime / (t + kVelocityTime).
+constexpr double kVelocityTime = 0.15;
+
 /// The source of a motion prediction.
 enum class PredictionSource { kVelocity, kAccelerometer, kOdometry };
 
