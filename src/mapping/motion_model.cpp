@@ -333,12 +333,6 @@ void MotionModel::setPose(const Pose2& map_T_base) {
   placed_ = true;
 }
 
-void MotionModel::takeMotion(const MotionModel& before) {
-  takeInterval(before);
-  velocity_ = Eigen::Rotation2Dd(pose_.yaw - before.pose_.yaw) * before.velocity_;
-  yaw_rate_ = before.yaw_rate_;
-}
-
 void MotionModel::setFound(const Pose2& map_T_base) {
   const Eigen::Rotation2Dd turn(map_T_base.yaw - pose_.yaw);
   velocity_ = turn * velocity_;

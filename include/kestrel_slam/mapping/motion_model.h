@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <optional>
 #include <vector>
 
@@ -109,7 +109,11 @@ class MotionModel {
   void takeInterval(const MotionModel& other) { continued_.takeInterval(other.continued_); }
 
   /// In a map of its own, the vehicle goes on as `before` says, as seen from itself.
-  void takeMotion(const MotionModel& before);
+  void takeMotion(const MotionModel& before) {
+    takeInterval(before);
+    velocity_ = Eigen::Rotation2Dd(pose_.yaw - before.pose_.yaw) * before.velocity_;
+    yaw_rate_ = before.yaw_rate_;
+  }
 
   /// Whether scans are missing in this time since the last one, s.
   bool isGap(double seconds) const { return continued_.isGap(seconds); }
