@@ -2,8 +2,6 @@
 #include "kestrel_slam/lidar/surface_map.h"
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace kestrel {
@@ -19,22 +17,9 @@ constexpr double kGrowth = 1.2;        ///< the normal is computed again after s
 constexpr double kFlatness = 0.25;
 /// Noise along the beams makes a line that wide, and its plane is that of the beams.
 constexpr double kWidth_m = 0.05;
-/// The depth of a plane that comes from its inclination to the beams, compared with its thickness.
-/// A layer of beams has none. Distant ground has little, and stays.
-constexpr double kInclination = 0.5;
-
-/// True if the lidar sees the plane, and not the layer of its own beams. A surface is deep along
-/// the beams because it is inclined to them. Where beams end at different depths, as those at
-/// the edge of the view in a hedge, they form a layer that is thicker than its inclination.
-bool isInclined(const PointSums& sums, const Eigen::Vector3d& normal, double thickness,
-                const Eigen::Vector3d& lidar) {
-  const Eigen::Vector3d beam = (sums.mean - lidar).normalized();
-  const double depth2 = std::max(0.0, beam.dot(sums.spread * beam) / sums.count);
-  return std::abs(normal.dot(beam)) * std::sqrt(depth2) >= kInclination * thickness;
-}
 
 /// The direction of the smallest extent; none if the points do not form a plane.
-void setPlane(const PointSums& sums, const Eigen::Vector3d& lidar, SurfaceCell& surface) {
+void setPlane(const PointSums& sums, SurfaceCell& surface) {
   surface.normal.setZero();
   surface.thickness = 0.0F;
   if (sums.count < kNormalPoints) return;
@@ -42,16 +27,13 @@ void setPlane(const PointSums& sums, const Eigen::Vector3d& lidar, SurfaceCell& 
   solver.computeDirect(sums.spread / sums.count);
   const Eigen::Vector3d extents = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   if (extents(1) < kWidth_m || extents(0) > kFlatness * extents(1)) return;
-  const Eigen::Vector3d normal = solver.eigenvectors().col(0);
-  if (!isInclined(sums, normal, extents(0), lidar)) return;
-  surface.normal = normal.cast<float>();
+  surface.normal = solver.eigenvectors().col(0).cast<float>();
   surface.thickness = static_cast<float>(extents(0));
 }
 
 }  // namespace
 
-void SurfaceMap::add(const Voxels& voxels, const Eigen::Vector3d& lidar,
-                     const std::vector<Eigen::Vector3f>& ground) {
+void SurfaceMap::add(const Voxels& voxels, const std::vector<Eigen::Vector3f>& ground) {
   std::vector<std::uint32_t> touched;
   for (std::size_t i = 0; i < voxels.index.size(); ++i) {
     const std::uint32_t number = table_.numberOf(voxels.index[i]);
@@ -63,7 +45,7 @@ void SurfaceMap::add(const Voxels& voxels, const Eigen::Vector3d& lidar,
     touched.push_back(number);
   }
   for (std::size_t i = 0; i < touched.size(); ++i) {
-    update(touched[i], lidar, ground.empty() ? Eigen::Vector3f::Zero() : ground[i]);
+    update(touched[i], ground.empty() ? Eigen::Vector3f::Zero() : ground[i]);
   }
 }
 
@@ -93,14 +75,13 @@ PointSums SurfaceMap::aroundOf(const Cell& cell) const {
   return sums;
 }
 
-void SurfaceMap::update(std::size_t number, const Eigen::Vector3d& lidar,
-                        const Eigen::Vector3f& ground) {
+void SurfaceMap::update(std::size_t number, const Eigen::Vector3f& ground) {
   Cell& cell = cells_[number];
   SurfaceCell& surface = surfaces_[number];
   surface.mean = cell.sums.mean.cast<float>();
   if (cell.sums.count >= kGrowth * cell.count_of_normal) {
-    setPlane(cell.sums, lidar, surface);
-    if (surface.normal.isZero()) setPlane(aroundOf(cell), lidar, surface);
+    setPlane(cell.sums, surface);
+    if (surface.normal.isZero()) setPlane(aroundOf(cell), surface);
     if (surface.normal.isZero()) surface.normal = ground;
     cell.count_of_normal = cell.sums.count;
   }

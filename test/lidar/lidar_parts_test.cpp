@@ -83,7 +83,7 @@ TEST(SurfaceMapTest, ForgetsWhatIsFarSoThatTheMemoryIsBounded) {
     Points points = roomPoints(0.0F);
     const Eigen::Vector3d at(10.0 * i, 0.0, 0.0);
     for (Eigen::Vector3f& point : points) point += at.cast<float>();
-    map.add(voxelize(points, {}, 0.5), at);
+    map.add(voxelize(points, {}, 0.5));
     map.forgetFar(at, 100.0);
     most = std::max(most, map.cells().size());
     if (i == 40) most = map.cells().size();
@@ -110,30 +110,13 @@ Points ringsOnAWall(const std::vector<double>& elevations_deg) {
 
 TEST(SurfaceMapTest, TheNoiseAlongTheBeamsOfARingIsNoPlane) {
   SurfaceMap map(0.5);
-  map.add(voxelize(ringsOnAWall({-5.0}), {}, 0.5), Eigen::Vector3d::Zero());
+  map.add(voxelize(ringsOnAWall({-5.0}), {}, 0.5));
   for (const SurfaceCell& cell : map.cells()) EXPECT_TRUE(cell.normal.isZero());
-}
-
-TEST(SurfaceMapTest, ASliceOfAHedgeAtTheEdgeOfTheViewIsNoPlane) {
-  Random random(6);
-  Points points;
-  for (double azimuth = 1.0; azimuth < 2.1; azimuth += 0.001) {
-    const double range = random.uniform(10.0, 10.5);  // the beams end at different depths
-    points.emplace_back(static_cast<float>(range * std::cos(azimuth)),
-                        static_cast<float>(range * std::sin(azimuth)),
-                        static_cast<float>(random.uniform(0.05, 0.13)));
-  }
-  SurfaceMap map(0.5);
-  map.add(voxelize(points, {}, 0.5), Eigen::Vector3d::Zero());
-  const auto planes = std::count_if(map.cells().begin(), map.cells().end(),
-                                    [](const auto& cell) { return !cell.normal.isZero(); });
-  EXPECT_LT(planes, static_cast<std::ptrdiff_t>(map.cells().size() / 4));
 }
 
 TEST(SurfaceMapTest, RingsInNeighboringVoxelsMakeThePlaneOfTheWall) {
   SurfaceMap map(0.5);
-  map.add(voxelize(ringsOnAWall({-7.0, -5.0, -3.0, -1.0, 1.0, 3.0}), {}, 0.5),
-          Eigen::Vector3d::Zero());
+  map.add(voxelize(ringsOnAWall({-7.0, -5.0, -3.0, -1.0, 1.0, 3.0}), {}, 0.5));
   std::size_t planes = 0;
   for (const SurfaceCell& cell : map.cells()) {
     if (cell.normal.isZero()) continue;
@@ -156,7 +139,7 @@ TEST(SurfaceMapTest, ARingOnTheGroundHasTheSlopeOfTheGround) {
   for (Eigen::Vector3f& point : points) point = turned.cast<float>() * point;
   const Voxels voxels = voxelize(points, {}, 0.5);
   SurfaceMap map(0.5);
-  map.add(voxels, Eigen::Vector3d::Zero(), groundNormals(ground, voxels, turned));
+  map.add(voxels, groundNormals(ground, voxels, turned));
   ASSERT_FALSE(map.cells().empty());
   const Eigen::Vector3f slope = Eigen::Vector3f(0.0F, -0.1F, 1.0F).normalized();
   for (const SurfaceCell& cell : map.cells()) EXPECT_GT(cell.normal.dot(slope), 0.999F);
@@ -188,7 +171,7 @@ SurfaceMap boxMap() {
                         static_cast<float>(random.uniform(-1.0, 4.0)));
   }
   SurfaceMap map(0.5);
-  map.add(voxelize(points, {}, 0.5), Eigen::Vector3d::Zero());
+  map.add(voxelize(points, {}, 0.5));
   return map;
 }
 
@@ -275,7 +258,7 @@ TEST(CloudIcpTest, ADirectionWithoutSurfacesKeepsTheGuess) {
                         static_cast<float>(random.uniform(-20.0, 20.0)), -1.7F);
   }
   SurfaceMap map(0.5);
-  map.add(voxelize(points, {}, 0.5), Eigen::Vector3d::Zero());
+  map.add(voxelize(points, {}, 0.5));
   Eigen::Isometry3d guess = Eigen::Isometry3d::Identity();
   guess.translation() << 0.3, 0.2, 0.1;
   const CloudIcpResult result =

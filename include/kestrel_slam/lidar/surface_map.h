@@ -23,11 +23,9 @@ class SurfaceMap {
  public:
   explicit SurfaceMap(double resolution = 0.5) : resolution_(resolution) {}
 
-  /// Adds the points of voxels of this resolution, seen by a lidar at `lidar` (m, in the map).
-  /// `ground`: for each voxel the normal of the ground that it belongs to, or zero; empty: no
-  /// ground.
-  void add(const Voxels& voxels, const Eigen::Vector3d& lidar,
-           const std::vector<Eigen::Vector3f>& ground = {});
+  /// Adds the points of voxels of this resolution. `ground`: for each voxel the normal of the
+  /// ground that it belongs to, or zero; empty: no ground.
+  void add(const Voxels& voxels, const std::vector<Eigen::Vector3f>& ground = {});
   /// Removes the cells that are farther than `radius` from the position, m.
   void forgetFar(const Eigen::Vector3d& position, double radius);
 
@@ -44,7 +42,7 @@ class SurfaceMap {
     double count_of_normal = 0.0;  ///< number of points from which the normal was computed
   };
 
-  void update(std::size_t number, const Eigen::Vector3d& lidar, const Eigen::Vector3f& ground);
+  void update(std::size_t number, const Eigen::Vector3f& ground);
   std::vector<std::uint32_t> around(const GridIndex<3>& index) const;
   PointSums aroundOf(const Cell& cell) const;
 
