@@ -8,6 +8,7 @@ tests comes before this line, the reasons of skipped tests after it. A suite tha
 counts at least one failure, even if it crashed before it wrote its results.
 """
 
+import os
 import pathlib
 import re
 import sys
@@ -51,6 +52,18 @@ def result_files(name, results, build):
     return [path for path in inner if path.exists()] or outer
 
 
+def program_outputs(files):
+    """What the programs of a rostest wrote. Their result files do not say why a set-up failed."""
+    texts = []
+    for file in files:
+        name = file.stem.replace("rosunit-", "", 1)
+        logs = list(pathlib.Path(os.environ.get("ROS_LOG_DIR", "")).glob(f"*/{name}-*stdout.log"))
+        if logs:
+            newest = max(logs, key=lambda log: log.stat().st_mtime)
+            texts.append(f"{newest}:\n{newest.read_text(errors='replace')[-LONGEST_OUTPUT:]}")
+    return texts
+
+
 def count_suite(case, results, build, reasons):
     """Returns [passed, failed, skipped] of one ctest test."""
     failed = case.get("status") == "fail"
@@ -78,6 +91,8 @@ def main():
         counts = count_suite(case, results, build, reasons)
         if counts[1] > 0:
             print((case.findtext("system-out") or "")[-LONGEST_OUTPUT:])
+            if case.get("name").startswith(CATKIN_PREFIX):
+                print(*program_outputs(result_files(case.get("name"), results, build)), sep="\n")
         name = case.get("name").replace(CATKIN_PREFIX, "")
         print(f"{label + ': ' + name:<44} {counts[0]:4d} passed, {counts[1]} failed, "
               f"{counts[2]} skipped")

@@ -170,7 +170,7 @@ TEST_P(ExtremeStamps, EndNoNode) {
   Vehicle vehicle(ns);
   NodeWatcher projector(ns + "/projector"), mapper(ns + "/mapper"),
       planar_mapper(ns + "/planar_mapper"), filter(ns + "/pose_filter");
-  ASSERT_TRUE(projector.waitFor([&] { return vehicle.isConnected(); }, 20.0));
+  ASSERT_TRUE(projector.waitFor([&] { return vehicle.isConnected(); }));
   std::mt19937 random(1);
   for (int i = 0; i < kMessages; ++i) {
     vehicle.publish(random(), extremeStamp(random));
@@ -187,7 +187,7 @@ TEST_P(ExtremeStamps, AreNotPublishedAndDoNoLastingHarm) {
   const std::string ns = GetParam();
   Vehicle vehicle(ns);
   NodeWatcher watcher(ns + "/projector");
-  ASSERT_TRUE(watcher.waitFor([&] { return vehicle.isConnected(); }, 20.0));
+  ASSERT_TRUE(watcher.waitFor([&] { return vehicle.isConnected(); }));
   vehicle.publishImu(ros::Time(1699999998, 0));  // two agreeing stamps set the clock
   vehicle.publishImu(ros::Time(1699999999, 0));
   std::mt19937 random(2);

@@ -123,8 +123,8 @@ MapperClient::MapperClient(const std::string& ns)
 
 bool MapperClient::connect(std::size_t nodes) {
   const bool connected =
-      waitFor([&] { return scan_publisher_.getNumSubscribers() >= nodes && hearsPoses(); }, 10.0);
-  return connected && waitFor([this] { return sharesTransforms(); }, 10.0);
+      waitFor([&] { return scan_publisher_.getNumSubscribers() >= nodes && hearsPoses(); });
+  return connected && waitFor([this] { return sharesTransforms(); });
 }
 
 std::optional<Pose2> MapperClient::match(const sensor_msgs::LaserScan& scan, double timeout_s) {

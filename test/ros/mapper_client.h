@@ -74,7 +74,7 @@ class MapperClient : public NodeWatcher {
   void publish(const sensor_msgs::LaserScan& scan) { scan_publisher_.publish(scan); }
 
   /// Publishes a scan and waits for its pose.
-  std::optional<Pose2> match(const sensor_msgs::LaserScan& scan, double timeout_s = 5.0);
+  std::optional<Pose2> match(const sensor_msgs::LaserScan& scan, double timeout_s = kPatience);
 
   ros::NodeHandle nh;
   tf2_ros::StaticTransformBroadcaster static_broadcaster;

@@ -19,11 +19,11 @@ NodeWatcher::NodeWatcher(const std::string& node, const std::vector<std::string>
 }
 
 bool NodeWatcher::waitFor(const std::function<bool()>& condition, double timeout_s) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(timeout_s);
+  Patience patience(timeout_s);
   while (ros::ok()) {
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.002));
     if (condition()) return true;
-    if (ros::WallTime::now() > end) return false;
+    if (patience.isOver()) return false;
   }
   return false;
 }

@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "patience.h"
+
 namespace kestrel {
 
 /// Subscribes to the diagnostics of one node and to tf.
@@ -21,10 +23,10 @@ class NodeWatcher {
   explicit NodeWatcher(const std::string& node,
                        const std::vector<std::string>& transform_topics = {"/tf"});
 
-  /// Runs callbacks until `condition` is true. Returns false after `timeout_s` of wall time.
-  bool waitFor(const std::function<bool()>& condition, double timeout_s = 5.0);
+  /// Runs callbacks until `condition` is true. Returns false after `timeout_s` (Patience).
+  bool waitFor(const std::function<bool()>& condition, double timeout_s = kPatience);
 
-  /// Runs callbacks for a given wall time.
+  /// Runs callbacks for a given time.
   void wait(double seconds) {
     waitFor([] { return false; }, seconds);
   }

@@ -33,8 +33,7 @@
 namespace kestrel {
 namespace {
 
-constexpr double kFlown = 8.0;     // duration of the flight, s
-constexpr double kPatience = 5.0;  // s
+constexpr double kFlown = 8.0;  // duration of the flight, s
 constexpr std::uint32_t kQueue = 1000;
 
 /// The messages of a bag, by stamp.
@@ -93,10 +92,10 @@ class PipelineParity : public ::testing::Test {
 
   /// Spins until `done` is true. Returns false after a timeout.
   static bool spinUntil(const std::function<bool()>& done) {
-    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
+    Patience patience;
     while (!done()) {
       ros::spinOnce();
-      if (ros::WallTime::now() > end) return false;
+      if (patience.isOver()) return false;
       ros::WallDuration(1e-4).sleep();
     }
     return true;
@@ -160,8 +159,8 @@ class PipelineParity : public ::testing::Test {
       return scan_publisher_.getNumSubscribers() > 0 && imu_publisher_.getNumSubscribers() > 0 &&
              height_publisher_.getNumSubscribers() > 0 && state_subscriber_.getNumPublishers() > 0;
     }));
-    const ros::WallTime mounted = ros::WallTime::now() + ros::WallDuration(0.5);
-    spinUntil([&] { return ros::WallTime::now() > mounted; });  // wait until tf reaches the nodes
+    Patience mounting(0.5);
+    spinUntil([&] { return mounting.isOver(); });  // wait until tf reaches the nodes
   }
 
   /// Waits until the nodes have processed the previous message. The mapper matches on its own
@@ -169,12 +168,12 @@ class PipelineParity : public ::testing::Test {
   /// publishes last.
   void settle() {
     constexpr int kRounds = 4;  // planar scan -> mapper -> filter -> projector
-    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
+    Patience patience;
     for (int round = 0; round < kRounds; ++round) {
       ros::spinOnce();
       if (planar_scans_ == matched_) continue;
       round = 0;
-      ASSERT_LT(ros::WallTime::now(), end) << "a planar scan was not matched";
+      ASSERT_FALSE(patience.isOver()) << "a planar scan was not matched";
       ros::WallDuration(1e-4).sleep();
     }
   }

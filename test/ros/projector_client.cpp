@@ -57,7 +57,7 @@ bool ProjectorClient::connect(const std::vector<ros::Publisher>& lasers, bool wi
            subscribers_[0].getNumPublishers() > 0 &&
            mounting_publisher_.getNumSubscribers() >= nodesOf("/tf_static").subscribers;
   };
-  const bool connected = waitFor(listens, 20.0);
+  const bool connected = waitFor(listens);
   wait(kSettle);
   return connected;
 }

@@ -45,7 +45,8 @@ class ProjectorClient : public NodeWatcher {
   sensor_msgs::LaserScan nextScan();
 
   /// Publishes a scan and waits for its planar scan.
-  std::optional<PlanarScan> project(const sensor_msgs::LaserScan& scan, double timeout_s = 10.0);
+  std::optional<PlanarScan> project(const sensor_msgs::LaserScan& scan,
+                                    double timeout_s = kPatience);
 
   /// Publishes the next scan and the IMU data up to its end, and expects correct end points.
   void flyOn();

@@ -45,7 +45,7 @@ class PoseFilterFlight : public ::testing::Test {
     const ros::Subscriber states = nh_.subscribe<nav_msgs::Odometry>("odom/filtered", kQueue, keep);
     LivePlayer player(nh_, folder_.file("flight.bag"));
     ASSERT_TRUE(
-        watcher_.waitFor([&] { return player.isHeard() && states.getNumPublishers() > 0; }, 20.0));
+        watcher_.waitFor([&] { return player.isHeard() && states.getNumPublishers() > 0; }));
     watcher_.wait(1.0);  // wait for the mountings
     std::thread playing([&] {
       player.play([&](const LiveMessage& message) {

@@ -42,25 +42,21 @@ class PoseFilterGarbage : public ::testing::Test {
     mountings_.sendTransform(transformMessage("base_link", "range_link", nose_down, now_));
     mountings_.sendTransform(
         transformMessage("base_link", "forward_link", Eigen::Isometry3d::Identity(), now_));
-    ASSERT_TRUE(watcher_.waitFor(
-        [&] {
-          return imu_.getNumSubscribers() > 0 && pose_.getNumSubscribers() > 0 &&
-                 range_.getNumSubscribers() > 0 && pressure_.getNumSubscribers() > 0 &&
-                 subscriber_.getNumPublishers() > 0;
-        },
-        20.0));
+    ASSERT_TRUE(watcher_.waitFor([&] {
+      return imu_.getNumSubscribers() > 0 && pose_.getNumSubscribers() > 0 &&
+             range_.getNumSubscribers() > 0 && pressure_.getNumSubscribers() > 0 &&
+             subscriber_.getNumPublishers() > 0;
+    }));
     ros::ServiceClient reset = nh_.serviceClient<std_srvs::Trigger>("reset_filter");
     ASSERT_TRUE(reset.waitForExistence(ros::Duration(10.0)));
     // Every test starts with a converged filter. The clock continues between tests.
     now_ = ros::Time::now().toSec();
     std_srvs::Trigger trigger;
     ASSERT_TRUE(reset.call(trigger));
-    ASSERT_TRUE(watcher_.waitFor(
-        [&] {
-          stand(0.1);
-          return !states_.empty() && states_.back().header.stamp.toSec() > now_ - 0.5;
-        },
-        30.0));
+    ASSERT_TRUE(watcher_.waitFor([&] {
+      stand(0.1);
+      return !states_.empty() && states_.back().header.stamp.toSec() > now_ - 0.5;
+    }));
   }
 
   void TearDown() override {
@@ -105,18 +101,16 @@ class PoseFilterGarbage : public ::testing::Test {
   template <typename Send>
   void expectDiagnosis(const std::string& text, Send send) {
     std::string all;
-    EXPECT_TRUE(watcher_.waitFor(
-        [&] {
-          send();
-          stand(0.05);
-          all.clear();
-          for (const auto& [key, value] : watcher_.report("Pose filter")) {
-            all += key + ": " + value + "\n";
-          }
-          return all.find(text) != std::string::npos;
-        },
-        20.0))
-        << text << " is missing in the diagnostics:\n"
+    EXPECT_TRUE(watcher_.waitFor([&] {
+      send();
+      stand(0.05);
+      all.clear();
+      for (const auto& [key, value] : watcher_.report("Pose filter")) {
+        all += key + ": " + value + "\n";
+      }
+      return all.find(text) != std::string::npos;
+    })) << text
+        << " is missing in the diagnostics:\n"
         << all;
   }
 
@@ -213,29 +207,24 @@ TEST_F(PoseFilterGarbage, DiagnosticsDoNotGrowWithTheNamesOfFrames) {
 
 TEST_F(PoseFilterGarbage, AFrozenImuIsReported) {
   sensor_msgs::Imu frozen = reading();
-  ASSERT_TRUE(watcher_.waitFor(
-      [&] {
-        for (int i = 0; i < 20; ++i) {
-          now_ += kPeriod;
-          frozen.header.stamp = ros::Time(now_);
-          imu_.publish(frozen);
-        }
-        return watcher_.diagnosis("Pose filter", "level") == "2";
-      },
-      20.0));
+  ASSERT_TRUE(watcher_.waitFor([&] {
+    for (int i = 0; i < 20; ++i) {
+      now_ += kPeriod;
+      frozen.header.stamp = ros::Time(now_);
+      imu_.publish(frozen);
+    }
+    return watcher_.diagnosis("Pose filter", "level") == "2";
+  }));
 }
 
 TEST_F(PoseFilterGarbage, ASilentImuIsReportedAndRecovers) {
-  ASSERT_TRUE(
-      watcher_.waitFor([&] { return watcher_.diagnosis("Pose filter", "level") == "2"; }, 20.0));
+  ASSERT_TRUE(watcher_.waitFor([&] { return watcher_.diagnosis("Pose filter", "level") == "2"; }));
   const std::size_t before = states_.size();
   now_ = ros::Time::now().toSec();
-  ASSERT_TRUE(watcher_.waitFor(
-      [&] {
-        stand(0.1);
-        return states_.size() > before + 20;
-      },
-      30.0));
+  ASSERT_TRUE(watcher_.waitFor([&] {
+    stand(0.1);
+    return states_.size() > before + 20;
+  }));
 }
 
 }  // namespace

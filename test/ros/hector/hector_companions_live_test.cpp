@@ -39,7 +39,7 @@ class HectorCompanions : public testing::Test {
   /// Calls until the node has the map.
   template <typename Service>
   static bool call(const std::string& name, Service& service) {
-    return client_->waitFor([&] { return ros::service::call(name, service); }, 10.0);
+    return client_->waitFor([&] { return ros::service::call(name, service); });
   }
 
   static MapperClient* client_;
@@ -112,14 +112,12 @@ TEST_F(HectorCompanions, TheMapComesAsImages) {
   // The next map comes with the next scans.
   const TestFlight flight = laboratoryFlight(220);
   std::size_t next = 120;
-  ASSERT_TRUE(client_->waitFor(
-      [&] {
-        if (next < flight.scans.size()) {
-          client_->match(messageOf(flight.scans[next++].scan, "base_link"));
-        }
-        return !full.data.empty() && !tile.data.empty() && !compressed.data.empty();
-      },
-      30.0));
+  ASSERT_TRUE(client_->waitFor([&] {
+    if (next < flight.scans.size()) {
+      client_->match(messageOf(flight.scans[next++].scan, "base_link"));
+    }
+    return !full.data.empty() && !tile.data.empty() && !compressed.data.empty();
+  }));
   EXPECT_EQ(full.data.size(), static_cast<std::size_t>(full.width) * full.height);
   EXPECT_EQ(tile.width, 64U);
   EXPECT_EQ(tile.encoding, "mono8");
@@ -142,7 +140,7 @@ TEST_F(HectorCompanions, TheGeotiffIsWrittenByCommandAndService) {
   std_msgs::String text;
   text.data = "savegeotiff";
   command.publish(text);
-  EXPECT_TRUE(client_->waitFor([&] { return fs::exists(path.parent_path()); }, 10.0));
+  EXPECT_TRUE(client_->waitFor([&] { return fs::exists(path.parent_path()); }));
 }
 
 }  // namespace

@@ -37,11 +37,11 @@ TEST(LiveLoops, ALoopIsClosedAndShown) {
     estimated = client.match(messageAt(poses[i], stamp));
     ASSERT_TRUE(estimated) << "no pose for scan " << i;
   }
-  EXPECT_TRUE(client.waitFor([&] { return linesOf(graph, "accepted") > 3; }, 20.0))
+  EXPECT_TRUE(client.waitFor([&] { return linesOf(graph, "accepted") > 3; }))
       << linesOf(graph, "accepted") << " loops are shown as accepted";
-  EXPECT_TRUE(client.waitFor([&] { return !loops.markers.empty(); }, 20.0))
+  EXPECT_TRUE(client.waitFor([&] { return !loops.markers.empty(); }))
       << "they come after those of the graph";
-  EXPECT_TRUE(client.waitFor([&] { return submaps.markers.size() > 2; }, 20.0))
+  EXPECT_TRUE(client.waitFor([&] { return submaps.markers.size() > 2; }))
       << "a path and a name for each finished submap";
   const Pose2 truth = poses.front().between(poses.back());
   EXPECT_LT(truth.between(*estimated).distance(), 0.15);
@@ -51,7 +51,7 @@ TEST(LiveLoops, ALoopIsClosedAndShown) {
   estimated = client.match(messageAt(poses[0], later));
   ASSERT_TRUE(estimated);
   EXPECT_LT(estimated->distance(), 0.01) << "the correction belongs to the deleted map";
-  EXPECT_TRUE(client.waitFor([&] { return linesOf(graph, "accepted") == 0; }, 10.0));
+  EXPECT_TRUE(client.waitFor([&] { return linesOf(graph, "accepted") == 0; }));
 }
 
 }  // namespace

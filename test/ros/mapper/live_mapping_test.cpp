@@ -232,7 +232,7 @@ TEST_F(LiveMapping, DiagnosticsCountTheScans) {
 }
 
 TEST_F(LiveMapping, DiagnosticsWarnAboutASilentLaser) {
-  ASSERT_TRUE(client_->waitFor([] { return client_->diagnosis("Scans", "level") == "1"; }, 8.0));
+  ASSERT_TRUE(client_->waitFor([] { return client_->diagnosis("Scans", "level") == "1"; }));
   EXPECT_NE(client_->diagnosis("Scans", "message").find("no scan on /scan"), std::string::npos);
 }
 

@@ -91,7 +91,7 @@ TEST_F(LiveSession, IsContinuedAfterTheNodeWasKilled) {
   client_.emplace();
   Node node({inFolder(), "_session:=" + file});
   ASSERT_TRUE(client_->connect());
-  EXPECT_TRUE(client_->waitFor([&] { return client_->map.info.width > 100; }, 20.0))
+  EXPECT_TRUE(client_->waitFor([&] { return client_->map.info.width > 100; }))
       << "the old map is shown";
   // Back along the old path, from where the session ended.
   std::vector<Pose2> back(day2.rbegin(), day2.rend());
@@ -107,7 +107,7 @@ TEST_F(LiveSession, IsContinuedAfterTheNodeWasKilled) {
     return connectedParts(graphOf(second)).back() == 0U &&
            second.keyframes.size() <= first.keyframes.size() * 11 / 10;
   };
-  EXPECT_TRUE(client_->waitFor(joined_and_known, 30.0))
+  EXPECT_TRUE(client_->waitFor(joined_and_known))
       << second.keyframes.size() << " keyframes, before " << first.keyframes.size()
       << ", the last one in part " << connectedParts(graphOf(second)).back();
 }
@@ -130,7 +130,7 @@ TEST_F(LiveSession, LoadsWhileScansArriveAndTwoLoadsAtOnce) {
   }
   for (std::thread& loader : loaders) loader.join();
   for (const auto& answer : answers) EXPECT_TRUE(answer.success) << answer.message;
-  EXPECT_TRUE(client_->waitFor([&] { return client_->poses_received > before + 20; }, 10.0));
+  EXPECT_TRUE(client_->waitFor([&] { return client_->poses_received > before + 20; }));
   ASSERT_TRUE(fly({path.back()})) << "it still maps";
 }
 
@@ -160,7 +160,7 @@ TEST_F(LiveSession, RefusesWhatIsNoSession) {
   EXPECT_EQ(readFile(folder_.file("map.pgm")).substr(0, 2), "P5") << "it was not replaced";
   EXPECT_FALSE(save("../b").success);
   ASSERT_TRUE(fly({loop_world::laps(1.0)[20]})) << "it still maps";
-  EXPECT_TRUE(client_->waitFor([&] { return fs::exists(folder_.file("autosave.session")); }, 10.0));
+  EXPECT_TRUE(client_->waitFor([&] { return fs::exists(folder_.file("autosave.session")); }));
   EXPECT_NO_THROW(loadSession(folder_.file("autosave.session")));
 }
 
@@ -174,7 +174,7 @@ TEST_F(LiveSession, TheAutosaveOfAnEarlierRunIsKept) {
   ASSERT_TRUE(fly(part(loop_world::laps(1.0), 0.0, 0.05)));
   const std::string file = folder_.file("autosave.session"),
                     old = folder_.file("autosave.old.session");
-  EXPECT_TRUE(client_->waitFor([&] { return fs::exists(old) && isSessionFile(file); }, 10.0));
+  EXPECT_TRUE(client_->waitFor([&] { return fs::exists(old) && isSessionFile(file); }));
   EXPECT_TRUE(loadSession(old).keyframes.empty());
 }
 

@@ -44,7 +44,7 @@ TEST(ReplayFreiburg, Building79) {
     before = trajectory.size();
     return none;
   };
-  EXPECT_TRUE(client.waitFor(silent, 60.0));
+  EXPECT_TRUE(client.waitFor(silent));
   EXPECT_EQ(WEXITSTATUS(pclose(player)), 0);
 
   std::map<std::string, std::string> scans = client.report("Scans");

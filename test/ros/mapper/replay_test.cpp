@@ -34,7 +34,7 @@ TEST(Replay, HandheldLaser) {
   FILE* player = popen(command.c_str(), "r");
   ASSERT_NE(player, nullptr);
   const auto ended = [&] { return client.poses_received >= 360; };
-  EXPECT_TRUE(client.waitFor(ended, 30.0)) << client.poses_received << " of 360 poses";
+  EXPECT_TRUE(client.waitFor(ended)) << client.poses_received << " of 360 poses";
   EXPECT_EQ(WEXITSTATUS(pclose(player)), 0);
 
   EXPECT_EQ(client.diagnosis("Scans", "received"), "360");

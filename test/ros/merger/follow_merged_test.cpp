@@ -45,7 +45,7 @@ class FollowMerged : public testing::Test {
   }
 
   bool mapHas(std::size_t cells) {
-    return client_.waitFor([&] { return client_.map.data.size() > cells; }, 20.0);
+    return client_.waitFor([&] { return client_.map.data.size() > cells; });
   }
 
   TemporaryFolder folder_;

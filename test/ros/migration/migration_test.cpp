@@ -63,8 +63,8 @@ class MigrationBase : public testing::Test {
 
   bool says(const std::string& part) const { return log_.find(part) != std::string::npos; }
   bool waitFor(const std::string& part) {
-    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(20.0);
-    while (!says(part) && ros::WallTime::now() < end) {
+    Patience patience;
+    while (!says(part) && !patience.isOver()) {
       ros::spinOnce();
       ros::WallDuration(0.02).sleep();
     }

@@ -30,9 +30,9 @@ class PanelTest : public testing::Test {
   }
 
   /// Runs Qt and ROS, with 10 scans per second, until the condition holds.
-  bool waitFor(const std::function<bool()>& condition, double timeout_s = 15.0) {
-    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(timeout_s);
-    while (!condition() && ros::WallTime::now() < end) {
+  bool waitFor(const std::function<bool()>& condition, double timeout_s = kPatience) {
+    Patience patience(timeout_s);
+    while (!condition() && !patience.isOver()) {
       if (!scans_come_) {
         ros::spinOnce();
         QTest::qWait(5);

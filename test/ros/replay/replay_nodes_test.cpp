@@ -15,7 +15,8 @@ namespace {
 using Edges = std::set<std::string>;
 
 bool waitFor(const std::function<bool()>& done) {
-  for (int i = 0; i < 1000 && ros::ok() && !done(); ++i) {
+  Patience patience;
+  while (ros::ok() && !done() && !patience.isOver()) {
     ros::spinOnce();
     ros::WallDuration(0.01).sleep();
   }

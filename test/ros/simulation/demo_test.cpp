@@ -28,8 +28,8 @@ TEST(Demo, TheSimulatedQuadrotorIsMapped) {
                                                   [&](const nav_msgs::Odometry::ConstPtr& message) {
                                                     truth[message->header.stamp] = *message;
                                                   });
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(60.0);
-  while (ros::WallTime::now() < end && (poses < 300 || map.data.empty())) {
+  Patience patience;
+  while (!patience.isOver() && (poses < 300 || map.data.empty())) {
     ros::spinOnce();
     ros::WallDuration(0.01).sleep();
   }

@@ -24,8 +24,8 @@ class Collected {
 };
 
 inline void spinFor(double seconds) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
-  while (ros::WallTime::now() < end) {
+  Patience patience(seconds);
+  while (!patience.isOver()) {
     ros::spinOnce();
     ros::WallDuration(0.002).sleep();
   }
