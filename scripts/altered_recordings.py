@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Recordings that are thinned, or played backward. robustness_table.py uses them."""
+"""Recordings that are thinned, played backward, or see parts of the vehicle. robustness_table.py
+uses them."""
 import bz2
 import math
 import os
+import random
 
 STEP_M, STEP_RAD = 1.0, 0.5
+PARTS, PART_SHARE, PART_M = (0.15, 0.5, 0.85), 0.04, 0.25  # shares of the view; distance
 STARTS = [0, 1, 3, 5, 9]  # mapped from these scans on
 
 
@@ -52,6 +55,19 @@ def write_backward(log, path):
     return end
 
 
+def write_with_parts(log, path):
+    """Writes the scans as a laser would have made them that sees three parts of its vehicle."""
+    random_m = random.Random(1)
+    lines = list(laser_lines(log))
+    for words in lines:
+        beams = int(words[1])
+        for center in PARTS:
+            for i in range(round((center - PART_SHARE / 2) * beams),
+                           round((center + PART_SHARE / 2) * beams)):
+                words[2 + i] = f"{random_m.gauss(PART_M, 0.005):.3f}"
+    write_lines(path, lines)
+
+
 def write_trajectory_backward(reference, path, end):
     with open(reference) as file:
         poses = [line.split() for line in file if line.strip() and not line.startswith("#")]
@@ -82,6 +98,12 @@ class AlteredRecording:
 def thinned(bench, log):
     recording = AlteredRecording(bench, log, "thinned")
     write_thinned(recording.recorded, recording.altered)
+    return recording
+
+
+def with_parts(bench, log):
+    recording = AlteredRecording(bench, log, "parts")
+    write_with_parts(recording.recorded, recording.altered)
     return recording
 
 

@@ -302,6 +302,15 @@ def backward(bench):
         altered_row(f"{log} played backward, laser only", "no scan lost; wrong and ok 0", runs, 0.0)
 
 
+def vehicle_parts(bench):
+    """Landing gear or rotor guards at 0.25 m in an eighth of the beams."""
+    for log in ["intel", "fr079", "mit-csail"]:
+        runs = altered_recordings.with_parts(bench, log).runs("laser")
+        altered_row(f"{log}, parts of the vehicle in view, laser only",
+                    "no scan lost; wrong and ok 0; ATE ≤ 0.1 m", runs, 0.0,
+                    max(r["ate"] for r in runs) <= 0.1)
+
+
 # name: function, whether it takes long
 GROUPS = {
     "thinned logs with odometry": (with_odometry, False),
@@ -310,6 +319,7 @@ GROUPS = {
     "recordings thinned to a scan per meter": (scan_per_meter, False),
     "recordings thinned, with odometry": (scan_per_meter_with_odometry, False),
     "recordings played backward": (backward, False),
+    "parts of the vehicle in view": (vehicle_parts, False),
     "mit-csail perturbed": (csail, False),
     "fast turns": (fast_turns, False),
     "other lasers": (other_lasers, False),

@@ -24,6 +24,9 @@ std::vector<Parameter> beamParametersOf(ProjectorConfig& projector) {
       live(number("vehicle_radius", "m", &projector.vehicle_radius_m, 0.0, 10.0,
                   "End points closer to the base than this are parts of the vehicle and are not "
                   "mapped; 0: off.")),
+      live(flag("find_vehicle", &projector.find_vehicle,
+                "Beams of a 2D laser that keep a range below 1 m while most of the view changes "
+                "hit parts of the vehicle, and are ignored.")),
       live(number("mixed_pixel_jump", "m", &projector.mixed_pixel_jump_m, 0.0, 10.0,
                   "A beam at an edge, whose range differs by more than this from both of its "
                   "neighbors, is not mapped; 0: off.")),

@@ -247,6 +247,7 @@ ScanProjector::ScanProjector(const ProjectorConfig& config)
 void ScanProjector::configure(const ProjectorConfig& config) {
   ScanProjector next(config);
   next.surfaces_ = surfaces_;
+  next.vehicle_returns_ = std::move(vehicle_returns_);
   *this = std::move(next);
 }
 
@@ -264,6 +265,16 @@ Projection ScanProjector::project(const LaserScan& scan, const Eigen::Isometry3d
   LaserScan corrected = scan;
   for (float& range : corrected.ranges) range = range_correction_.corrected(range);
   return projectCorrected(corrected, base_T_laser, vehicle);
+}
+
+/// The beams that hit the vehicle or a mirror; empty: none.
+std::vector<bool> ScanProjector::ignoredBeams(const LaserScan& scan) {
+  std::vector<bool> ignored = maskOf(scan, ignored_, mirror_);
+  if (!config_.find_vehicle) return ignored;
+  VehicleReturns& returns = vehicle_returns_[scan.frame];
+  returns.observe(scan);
+  returns.addTo(scan, ignored);
+  return ignored;
 }
 
 Projection ScanProjector::projectCorrected(const LaserScan& scan,
@@ -291,7 +302,7 @@ Projection ScanProjector::projectCorrected(const LaserScan& scan,
   if (height) result.scan.height = heightOf(frames.at(0.5F), *height);
   const Slice slice = sliceOf(config_, height, surfaces_.ceilingHeight(scan.stamp, height),
                               frames.frame(0).origin.z());
-  BeamProjector(scan, config_, frames, slice, maskOf(scan, ignored_, mirror_), result).run();
+  BeamProjector(scan, config_, frames, slice, ignoredBeams(scan), result).run();
   const std::string wrong_unit = unitProblem(scan, result.counts, config_.beams.min_range_m);
   if (!wrong_unit.empty()) return refused(ScanError::kWrongUnit, wrong_unit);
   result.warnings = warningsOf(scan);

@@ -36,6 +36,8 @@ struct ProjectorConfig {
   /// of two ranges (10 mm each), and less than the depth of a door frame: a mixed pixel lies behind
   /// the edge, so that all edges seem farther away, and the map of a corridor becomes too long.
   double mixed_pixel_jump_m = 0.05;
+  /// Beams that keep a short range while the rest of the view changes hit the vehicle.
+  bool find_vehicle = true;
   /// "from:to, from:to" in degrees: beams that hit the vehicle's frame.
   std::string ignored_angles;
   std::string mirror_angles;  ///< the same format: beams that a mirror deflects downwards

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "kestrel_slam/sensor/attitude_buffer.h"
@@ -12,6 +14,7 @@
 #include "kestrel_slam/sensor/point_cloud.h"
 #include "kestrel_slam/sensor/projection.h"
 #include "kestrel_slam/sensor/range_correction.h"
+#include "kestrel_slam/sensor/vehicle_returns.h"
 
 namespace kestrel {
 
@@ -29,7 +32,8 @@ struct VehicleState {
 /// kept if it lies in the slice. The yaw is left to the mapper.
 ///
 /// Every scan is validated on its own: the number of beams and the geometry may change at any time.
-/// Only the heights of floor and ceiling are remembered from earlier sweeps.
+/// Only the heights of floor and ceiling, and the beams that hit the vehicle, are remembered from
+/// earlier sweeps.
 class ScanProjector {
  public:
   /// Throws std::invalid_argument if the angles or corrections of the configuration are invalid.
@@ -51,11 +55,13 @@ class ScanProjector {
  private:
   Projection projectCorrected(const LaserScan& scan, const Eigen::Isometry3d& base_T_laser,
                               const VehicleState& vehicle);
+  std::vector<bool> ignoredBeams(const LaserScan& scan);
 
   ProjectorConfig config_;
   std::vector<AngleRange> ignored_, mirror_;
   RangeCorrection range_correction_;
   LevelSurfaces surfaces_;
+  std::map<std::string, VehicleReturns> vehicle_returns_;  ///< by laser
 };
 
 /// First and last time of the beams of a sweep, s. The attitudes have to cover this interval.
