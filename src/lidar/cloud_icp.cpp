@@ -109,11 +109,17 @@ std::vector<Eigen::Vector3d> thinned(const std::vector<Eigen::Vector3d>& points,
 
 struct CloudIcp::Pair {
   Eigen::Vector3d point;  ///< in the map
-  Eigen::Vector3d mean, normal;
+  Eigen::Vector3d mean, normal, tilt;
   double thickness;  ///< of the plane
   double distance, weight = 1.0;
 
   double fromPlane() const { return std::abs(normal.dot(point - mean)); }
+  /// Of the distance, because the plane may be thick or turned.
+  double variance() const {
+    const double cosine = std::sqrt(std::max(0.0, 1.0 - tilt.squaredNorm()));
+    const double along = tilt.dot(point - mean), across = (1.0 - cosine) * fromPlane();
+    return thickness * thickness + along * along + across * across;
+  }
 };
 
 CloudIcp::CloudIcp(const std::vector<SurfaceCell>& cells, const CloudIcpConfig& config)
@@ -243,7 +249,12 @@ CloudIcp::Pairs CloudIcp::pairsOf(const std::vector<Eigen::Vector3d>& points,
     const auto nearest = means_.nearest(in_map.cast<float>(), reach);
     if (!nearest) continue;
     const SurfaceCell& cell = cells_[*nearest];
-    Pair pair{in_map, cell.mean.cast<double>(), cell.normal.cast<double>(), cell.thickness, 0.0};
+    Pair pair{in_map,
+              cell.mean.cast<double>(),
+              cell.normal.cast<double>(),
+              cell.tilt.cast<double>(),
+              cell.thickness,
+              0.0};
     pair.distance = config_.metric == IcpMetric::kPlane ? pair.normal.dot(in_map - pair.mean)
                                                         : (in_map - pair.mean).norm();
     pairs.push_back(pair);
@@ -252,13 +263,13 @@ CloudIcp::Pairs CloudIcp::pairsOf(const std::vector<Eigen::Vector3d>& points,
 }
 
 /// The kernel of Geman and McClure: what does not fit loses its weight. Thick planes, as those of
-/// leaves, say less.
+/// leaves, and planes that may be turned say less.
 void CloudIcp::weigh(Pairs& pairs, double scale) const {
   const double sigma2 = config_.pair_sigma_m * config_.pair_sigma_m;
   for (Pair& pair : pairs) {
     const double misfit = pair.distance / scale;
     const double fit = 1.0 / (1.0 + misfit * misfit);
-    pair.weight = fit * fit * sigma2 / (sigma2 + pair.thickness * pair.thickness);
+    pair.weight = fit * fit * sigma2 / (sigma2 + pair.variance());
   }
 }
 

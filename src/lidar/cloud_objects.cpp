@@ -25,6 +25,12 @@ constexpr double kVehicleLength = 4.2, kVehicleWidth = 1.7;
 // A vehicle whose top is so much above the lidar is a truck or a bus, m.
 constexpr double kTruck = 0.7, kTruckLength = 9.0;
 
+/// What lies behind the visible end of a vehicle is a part of it up to this length, m, and this far
+/// beside it.
+constexpr double kLongestVehicle = 6.0, kLongestTruck = 12.0, kBeside = 0.3;
+/// rad; in a smaller gap between two directions there are hardly any beams.
+constexpr double kBearingGap = 0.5 * kPi / 180.0;
+
 struct Extent {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -35,6 +41,7 @@ struct Extent {
   }
   bool contains(double value) const { return low <= value && value <= high; }
   double size() const { return high - low; }
+  double gapTo(const Extent& other) const { return std::max(low - other.high, other.low - high); }
   double middle() const { return 0.5 * (low + high); }
   double at(double share) const { return low + share * size(); }
   Extent widenedTo(double length) const {
@@ -118,6 +125,7 @@ bool setBox(const Plane& plane, double yaw, const KnownShape& known, bool yaw_is
   object.box.center = along.middle() * u + across.middle() * v;
   object.box.size = {along.size(), across.size()};
   object.box.yaw = normalizeAngle(yaw);
+  object.is_along_motion = is_vehicle && yaw_is_known;
   const bool has_shape = known.length > 0.0 || known.width > 0.0;
   const Area claimed{along.widenedTo(known.length), across.widenedTo(known.width)};
   return !has_shape || !isPassed(claimed, seen, u, 0.5 * (object.bottom + object.top), view);
@@ -209,6 +217,17 @@ bool isObject(const std::vector<std::size_t>& own, const std::vector<MovingVoxel
   return points >= config.min_points && bottom <= lidar.z() + config.max_height_m;
 }
 
+/// Directions from the lidar in which voxels lie, rad, counted from the direction `ahead`.
+Extent bearingsOf(const std::vector<std::size_t>& own, const Plane& centers,
+                  const Eigen::Vector2d& lidar, const Eigen::Vector2d& ahead) {
+  Extent bearings;
+  for (const std::size_t v : own) {
+    const Eigen::Vector2d to = centers[v] - lidar;
+    bearings.add(std::atan2(ahead.x() * to.y() - ahead.y() * to.x(), ahead.dot(to)));
+  }
+  return bearings;
+}
+
 /// Forms objects, and joins those that cover each other.
 class ObjectBuilder {
  public:
@@ -245,7 +264,27 @@ class ObjectBuilder {
   /// completed may be beside the object.)
   bool areOne(const CloudObject& a, const CloudObject& b) const {
     return a.box.contains(middleOf(b.voxels, centers_)) ||
-           b.box.contains(middleOf(a.voxels, centers_));
+           b.box.contains(middleOf(a.voxels, centers_)) || continues(a, b) || continues(b, a);
+  }
+
+  /// True if `part` lies behind the visible end of a vehicle, and the lidar sees no gap between
+  /// them. Along the side of a vehicle that comes or goes, the returns are more than a meter apart.
+  bool continues(const CloudObject& vehicle, const CloudObject& part) const {
+    if (!vehicle.is_along_motion) return false;
+    const Eigen::Vector2d u(std::cos(vehicle.box.yaw), std::sin(vehicle.box.yaw));
+    const Eigen::Vector2d lidar = view_.lidar().head<2>(), ahead = vehicle.box.center - lidar;
+    const Eigen::Vector2d away = u.dot(ahead) < 0.0 ? (-u).eval() : u;
+    Extent behind, beside;
+    for (const std::size_t i : part.voxels) {
+      const Eigen::Vector2d to = centers_[i] - vehicle.box.center;
+      behind.add(away.dot(to) + 0.5 * vehicle.box.size.x());
+      beside.add(u.x() * to.y() - u.y() * to.x());
+    }
+    const bool is_truck = vehicle.top > view_.lidar().z() + kTruck;
+    return behind.middle() > 0.0 && behind.high < (is_truck ? kLongestTruck : kLongestVehicle) &&
+           std::abs(beside.middle()) < 0.5 * vehicle.box.size.y() + kBeside &&
+           bearingsOf(vehicle.voxels, centers_, lidar, ahead)
+                   .gapTo(bearingsOf(part.voxels, centers_, lidar, ahead)) < kBearingGap;
   }
 
   CloudObject build(std::vector<std::size_t> own) const {

@@ -30,6 +30,7 @@ struct CloudObject {
   double length = 0.0, width = 0.0;  ///< visible extents along and across the box, m
   double bottom = 0.0, top = 0.0;    ///< of the visible points, m
   bool refutes_shape = false;        ///< it is smaller than what is known of its track
+  bool is_along_motion = false;      ///< a vehicle whose box is along its known motion
   std::vector<std::size_t> voxels;   ///< indices of MovingVoxel
 };
 

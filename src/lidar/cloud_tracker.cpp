@@ -206,7 +206,7 @@ struct CloudTracker::State {
       if (v != VoxelTable::kNone) is_static[i] = stands[v];
     }
     const Voxels cells = voxelize(points, is_static, config.surface_resolution_m);
-    surfaces.add(cells, groundNormals(ground, cells, result.pose));
+    surfaces.add(cells, result.pose.translation(), groundNormals(ground, cells, result.pose));
   }
 
   void forgetFar() {

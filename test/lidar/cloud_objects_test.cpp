@@ -63,5 +63,35 @@ TEST(CloudObjectsTest, APersonIsNoVehicleWhereBeamsPassAtBothSides) {
   }
 }
 
+/// The front of a vehicle at x = 30 m that comes towards the lidar at the origin, and what else is
+/// seen at these distances along the line of its side.
+std::vector<CloudObject> comingVehicle(const std::vector<double>& along_side) {
+  std::vector<MovingVoxel> voxels;
+  const auto add = [&](double x, double y) {
+    const Eigen::Vector3d center(x, y, -0.8);
+    voxels.push_back({0, center, {5, center.cast<float>()}, true, true});
+  };
+  for (double y = 2.0; y < 3.8; y += 0.4) add(30.0, y);
+  for (const double x : along_side) add(x, 1.95);
+  std::vector<Eigen::Vector3f> points;
+  for (const MovingVoxel& voxel : voxels) points.push_back(voxel.points.front());
+  KnownShape known;
+  known.yaw = M_PI;
+  return findCloudObjects(voxels, LidarView(points, Eigen::Isometry3d::Identity()),
+                          CloudTrackerConfig(), [&](const Eigen::Vector2d&) { return known; });
+}
+
+// Before, the side of a vehicle that comes was tracked as other objects.
+TEST(CloudObjectsTest, TheReturnsAlongTheSideOfAVehicleAreAPartOfIt) {
+  const auto objects = comingVehicle({31.4, 32.8, 34.1, 35.2});
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_NEAR(objects[0].length, 5.2, 0.01);
+  EXPECT_NEAR(objects[0].box.center.x(), 32.6, 0.01);
+}
+
+TEST(CloudObjectsTest, AVehicleBehindAnotherIsNoPartOfIt) {
+  EXPECT_EQ(comingVehicle({37.0}).size(), 2U);
+}
+
 }  // namespace
 }  // namespace kestrel

@@ -83,7 +83,7 @@ TEST(SurfaceMapTest, ForgetsWhatIsFarSoThatTheMemoryIsBounded) {
     Points points = roomPoints(0.0F);
     const Eigen::Vector3d at(10.0 * i, 0.0, 0.0);
     for (Eigen::Vector3f& point : points) point += at.cast<float>();
-    map.add(voxelize(points, {}, 0.5));
+    map.add(voxelize(points, {}, 0.5), at);
     map.forgetFar(at, 100.0);
     most = std::max(most, map.cells().size());
     if (i == 40) most = map.cells().size();
@@ -110,13 +110,51 @@ Points ringsOnAWall(const std::vector<double>& elevations_deg) {
 
 TEST(SurfaceMapTest, TheNoiseAlongTheBeamsOfARingIsNoPlane) {
   SurfaceMap map(0.5);
-  map.add(voxelize(ringsOnAWall({-5.0}), {}, 0.5));
+  map.add(voxelize(ringsOnAWall({-5.0}), {}, 0.5), Eigen::Vector3d::Zero());
   for (const SurfaceCell& cell : map.cells()) EXPECT_TRUE(cell.normal.isZero());
+}
+
+TEST(SurfaceMapTest, ASliceOfAHedgeAtTheEdgeOfTheViewIsNoPlane) {
+  Random random(6);
+  Points points;
+  for (double azimuth = 1.0; azimuth < 2.1; azimuth += 0.001) {
+    const double range = random.uniform(10.0, 10.5);  // the beams end at different depths
+    const Eigen::Vector2d at = range * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
+    points.push_back(Eigen::Vector3d(at.x(), at.y(), random.uniform(0.05, 0.13)).cast<float>());
+  }
+  SurfaceMap map(0.5);
+  map.add(voxelize(points, {}, 0.5), Eigen::Vector3d::Zero());
+  std::size_t planes = 0;
+  for (const SurfaceCell& cell : map.cells()) planes += cell.normal.isZero() ? 0U : 1U;
+  EXPECT_LT(planes, map.cells().size() / 4);
+}
+
+/// Flat ground 30 m from the lidar, with noise of this size along the normal.
+SurfaceCell distantGround(double noise_m) {
+  Random random(7);
+  Points points;
+  for (int i = 0; i < 300; ++i) {
+    points.push_back(Eigen::Vector3d(random.uniform(30.05, 30.45), random.uniform(0.05, 0.45),
+                                     -1.8 + noise_m * random.gaussian())
+                         .cast<float>());
+  }
+  SurfaceMap map(0.5);
+  map.add(voxelize(points, {}, 0.5), Eigen::Vector3d::Zero());
+  return map.cells().front();
+}
+
+// Its plane is nearly along the beams, but thin: the beams cannot have made it.
+TEST(SurfaceMapTest, DistantGroundIsAPlaneThatIsTheLessSureTheThickerItIs) {
+  const SurfaceCell thin = distantGround(0.003), thick = distantGround(0.02);
+  EXPECT_GT(std::min(std::abs(thin.normal.z()), std::abs(thick.normal.z())), 0.98F);
+  EXPECT_LT(thin.tilt.norm(), 0.1F);
+  EXPECT_GT(std::abs(thick.tilt.x()), 0.3F);  // towards the lidar
 }
 
 TEST(SurfaceMapTest, RingsInNeighboringVoxelsMakeThePlaneOfTheWall) {
   SurfaceMap map(0.5);
-  map.add(voxelize(ringsOnAWall({-7.0, -5.0, -3.0, -1.0, 1.0, 3.0}), {}, 0.5));
+  map.add(voxelize(ringsOnAWall({-7.0, -5.0, -3.0, -1.0, 1.0, 3.0}), {}, 0.5),
+          Eigen::Vector3d::Zero());
   std::size_t planes = 0;
   for (const SurfaceCell& cell : map.cells()) {
     if (cell.normal.isZero()) continue;
@@ -139,7 +177,7 @@ TEST(SurfaceMapTest, ARingOnTheGroundHasTheSlopeOfTheGround) {
   for (Eigen::Vector3f& point : points) point = turned.cast<float>() * point;
   const Voxels voxels = voxelize(points, {}, 0.5);
   SurfaceMap map(0.5);
-  map.add(voxels, groundNormals(ground, voxels, turned));
+  map.add(voxels, Eigen::Vector3d::Zero(), groundNormals(ground, voxels, turned));
   ASSERT_FALSE(map.cells().empty());
   const Eigen::Vector3f slope = Eigen::Vector3f(0.0F, -0.1F, 1.0F).normalized();
   for (const SurfaceCell& cell : map.cells()) EXPECT_GT(cell.normal.dot(slope), 0.999F);
@@ -171,7 +209,7 @@ SurfaceMap boxMap() {
                         static_cast<float>(random.uniform(-1.0, 4.0)));
   }
   SurfaceMap map(0.5);
-  map.add(voxelize(points, {}, 0.5));
+  map.add(voxelize(points, {}, 0.5), Eigen::Vector3d::Zero());
   return map;
 }
 
@@ -250,6 +288,24 @@ TEST(CloudIcpTest, FewPointsOnAWallAreNotLostAmongThoseOfTheFloor) {
   EXPECT_LT(std::abs(result.pose.translation().x()), 0.01);
 }
 
+// Half of the planes show another height. They may be turned, so the others say where the lidar is.
+TEST(CloudIcpTest, PlanesThatMayBeTurnedSayLittle) {
+  std::vector<SurfaceCell> cells;
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 400; ++i) {
+    SurfaceCell cell;
+    const float turned = i % 2 == 0 ? 0.0F : 1.0F;
+    cell.mean << static_cast<float>(i % 20) - 9.75F, static_cast<float>(i / 20) - 9.75F, -1.7F;
+    points.emplace_back((cell.mean + Eigen::Vector3f(0.25F, 0.0F, 0.0F)).cast<double>());
+    cell.normal = Eigen::Vector3f::UnitZ();
+    cell.tilt.x() = 0.7F * turned;
+    cell.mean.z() += 0.05F * turned;
+    cells.push_back(cell);
+  }
+  const CloudIcpResult result = CloudIcp(cells).align(points, Eigen::Isometry3d::Identity());
+  EXPECT_LT(std::abs(result.pose.translation().z()), 0.008);
+}
+
 TEST(CloudIcpTest, ADirectionWithoutSurfacesKeepsTheGuess) {
   Points points;
   Random random(3);
@@ -258,7 +314,7 @@ TEST(CloudIcpTest, ADirectionWithoutSurfacesKeepsTheGuess) {
                         static_cast<float>(random.uniform(-20.0, 20.0)), -1.7F);
   }
   SurfaceMap map(0.5);
-  map.add(voxelize(points, {}, 0.5));
+  map.add(voxelize(points, {}, 0.5), Eigen::Vector3d::Zero());
   Eigen::Isometry3d guess = Eigen::Isometry3d::Identity();
   guess.translation() << 0.3, 0.2, 0.1;
   const CloudIcpResult result =
