@@ -21,6 +21,8 @@ constexpr float kBehindM = 0.5F;
 /// A wall has so many hits in a cell. A beam passes through it if the square of the sine of the
 /// angle between them is larger than this: a small error of the pose explains beams along a wall.
 constexpr float kWallHits = 3.0F, kAcross = 0.15F;
+/// So far to both sides the wall goes on where it is crossed, cells.
+constexpr float kGoesOnCells = 2.0F;
 
 using Squares = std::unordered_set<std::int64_t>;
 
@@ -38,6 +40,13 @@ bool isAcross(const Surfel& wall, const Eigen::Vector2f& along) {
   return isPoint(wall) || along.x() * (wall.a11 * along.x() + 2.0F * wall.a12 * along.y()) +
                                   along.y() * wall.a22 * along.y() >
                               kAcross;
+}
+
+/// The direction of the wall. A surfel without one is taken across the beam.
+Eigen::Vector2f directionOf(const Surfel& wall, const Eigen::Vector2f& along) {
+  if (isPoint(wall)) return {-along.y(), along.x()};
+  const Eigen::Vector2f normal = normalOf(wall);
+  return {-normal.y(), normal.x()};
 }
 
 class Comparison {
@@ -74,9 +83,23 @@ class Comparison {
       const Eigen::Vector2f point = origin + along * at;
       const Surfel* wall = map_.surface().nearest(point);
       if (wall == nullptr || wall->count < kWallHits || !isAcross(*wall, along)) continue;
-      if ((point - wall->mean).squaredNorm() <= cell_m_ * cell_m_)
-        crossed_.insert(squareOf(wall->mean));
+      if (isNear(*wall, point) && goesOn(*wall, along)) crossed_.insert(squareOf(wall->mean));
     }
+  }
+
+  bool isNear(const Surfel& wall, const Eigen::Vector2f& point) const {
+    return (point - wall.mean).squaredNorm() <= cell_m_ * cell_m_;
+  }
+
+  /// Whether there is wall on both sides of the beam. A beam may pass the end of a wall, the jamb
+  /// of a door, or the leg of a chair, which it hits with a slightly different pose.
+  bool goesOn(const Surfel& wall, const Eigen::Vector2f& along) const {
+    const Eigen::Vector2f step = kGoesOnCells * cell_m_ * directionOf(wall, along);
+    const auto isWallAt = [&](const Eigen::Vector2f& point) {
+      const Surfel* other = map_.surface().nearest(point);
+      return other != nullptr && isNear(*other, point);
+    };
+    return isWallAt(wall.mean + step) && isWallAt(wall.mean - step);
   }
 
   const Submap& map_;

@@ -58,6 +58,33 @@ TEST(WallAgreement, AnOpenDoorIsAMeterOfWall) {
   EXPECT_LT(walls.contradiction(), 0.1);
 }
 
+/// The legs of chairs stood elsewhere, and all of them are gone. The beams pass where they were.
+TEST(WallAgreement, ThinThingsAreNotCrossed) {
+  const Pose2 pose(-0.5, 0.6, 0.3);
+  std::vector<room::Segment> chairs = room::walls();
+  for (const double x : {-2.0, -1.2, 0.3, 1.1})
+    for (const double y : {-1.5, -0.9, 0.2, 1.7}) loop_world::addBox(chairs, x, y, 0.04, 0.04);
+  Submap map{OccupancyGridConfig()};
+  for (const Pose2& at : {Pose2(0, 0, 0), Pose2(0.5, 0.6, 1), Pose2(-0.6, -0.4, 2)})
+    map.insert(room::scanFrom(at, chairs, 1440), at);
+  const WallAgreement walls = compare(map, room::scanFrom(pose, room::walls(), 1440), pose);
+  EXPECT_LT(walls.crossed, 4U);
+  EXPECT_LT(walls.contradiction(), 0.03);
+}
+
+/// A beam passes beside the end of a wall by less than a cell. A slightly different pose hits it.
+TEST(WallAgreement, TheEndOfAWallIsNotCrossed) {
+  std::vector<room::Segment> longer = room::walls(), shorter = room::walls();
+  longer.push_back({1.0, -2.0, 1.0, 0.08});
+  shorter.push_back({1.0, -2.0, 1.0, 0.0});
+  Submap map{OccupancyGridConfig()};
+  for (const Pose2& at : {Pose2(0, 0, 0), Pose2(0.3, 0.6, 1), Pose2(-0.6, -0.4, 2)})
+    map.insert(room::scanFrom(at, longer, 1440), at);
+  const Pose2 pose(-0.5, 0.05, 0);
+  const WallAgreement walls = compare(map, room::scanFrom(pose, shorter, 1440), pose);
+  EXPECT_EQ(walls.crossed, 0U);
+}
+
 TEST(WallAgreement, UnknownSpaceIsNoContradiction) {
   Submap map{OccupancyGridConfig()};
   PlanarScan half = room::scanFrom(Pose2(-1, 0.5, 0));
