@@ -8,6 +8,7 @@
 
 #include "kestrel_slam/geometry/wilson_bound.h"
 #include "kestrel_slam/matching/unknown_score.h"
+#include "wall_comparison.h"
 
 namespace kestrel {
 namespace {
@@ -51,7 +52,10 @@ Eigen::Vector2f directionOf(const Surfel& wall, const Eigen::Vector2f& along) {
 
 class Comparison {
  public:
-  explicit Comparison(const Submap& map) : map_(map), cell_m_(map.surface().resolution()) {}
+  Comparison(const Submap& map, CrossedWalls crossed)
+      : map_(map),
+        between_ends_(crossed == CrossedWalls::kBetweenEnds),
+        cell_m_(map.surface().resolution()) {}
 
   void add(const Eigen::Vector2f& origin, const Eigen::Vector2f& end) {
     addHit(end);
@@ -83,7 +87,8 @@ class Comparison {
       const Eigen::Vector2f point = origin + along * at;
       const Surfel* wall = map_.surface().nearest(point);
       if (wall == nullptr || wall->count < kWallHits || !isAcross(*wall, along)) continue;
-      if (isNear(*wall, point) && goesOn(*wall, along)) crossed_.insert(squareOf(wall->mean));
+      if (isNear(*wall, point) && (!between_ends_ || goesOn(*wall, along)))
+        crossed_.insert(squareOf(wall->mean));
     }
   }
 
@@ -91,8 +96,7 @@ class Comparison {
     return (point - wall.mean).squaredNorm() <= cell_m_ * cell_m_;
   }
 
-  /// Whether there is wall on both sides of the beam. A beam may pass the end of a wall, the jamb
-  /// of a door, or the leg of a chair, which it hits with a slightly different pose.
+  /// Whether there is wall on both sides of the beam.
   bool goesOn(const Surfel& wall, const Eigen::Vector2f& along) const {
     const Eigen::Vector2f step = kGoesOnCells * cell_m_ * directionOf(wall, along);
     const auto isWallAt = [&](const Eigen::Vector2f& point) {
@@ -103,6 +107,7 @@ class Comparison {
   }
 
   const Submap& map_;
+  bool between_ends_;
   float cell_m_;
   Squares hits_, seen_, crossed_;
   WallAgreement result_;
@@ -144,10 +149,15 @@ double WallAgreement::variance() const { return varianceOf(score(), hits + cross
 
 WallAgreement compareWalls(const Submap& map, const std::vector<ScanInMap>& scans,
                            std::size_t most_beams) {
+  return compareWalls(map, scans, most_beams, CrossedWalls::kAll);
+}
+
+WallAgreement compareWalls(const Submap& map, const std::vector<ScanInMap>& scans,
+                           std::size_t most_beams, CrossedWalls crossed) {
   std::size_t beams = 0, number = 0;
   for (const ScanInMap& placed : scans) beams += placed.scan->rays.size();
   const std::size_t each = std::max<std::size_t>(1, (beams + most_beams - 1) / most_beams);
-  Comparison comparison(map);
+  Comparison comparison(map, crossed);
   for (const ScanInMap& placed : scans) {
     const auto inMap = [&](const Eigen::Vector2f& p) -> Eigen::Vector2f {
       return (placed.map_T_scan * p.cast<double>().eval()).cast<float>();
