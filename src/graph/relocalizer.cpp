@@ -8,6 +8,7 @@
 #include "kestrel_slam/geometry/angles.h"
 #include "kestrel_slam/matching/place_match.h"
 #include "kestrel_slam/matching/thinned.h"
+#include "wall_comparison.h"
 
 namespace kestrel {
 namespace {
@@ -102,7 +103,7 @@ WallAgreement Relocalizer::wallsAt(const Pose2& map_T_base) const {
   std::vector<ScanInMap> scans;
   for (const RelocalizationQuery::Part& part : query_.parts)
     scans.push_back({map_T_base * part.base_T_scan, &part.scan});
-  return compareWalls(map_.map(), scans, kComparedBeams);
+  return compareWalls(map_.map(), scans, kComparedBeams, CrossedWalls::kBetweenEnds);
 }
 
 PlaceHypothesis Relocalizer::hypothesisAt(const Pose2& guess) const {

@@ -8,6 +8,7 @@
 
 #include "kestrel_slam/geometry/wilson_bound.h"
 #include "kestrel_slam/matching/unknown_score.h"
+#include "wall_comparison.h"
 
 namespace kestrel {
 namespace {
@@ -21,6 +22,8 @@ constexpr float kBehindM = 0.5F;
 /// A wall has so many hits in a cell. A beam passes through it if the square of the sine of the
 /// angle between them is larger than this: a small error of the pose explains beams along a wall.
 constexpr float kWallHits = 3.0F, kAcross = 0.15F;
+/// So far to both sides the wall goes on where it is crossed, cells.
+constexpr float kGoesOnCells = 2.0F;
 
 using Squares = std::unordered_set<std::int64_t>;
 
@@ -40,9 +43,19 @@ bool isAcross(const Surfel& wall, const Eigen::Vector2f& along) {
                               kAcross;
 }
 
+/// The direction of the wall. A surfel without one is taken across the beam.
+Eigen::Vector2f directionOf(const Surfel& wall, const Eigen::Vector2f& along) {
+  if (isPoint(wall)) return {-along.y(), along.x()};
+  const Eigen::Vector2f normal = normalOf(wall);
+  return {-normal.y(), normal.x()};
+}
+
 class Comparison {
  public:
-  explicit Comparison(const Submap& map) : map_(map), cell_m_(map.surface().resolution()) {}
+  Comparison(const Submap& map, CrossedWalls crossed)
+      : map_(map),
+        between_ends_(crossed == CrossedWalls::kBetweenEnds),
+        cell_m_(map.surface().resolution()) {}
 
   void add(const Eigen::Vector2f& origin, const Eigen::Vector2f& end) {
     addHit(end);
@@ -74,12 +87,27 @@ class Comparison {
       const Eigen::Vector2f point = origin + along * at;
       const Surfel* wall = map_.surface().nearest(point);
       if (wall == nullptr || wall->count < kWallHits || !isAcross(*wall, along)) continue;
-      if ((point - wall->mean).squaredNorm() <= cell_m_ * cell_m_)
+      if (isNear(*wall, point) && (!between_ends_ || goesOn(*wall, along)))
         crossed_.insert(squareOf(wall->mean));
     }
   }
 
+  bool isNear(const Surfel& wall, const Eigen::Vector2f& point) const {
+    return (point - wall.mean).squaredNorm() <= cell_m_ * cell_m_;
+  }
+
+  /// Whether there is wall on both sides of the beam.
+  bool goesOn(const Surfel& wall, const Eigen::Vector2f& along) const {
+    const Eigen::Vector2f step = kGoesOnCells * cell_m_ * directionOf(wall, along);
+    const auto isWallAt = [&](const Eigen::Vector2f& point) {
+      const Surfel* other = map_.surface().nearest(point);
+      return other != nullptr && isNear(*other, point);
+    };
+    return isWallAt(wall.mean + step) && isWallAt(wall.mean - step);
+  }
+
   const Submap& map_;
+  bool between_ends_;
   float cell_m_;
   Squares hits_, seen_, crossed_;
   WallAgreement result_;
@@ -121,10 +149,15 @@ double WallAgreement::variance() const { return varianceOf(score(), hits + cross
 
 WallAgreement compareWalls(const Submap& map, const std::vector<ScanInMap>& scans,
                            std::size_t most_beams) {
+  return compareWalls(map, scans, most_beams, CrossedWalls::kAll);
+}
+
+WallAgreement compareWalls(const Submap& map, const std::vector<ScanInMap>& scans,
+                           std::size_t most_beams, CrossedWalls crossed) {
   std::size_t beams = 0, number = 0;
   for (const ScanInMap& placed : scans) beams += placed.scan->rays.size();
   const std::size_t each = std::max<std::size_t>(1, (beams + most_beams - 1) / most_beams);
-  Comparison comparison(map);
+  Comparison comparison(map, crossed);
   for (const ScanInMap& placed : scans) {
     const auto inMap = [&](const Eigen::Vector2f& p) -> Eigen::Vector2f {
       return (placed.map_T_scan * p.cast<double>().eval()).cast<float>();

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "../../src/graph/wall_comparison.h"
 #include "loop_world.h"
 
 namespace kestrel {
@@ -14,6 +15,10 @@ constexpr std::size_t kAllBeams = 100000;
 
 WallAgreement compare(const Submap& map, const PlanarScan& scan, const Pose2& pose) {
   return compareWalls(map, {{pose, &scan}}, kAllBeams);
+}
+
+WallAgreement compareBetweenEnds(const Submap& map, const PlanarScan& scan, const Pose2& pose) {
+  return compareWalls(map, {{pose, &scan}}, kAllBeams, CrossedWalls::kBetweenEnds);
 }
 
 /// A wall of 3 m in front of the right wall of the room, with a door in the middle or without.
@@ -56,6 +61,38 @@ TEST(WallAgreement, AnOpenDoorIsAMeterOfWall) {
   const WallAgreement walls = compare(mapWithWall(false), room::scanFrom(pose, open), pose);
   EXPECT_NEAR(0.1 * static_cast<double>(walls.crossed), 1.0, 0.3);
   EXPECT_LT(walls.contradiction(), 0.1);
+  const WallAgreement inner =
+      compareBetweenEnds(mapWithWall(false), room::scanFrom(pose, open), pose);
+  EXPECT_NEAR(0.1 * static_cast<double>(inner.crossed), 1.0, 0.3);
+}
+
+/// The legs of chairs stood elsewhere, and all of them are gone. The beams pass where they were.
+TEST(WallAgreement, ThinThingsAreNotCrossed) {
+  const Pose2 pose(-0.5, 0.6, 0.3);
+  std::vector<room::Segment> chairs = room::walls();
+  for (const double x : {-2.0, -1.2, 0.3, 1.1})
+    for (const double y : {-1.5, -0.9, 0.2, 1.7}) loop_world::addBox(chairs, x, y, 0.04, 0.04);
+  Submap map{OccupancyGridConfig()};
+  for (const Pose2& at : {Pose2(0, 0, 0), Pose2(0.5, 0.6, 1), Pose2(-0.6, -0.4, 2)})
+    map.insert(room::scanFrom(at, chairs, 1440), at);
+  const PlanarScan scan = room::scanFrom(pose, room::walls(), 1440);
+  const WallAgreement walls = compareBetweenEnds(map, scan, pose);
+  EXPECT_LT(walls.crossed, 4U);
+  EXPECT_LT(walls.contradiction(), 0.03);
+}
+
+/// A beam passes beside the end of a wall by less than a cell. A slightly different pose hits it.
+TEST(WallAgreement, TheEndOfAWallIsNotCrossed) {
+  std::vector<room::Segment> longer = room::walls(), shorter = room::walls();
+  longer.push_back({1.0, -2.0, 1.0, 0.08});
+  shorter.push_back({1.0, -2.0, 1.0, 0.0});
+  Submap map{OccupancyGridConfig()};
+  for (const Pose2& at : {Pose2(0, 0, 0), Pose2(0.3, 0.6, 1), Pose2(-0.6, -0.4, 2)})
+    map.insert(room::scanFrom(at, longer, 1440), at);
+  const Pose2 pose(-0.5, 0.05, 0);
+  const PlanarScan scan = room::scanFrom(pose, shorter, 1440);
+  EXPECT_EQ(compareBetweenEnds(map, scan, pose).crossed, 0U);
+  EXPECT_GT(compare(map, scan, pose).crossed, 0U);
 }
 
 TEST(WallAgreement, UnknownSpaceIsNoContradiction) {
