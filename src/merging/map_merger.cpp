@@ -206,17 +206,20 @@ void MapMerger::explain(const JointMap& joint, const Pair& pair, Decision& decis
 }
 
 /// Number of places, far apart from each other, where the queries of the loops are in the map of
-/// the first vehicle of the pair.
+/// the first vehicle of the pair. A vehicle that stayed within this distance was at one place only,
+/// wherever the other one has seen the same.
 std::size_t MapMerger::placesOf(const JointMap& joint, const Pair& pair,
                                 const std::vector<Loop>& loops) const {
   std::vector<Eigen::Vector2d> points;
   for (const Loop& loop : loops) {
     const bool is_own = joint.parts()[pair.a].contains(loop.query);
-    const Pose2 query = is_own ? joint.poseOf(loop.query)
-                               : joint.poseOf(loop.anchor) * loop.anchor_T_query.mean;
+    const Pose2 query =
+        is_own ? joint.poseOf(loop.query) : joint.poseOf(loop.anchor) * loop.anchor_T_query.mean;
     points.push_back(query.translation());
   }
-  return countFarPlaces(points, config_.place_m);
+  const std::size_t places = countFarPlaces(points, config_.place_m);
+  const double way = std::min(joint.extentOf(pair.a), joint.extentOf(pair.b));
+  return way < config_.place_m ? std::min<std::size_t>(places, 1) : places;
 }
 
 /// Joins the two maps for a trial and compares all that both vehicles have seen.
