@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "far_places.h"
 #include "joint_solution.h"
 #include "kestrel_slam/merging/wall_comparison.h"
 
@@ -190,7 +191,7 @@ void MapMerger::explain(const JointMap& joint, const Pair& pair, Decision& decis
   result.found = loops.size();
   result.first = found.first.size();
   result.second = found.second.size();
-  result.places = placesOf(joint, decision.loops);
+  result.places = placesOf(joint, pair, decision.loops);
   if (loops.empty()) {
     result.reason = "no place of one map was found in the other";
   } else if (result.first < config_.min_loops) {
@@ -204,19 +205,21 @@ void MapMerger::explain(const JointMap& joint, const Pair& pair, Decision& decis
   }
 }
 
-/// Number of places, far apart from each other, where the loops were found.
-std::size_t MapMerger::placesOf(const JointMap& joint, const std::vector<Loop>& loops) const {
-  std::vector<Eigen::Vector2d> places;
+/// Number of places, far apart from each other, where the queries of the loops are in the map of
+/// the first vehicle of the pair. A vehicle that stayed within this distance was at one place only,
+/// wherever the other one has seen the same.
+std::size_t MapMerger::placesOf(const JointMap& joint, const Pair& pair,
+                                const std::vector<Loop>& loops) const {
+  std::vector<Eigen::Vector2d> points;
   for (const Loop& loop : loops) {
-    // In the map of the first vehicle of the pair.
-    const std::size_t keyframe = std::min(loop.query, loop.anchor);
-    const Eigen::Vector2d at = joint.poseOf(keyframe).translation();
-    const bool is_far = std::all_of(places.begin(), places.end(), [&](const Eigen::Vector2d& p) {
-      return (p - at).norm() >= config_.place_m;
-    });
-    if (is_far) places.push_back(at);
+    const bool is_own = joint.parts()[pair.a].contains(loop.query);
+    const Pose2 query =
+        is_own ? joint.poseOf(loop.query) : joint.poseOf(loop.anchor) * loop.anchor_T_query.mean;
+    points.push_back(query.translation());
   }
-  return places.size();
+  const std::size_t places = countFarPlaces(points, config_.place_m);
+  const double way = std::min(joint.extentOf(pair.a), joint.extentOf(pair.b));
+  return way < config_.place_m ? std::min<std::size_t>(places, 1) : places;
 }
 
 /// Joins the two maps for a trial and compares all that both vehicles have seen.

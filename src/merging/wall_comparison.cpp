@@ -166,13 +166,30 @@ bool explains(const ComparedMap& other, const Cell& near, double distance_m,
          (distance_m > kSameWallM && !other.isPassed(near));
 }
 
-/// Which of the cells have a wall of `other` so near, across a direction.
+/// Whether the other vehicle saw free space on both sides of a wall, farther away than the maps may
+/// be wrong. If not, the wall bounds what it saw: its beams passed along the wall, or ended there.
+/// Behind the ends of an opening, what stands beside it hides the free space.
+bool isCrossed(const OccupancyGrid& other, const Eigen::Vector2d& at,
+               const Eigen::Vector2d& across) {
+  const Eigen::Vector2d along(across.y(), -across.x());
+  const auto isFree = [&](const Eigen::Vector2d& side) {
+    for (double step = -kSameWallM; step <= kSameWallM; step += 0.5 * kCellM) {
+      const Eigen::Vector2d point = side + step * along;
+      if (other.probability(other.cellAt(point.cast<float>())) <= kSure.free) return true;
+    }
+    return false;
+  };
+  return isFree(at + kSameWallM * across) && isFree(at - kSameWallM * across);
+}
+
+/// Which of the cells have a wall of `other` so near, across a direction, or are not crossed in it.
 std::vector<WallCell> comparedWith(const ComparedMap& other,
                                    const std::vector<DifferingCell>& cells,
                                    const Eigen::Vector2d& across, double distance_m) {
   std::vector<WallCell> result;
   for (const DifferingCell& cell : cells) {
-    bool explained = false;
+    bool explained =
+        cell.heights != HeightVerdict::kContradicted && !isCrossed(other.grid(), cell.at, across);
     for (double at = -distance_m; at <= distance_m && !explained; at += 0.5 * kCellM) {
       const Cell near = other.grid().cellAt((cell.at + at * across).cast<float>());
       explained = explains(other, near, std::abs(at), cell);

@@ -133,7 +133,8 @@ class MapMerger {
   std::vector<LoopQuery> chosen(const std::vector<LoopQuery>& queries) const;
   Decision decide(JointMap& joint, const Pair& pair);
   void explain(const JointMap& joint, const Pair& pair, Decision& decision) const;
-  std::size_t placesOf(const JointMap& joint, const std::vector<Loop>& loops) const;
+  std::size_t placesOf(const JointMap& joint, const Pair& pair,
+                       const std::vector<Loop>& loops) const;
   void compare(JointMap& joint, const Pair& pair, Decision& decision);
   void compareOther(JointMap& joint, const Pair& pair, Decision& decision);
   void joinAsGiven(JointMap& joint, const Pair& pair, Decision& decision);
