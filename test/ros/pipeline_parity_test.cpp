@@ -28,6 +28,7 @@
 #include "kestrel_slam/ros/projector/scan_projector_node.h"
 #include "kestrel_slam/simulation/flight_plan.h"
 #include "kestrel_slam/simulation/flight_simulator.h"
+#include "patience.h"
 #include "temporary_folder.h"
 
 namespace kestrel {

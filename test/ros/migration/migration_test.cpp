@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "kestrel_slam/map/map_io.h"
+#include "patience.h"
 #include "room.h"
 #include "run_command.h"
 #include "temporary_folder.h"

@@ -14,6 +14,7 @@
 #include "kestrel_slam/JoinVehicle.h"
 #include "kestrel_slam/geometry/angles.h"
 #include "mapper_client.h"
+#include "patience.h"
 #include "temporary_folder.h"
 
 namespace kestrel {

@@ -10,12 +10,14 @@
 #include <string>
 #include <vector>
 
+#include "patience.h"
+
 namespace {
 
 using Edges = std::set<std::string>;
 
 bool waitFor(const std::function<bool()>& done) {
-  Patience patience;
+  kestrel::Patience patience;
   while (ros::ok() && !done() && !patience.isOver()) {
     ros::spinOnce();
     ros::WallDuration(0.01).sleep();

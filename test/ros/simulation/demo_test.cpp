@@ -8,6 +8,8 @@
 #include <cmath>
 #include <map>
 
+#include "patience.h"
+
 namespace {
 
 /// demo.launch without rviz: the map grows, and the pose follows the truth.
@@ -28,7 +30,7 @@ TEST(Demo, TheSimulatedQuadrotorIsMapped) {
                                                   [&](const nav_msgs::Odometry::ConstPtr& message) {
                                                     truth[message->header.stamp] = *message;
                                                   });
-  Patience patience;
+  kestrel::Patience patience;
   while (!patience.isOver() && (poses < 300 || map.data.empty())) {
     ros::spinOnce();
     ros::WallDuration(0.01).sleep();

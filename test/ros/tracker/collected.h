@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "patience.h"
+
 namespace kestrel {
 
 /// All messages of a topic.
